@@ -1,0 +1,24 @@
+//! A failure that all ranks know of.
+
+/// What went wrong on some rank, known to all of them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// The lowest rank that failed.
+    pub rank: usize,
+    /// How many ranks there are.
+    pub ranks: usize,
+    /// That rank's message.
+    pub message: String,
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.ranks > 1 && self.rank > 0 {
+            write!(f, "{} (on rank {} of {})", self.message, self.rank, self.ranks)
+        } else {
+            f.write_str(&self.message)
+        }
+    }
+}
+
+impl std::error::Error for Failure {}

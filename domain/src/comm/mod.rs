@@ -1,0 +1,233 @@
+//! The ranks. Nothing outside this folder knows what a rank is made of: a lone process, a thread of a test, or a
+//! process under `mpirun`.
+
+mod failure;
+mod threads;
+
+#[cfg(feature = "mpi")]
+#[path = "processes.rs"]
+mod processes;
+#[cfg(not(feature = "mpi"))]
+#[path = "no_processes.rs"]
+mod processes;
+
+use bytemuck::Pod;
+pub use failure::Failure;
+
+/// Why the ranks could not be reached.
+#[derive(Debug, thiserror::Error)]
+pub enum CommError {
+    /// The launcher started several processes, the program was built for one.
+    #[error(
+        "a launcher started {found} processes, but this program was built without MPI and every one of them would \
+         run the whole scene; build with `cargo build --release --features mpi` or run without mpirun"
+    )]
+    BuiltWithout {
+        /// Processes that the launcher announced.
+        found: usize,
+    },
+    /// The launcher and the library are of different makes.
+    #[error(
+        "the launcher started {launched} processes, but the MPI library sees {seen}: the program was built for \
+         another MPI than the one that runs it; build it again with this machine's mpicc first in PATH"
+    )]
+    WrongLauncher {
+        /// Processes that the launcher announced.
+        launched: usize,
+        /// Processes that the library found.
+        seen: usize,
+    },
+    /// The library grants less than it needs to run beside worker threads.
+    #[error("the MPI library refuses to run beside threads (it needs the level MPI_THREAD_FUNNELED)")]
+    NoThreads,
+}
+
+/// A group of ranks that work together; every call of it is collective: all ranks of the group make the same calls in
+/// the same order. Sums run in rank order, so that results do not depend on timing.
+#[derive(Clone)]
+pub struct Comm(Backend);
+
+#[derive(Clone)]
+enum Backend {
+    Alone,
+    Threads(threads::Rank),
+    Processes(processes::Rank),
+}
+
+impl Comm {
+    /// One rank on its own: every exchange is a copy.
+    pub fn alone() -> Self {
+        Self(Backend::Alone)
+    }
+
+    /// All the processes that a launcher such as `mpirun` started, or one rank alone without a launcher.
+    pub fn world() -> Result<Self, CommError> {
+        match launched() {
+            None => Ok(Self::alone()),
+            Some(ranks) => processes::Rank::world(ranks).map(|rank| Self(Backend::Processes(rank))),
+        }
+    }
+
+    /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns what each returned in
+    /// rank order. A panic on one rank is a panic of the call.
+    pub fn threads<R: Send>(ranks: usize, body: impl Fn(Self) -> R + Sync) -> Vec<R> {
+        threads::run(ranks, |rank| body(Self(Backend::Threads(rank))))
+    }
+
+    /// This rank's number, from 0.
+    pub fn rank(&self) -> usize {
+        match &self.0 {
+            Backend::Alone => 0,
+            Backend::Threads(rank) => rank.rank(),
+            Backend::Processes(rank) => rank.rank(),
+        }
+    }
+
+    /// The number of ranks.
+    pub fn size(&self) -> usize {
+        match &self.0 {
+            Backend::Alone => 1,
+            Backend::Threads(rank) => rank.size(),
+            Backend::Processes(rank) => rank.size(),
+        }
+    }
+
+    /// Whether this is the rank that speaks to the user and writes files.
+    pub fn is_first(&self) -> bool {
+        self.rank() == 0
+    }
+
+    /// The ranks that named the same `colour`, in their present order.
+    #[must_use]
+    #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
+    pub fn split(&self, colour: usize) -> Self {
+        match &self.0 {
+            Backend::Alone => Self(Backend::Alone),
+            Backend::Threads(rank) => Self(Backend::Threads(rank.split(colour))),
+            Backend::Processes(rank) => Self(Backend::Processes(rank.split(colour))),
+        }
+    }
+
+    /// Waits for all ranks.
+    pub fn barrier(&self) {
+        match &self.0 {
+            Backend::Alone => {}
+            Backend::Threads(rank) => rank.barrier(),
+            Backend::Processes(rank) => rank.barrier(),
+        }
+    }
+
+    /// Sends to rank `r` the next `send_counts[r]` values of `send`, and fills `receive` with what the ranks sent here,
+    /// `receive_counts[r]` from rank `r`, in rank order.
+    pub fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
+        assert_eq!(send.0.len(), send.1.iter().sum::<usize>(), "send counts cover the values to send");
+        assert_eq!(receive.0.len(), receive.1.iter().sum::<usize>(), "receive counts cover the room to receive");
+        match &self.0 {
+            Backend::Alone => receive.0.copy_from_slice(send.0),
+            Backend::Threads(rank) => rank.all_to_all(send, receive),
+            Backend::Processes(rank) => rank.all_to_all(send, receive),
+        }
+    }
+
+    /// Sends one list to each rank and returns the list that each rank sent here.
+    pub fn exchange<T: Pod>(&self, send: &[Vec<T>]) -> Vec<Vec<T>> {
+        let counts: Vec<usize> = send.iter().map(Vec::len).collect();
+        let mut incoming = vec![0_usize; counts.len()];
+        let ones = vec![1; counts.len()];
+        self.all_to_all((&counts, &ones), (&mut incoming, &ones));
+        let mut flat = vec![T::zeroed(); incoming.iter().sum()];
+        self.all_to_all((&send.concat(), &counts), (&mut flat, &incoming));
+        let mut rest = flat.as_slice();
+        let mut lists = Vec::with_capacity(incoming.len());
+        for count in incoming {
+            let (list, tail) = rest.split_at(count);
+            lists.push(list.to_vec());
+            rest = tail;
+        }
+        lists
+    }
+
+    /// The values of all ranks, joined in rank order, on every rank. Ranks may bring different numbers of values.
+    pub fn all_gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
+        self.exchange(&vec![values.to_vec(); self.size()]).concat()
+    }
+
+    /// The values of all ranks, joined in rank order, on the first rank; nothing on the others.
+    pub fn gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
+        let mut send = vec![Vec::new(); self.size()];
+        send[0] = values.to_vec();
+        self.exchange(&send).concat()
+    }
+
+    /// Copies the first rank's values to every rank.
+    pub fn broadcast<T: Pod>(&self, values: &mut Vec<T>) {
+        let send = if self.is_first() { vec![values.clone(); self.size()] } else { vec![Vec::new(); self.size()] };
+        *values = self.exchange(&send).swap_remove(0);
+    }
+
+    /// Copies the first rank's text to every rank.
+    pub fn broadcast_text(&self, text: &str) -> String {
+        let mut bytes = text.as_bytes().to_vec();
+        self.broadcast(&mut bytes);
+        String::from_utf8(bytes).expect("the first rank sent text")
+    }
+
+    /// Replaces each value by its sum over the ranks, added in rank order.
+    pub fn sum(&self, values: &mut [f64]) {
+        self.combine(values, |a, b| a + b);
+    }
+
+    /// Replaces each value by its maximum over the ranks.
+    pub fn max(&self, values: &mut [f64]) {
+        self.combine(values, f64::max);
+    }
+
+    /// Replaces each value by its minimum over the ranks.
+    pub fn min(&self, values: &mut [f64]) {
+        self.combine(values, f64::min);
+    }
+
+    fn combine(&self, values: &mut [f64], operation: impl Fn(f64, f64) -> f64) {
+        if self.size() == 1 || values.is_empty() {
+            return;
+        }
+        let width = values.len();
+        let all = self.all_gather(values);
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = all[i];
+            for other in all[i..].iter().step_by(width).skip(1) {
+                *value = operation(*value, *other);
+            }
+        }
+    }
+
+    /// Whether any rank says yes.
+    pub fn any(&self, yes: bool) -> bool {
+        let mut value = [f64::from(u8::from(yes))];
+        self.max(&mut value);
+        value[0] > 0.0
+    }
+
+    /// Makes a failure everybody's: `Ok` on every rank, or on none. The message is that of the lowest rank that failed.
+    pub fn agree<T, E: std::fmt::Display>(&self, result: Result<T, E>) -> Result<T, Failure> {
+        let (value, message) = match result {
+            Ok(value) => (Some(value), String::new()),
+            Err(error) => (None, error.to_string()),
+        };
+        if !self.any(value.is_none()) {
+            return Ok(value.expect("no rank failed"));
+        }
+        let messages = self.exchange(&vec![message.into_bytes(); self.size()]);
+        let rank = messages.iter().position(|m| !m.is_empty()).unwrap_or(0);
+        let message = String::from_utf8_lossy(&messages[rank]).into_owned();
+        Err(Failure { rank, ranks: self.size(), message })
+    }
+}
+
+/// How many processes the launcher of this one says that it started.
+fn launched() -> Option<usize> {
+    ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE"].iter().find_map(|name| std::env::var(name).ok()?.parse().ok())
+}
+
+#[cfg(test)]
+mod tests;

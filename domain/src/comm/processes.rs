@@ -1,0 +1,96 @@
+//! Ranks that are processes under a launcher such as `mpirun`: the one place that speaks MPI.
+
+use super::CommError;
+use bytemuck::Pod;
+use mpi::Threading;
+use mpi::datatype::{Equivalence, Partition, PartitionMut};
+use mpi::environment::Universe;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{Communicator, CommunicatorCollectives};
+use std::rc::Rc;
+
+/// One process's place in a group of processes. The library shuts down when the last of them goes.
+#[derive(Clone)]
+pub(super) struct Rank {
+    communicator: Rc<SimpleCommunicator>,
+    universe: Rc<Universe>,
+}
+
+impl Rank {
+    pub(super) fn world(launched: usize) -> Result<Self, CommError> {
+        let (universe, granted) =
+            mpi::initialize_with_threading(Threading::Funneled).expect("the ranks are asked for once");
+        if granted < Threading::Funneled {
+            return Err(CommError::NoThreads);
+        }
+        let world = universe.world();
+        if world.size() as usize != launched {
+            return Err(CommError::WrongLauncher { launched, seen: world.size() as usize });
+        }
+        abort_all_on_panic(world.rank());
+        Ok(Self { communicator: Rc::new(world), universe: Rc::new(universe) })
+    }
+
+    pub(super) fn rank(&self) -> usize {
+        self.communicator.rank() as usize
+    }
+
+    pub(super) fn size(&self) -> usize {
+        self.communicator.size() as usize
+    }
+
+    pub(super) fn split(&self, colour: usize) -> Self {
+        let colour = mpi::topology::Color::with_value(colour as i32);
+        let communicator = self.communicator.split_by_color(colour).expect("every rank has a colour");
+        Self { communicator: Rc::new(communicator), universe: self.universe.clone() }
+    }
+
+    pub(super) fn barrier(&self) {
+        self.communicator.barrier();
+    }
+
+    pub(super) fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
+        // Words as wide as the type's alignment keep the counts, which MPI holds in 32 bits, small.
+        match align_of::<T>() {
+            8 => self.all_to_all_words::<T, u64>(send, receive),
+            4 => self.all_to_all_words::<T, u32>(send, receive),
+            _ => self.all_to_all_words::<T, u8>(send, receive),
+        }
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "the receiving slice is written to")]
+    fn all_to_all_words<T: Pod, W: Pod + Equivalence>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
+        let words = size_of::<T>() / size_of::<W>();
+        let (send_counts, send_starts) = counts_and_starts(send.1, words);
+        let (receive_counts, receive_starts) = counts_and_starts(receive.1, words);
+        // Rust puts an empty list of bytes at address 1, which Open MPI takes for its mark MPI_IN_PLACE.
+        let (nothing, mut no_room) = ([W::zeroed()], [W::zeroed()]);
+        let from: &[W] = if send.0.is_empty() { &nothing } else { bytemuck::cast_slice(send.0) };
+        let into: &mut [W] = if receive.0.is_empty() { &mut no_room } else { bytemuck::cast_slice_mut(receive.0) };
+        let from = Partition::new(from, send_counts, send_starts);
+        let mut into = PartitionMut::new(into, receive_counts, receive_starts);
+        self.communicator.all_to_all_varcount_into(&from, &mut into);
+    }
+}
+
+/// MPI's counts and displacements of consecutive blocks.
+fn counts_and_starts(counts: &[usize], words: usize) -> (Vec<i32>, Vec<i32>) {
+    let mut start = 0;
+    let mut starts = Vec::with_capacity(counts.len());
+    let in_32_bits = |n: usize| i32::try_from(n).expect("a message of fewer than 2^31 words; use more ranks");
+    for count in counts {
+        starts.push(in_32_bits(start));
+        start += count * words;
+    }
+    (counts.iter().map(|&n| in_32_bits(n * words)).collect(), starts)
+}
+
+/// The other ranks would wait for ever for one that panicked.
+fn abort_all_on_panic(rank: i32) {
+    let print = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        eprintln!("rank {rank} met a fault of the program itself and ends the run on all ranks; please report:");
+        print(info);
+        SimpleCommunicator::world().abort(101);
+    }));
+}

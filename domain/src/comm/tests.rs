@@ -1,0 +1,98 @@
+use super::Comm;
+
+const RANKS: [usize; 5] = [1, 2, 3, 4, 7];
+
+#[test]
+fn all_to_all_is_a_transposition() {
+    for ranks in RANKS {
+        let tables = Comm::threads(ranks, |comm| {
+            let send: Vec<u64> = (0..ranks as u64).map(|to| 100 * comm.rank() as u64 + to).collect();
+            let mut receive = vec![0; ranks];
+            let ones = vec![1; ranks];
+            comm.all_to_all((&send, &ones), (&mut receive, &ones));
+            receive
+        });
+        for (to, row) in tables.iter().enumerate() {
+            let expected: Vec<u64> = (0..ranks).map(|from| (100 * from + to) as u64).collect();
+            assert_eq!(*row, expected);
+        }
+    }
+}
+
+#[test]
+fn lists_of_unequal_length_arrive_whole() {
+    for ranks in RANKS {
+        Comm::threads(ranks, |comm| {
+            let me = comm.rank();
+            let lists: Vec<Vec<f64>> = (0..ranks).map(|to| vec![(me * 10 + to) as f64; me + 2 * to]).collect();
+            for (from, list) in comm.exchange(&lists).into_iter().enumerate() {
+                assert_eq!(list, vec![(from * 10 + me) as f64; from + 2 * me]);
+            }
+        });
+    }
+}
+
+#[test]
+fn sums_are_the_same_bits_everywhere() {
+    for ranks in RANKS {
+        let sums = Comm::threads(ranks, |comm| {
+            let mut values = [0.1 * (comm.rank() + 1) as f64, 1.0];
+            comm.sum(&mut values);
+            values
+        });
+        let by_hand = (1..=ranks).map(|r| 0.1 * r as f64).reduce(|a, b| a + b).unwrap();
+        assert!(sums.iter().all(|s| s[0].to_bits() == by_hand.to_bits() && s[1] as usize == ranks));
+    }
+}
+
+#[test]
+fn a_split_keeps_the_order_and_the_groups_apart() {
+    Comm::threads(7, |comm| {
+        let part = comm.split(comm.rank() % 3);
+        let mut count = [1.0];
+        part.sum(&mut count);
+        assert_eq!(part.rank(), comm.rank() / 3);
+        assert_eq!(count[0] as usize, part.size());
+        let members = part.all_gather(&[comm.rank() as u64]);
+        assert!(members.iter().all(|&m| m as usize % 3 == comm.rank() % 3));
+        assert!(members.is_sorted());
+    });
+}
+
+#[test]
+fn broadcast_and_gather_go_through_the_first_rank() {
+    for ranks in RANKS {
+        Comm::threads(ranks, |comm| {
+            let text = if comm.is_first() { "a scene" } else { "" };
+            assert_eq!(comm.broadcast_text(text), "a scene");
+            let gathered = comm.gather(&vec![comm.rank() as u64; comm.rank() + 1]);
+            let expected: Vec<u64> = (0..ranks as u64).flat_map(|r| vec![r; r as usize + 1]).collect();
+            assert_eq!(gathered, if comm.is_first() { expected } else { Vec::new() });
+        });
+    }
+}
+
+#[test]
+fn a_failure_on_one_rank_is_everybodys() {
+    for ranks in RANKS {
+        let last = ranks - 1;
+        let results = Comm::threads(ranks, |comm| {
+            let fine: Result<u32, String> = comm.agree(Ok::<_, String>(1)).map_err(|f| f.to_string());
+            assert_eq!(fine, Ok(1));
+            comm.agree(if comm.rank() == last { Err("disk full") } else { Ok(()) })
+        });
+        for result in results {
+            let failure = result.expect_err("one rank failed");
+            assert_eq!((failure.rank, failure.message.as_str()), (last, "disk full"));
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "a rank panicked")]
+fn a_panic_does_not_hang_the_others() {
+    Comm::threads(3, |comm| {
+        assert!(comm.rank() != 1, "this rank gives up");
+        comm.barrier();
+    });
+}

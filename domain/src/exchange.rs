@@ -1,0 +1,139 @@
+//! Copies of particles that other ranks need, and the way back of what those ranks add to them.
+
+use crate::{Partition, PeriodicBox, Vector};
+use bytemuck::Pod;
+use std::ops::AddAssign;
+
+/// How far a particle reaches beyond its own pencil, as lengths along y and along z.
+pub type Reach = [f64; 2];
+
+/// Who sends which of its particles to whom. A rank's list of values, one a particle that it owns, is extended by the
+/// values of its images, the particles of other ranks that reach into its pencil; and what it has added up for images
+/// is collected by their owners. On one rank both are nothing at all.
+pub struct Exchange {
+    comm: crate::Comm,
+    owned: usize,
+    leaving: Vec<Vec<u32>>,
+    arriving: Vec<usize>,
+}
+
+impl Exchange {
+    /// Plans the exchange for the particles at `positions`, inside the box, that each rank owns.
+    pub fn plan(partition: &Partition, cell: &PeriodicBox, positions: &[Vector], reach: Reach) -> Self {
+        let comm = partition.comm().clone();
+        let mut leaving = vec![Vec::new(); comm.size()];
+        if comm.size() > 1 {
+            let pencils: Vec<_> = (0..comm.size()).map(|rank| Pencil::of(partition, cell, rank)).collect();
+            for (rank, pencil) in pencils.iter().enumerate().filter(|(rank, _)| *rank != comm.rank()) {
+                let near = |(_, position): &(usize, &Vector)| pencil.is_within(reach, **position);
+                leaving[rank] = positions.iter().enumerate().filter(near).map(|(i, _)| i as u32).collect();
+            }
+        }
+        let counts: Vec<Vec<usize>> = leaving.iter().map(|list| vec![list.len()]).collect();
+        let arriving = comm.exchange(&counts).concat();
+        Self { comm, owned: positions.len(), leaving, arriving }
+    }
+
+    /// Particles that this rank owns.
+    pub fn owned(&self) -> usize {
+        self.owned
+    }
+
+    /// Owned particles and images together.
+    pub fn present(&self) -> usize {
+        self.owned + self.arriving.iter().sum::<usize>()
+    }
+
+    /// Appends the images' values to those of the owned particles.
+    pub fn extend<T: Pod>(&self, values: &mut Vec<T>) {
+        assert_eq!(values.len(), self.owned, "one value a particle owned");
+        if self.comm.size() == 1 {
+            return;
+        }
+        let pick = |list: &Vec<u32>| list.iter().map(|&i| values[i as usize]).collect();
+        let send: Vec<Vec<T>> = self.leaving.iter().map(pick).collect();
+        let counts: Vec<usize> = send.iter().map(Vec::len).collect();
+        values.resize(self.present(), T::zeroed());
+        self.comm.all_to_all((&send.concat(), &counts), (&mut values[self.owned..], &self.arriving));
+    }
+
+    /// Adds the images' values to those of the particles that they are images of, in rank order, and drops the images.
+    pub fn collect<T: Pod + AddAssign>(&self, values: &mut Vec<T>) {
+        assert_eq!(values.len(), self.present(), "one value a particle present");
+        if self.comm.size() == 1 {
+            return;
+        }
+        let counts: Vec<usize> = self.leaving.iter().map(Vec::len).collect();
+        let mut returned = vec![T::zeroed(); counts.iter().sum()];
+        self.comm.all_to_all((&values[self.owned..], &self.arriving), (&mut returned, &counts));
+        values.truncate(self.owned);
+        for (&i, value) in self.leaving.iter().flatten().zip(returned) {
+            values[i as usize] += value;
+        }
+    }
+}
+
+/// The share of a rank as intervals along y and z, with the periods.
+struct Pencil([Option<[f64; 2]>; 2], [f64; 2]);
+
+impl Pencil {
+    fn of(partition: &Partition, cell: &PeriodicBox, rank: usize) -> Self {
+        let lengths = [cell.edges().y, cell.edges().z];
+        let owned = partition.owned_by(rank);
+        let interval = |d: usize| {
+            let line = lengths[d] / partition.lines()[d] as f64;
+            let range = &owned[d];
+            (!range.is_empty()).then_some([range.start as f64 * line, range.end as f64 * line])
+        };
+        Self([interval(0), interval(1)], lengths)
+    }
+
+    fn is_within(&self, reach: Reach, position: Vector) -> bool {
+        (0..2).all(|d| {
+            let coordinate = [position.y, position.z][d];
+            self.0[d].is_some_and(|interval| distance(interval, coordinate, self.1[d]) <= reach[d])
+        })
+    }
+}
+
+/// The distance of a coordinate from the nearest image of an interval.
+fn distance([low, high]: [f64; 2], coordinate: f64, period: f64) -> f64 {
+    let images = [coordinate - period, coordinate, coordinate + period];
+    images.map(|c| (low - c).max(c - high).max(0.0)).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Comm, Particles};
+
+    /// Every rank counts what reaches into its pencil, and the owners must hear the sum.
+    #[test]
+    fn images_are_those_in_reach_and_their_sums_come_home() {
+        let cell = PeriodicBox::new(Vector::splat(8.0)).unwrap();
+        let reach = [1.3, 0.7];
+        for ranks in [1, 2, 3, 4, 7, 12] {
+            Comm::threads(ranks, |comm| {
+                let partition = Partition::with_table(&comm, [8, 8], if ranks == 12 { [3, 4] } else { [1, ranks] });
+                let mut particles = Particles::default();
+                for id in (0..200_u64).filter(|id| *id as usize % ranks == comm.rank()) {
+                    let t = id as f64;
+                    particles.push(id, Vector::new(t * 0.37, t * 0.73, t * 0.57) % Vector::ONE * 8.0, 1.0, 0);
+                }
+                particles.migrate(&partition, &cell);
+                let exchange = Exchange::plan(&partition, &cell, &particles.positions, reach);
+                let mut positions = particles.positions.clone();
+                exchange.extend(&mut positions);
+                assert_eq!(positions.len(), exchange.present());
+                let mine = Pencil::of(&partition, &cell, comm.rank());
+                assert!(positions.iter().all(|&p| mine.is_within(reach, p)));
+                let mut counts = vec![1.0; positions.len()];
+                exchange.collect(&mut counts);
+                for (count, &position) in counts.iter().zip(&particles.positions) {
+                    let near = |rank: &usize| Pencil::of(&partition, &cell, *rank).is_within(reach, position);
+                    assert_eq!(*count as usize, (0..ranks).filter(near).count());
+                }
+            });
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Who and where: the ranks, the periodic box, the share of space that each rank owns, the particles and their near
+//! pairs. Everything else in the project stands on these types; they know nothing of a fluid.
+
+mod cells;
+mod comm;
+mod exchange;
+mod neighbours;
+mod packing;
+mod pairs;
+mod particles;
+mod partition;
+mod periodic_box;
+mod random;
+mod traceless;
+
+pub use comm::{Comm, CommError, Failure};
+pub use exchange::{Exchange, Reach};
+pub use neighbours::{Neighbour, Neighbours};
+pub use packing::{PackingError, random_packing};
+pub use pairs::{Pair, Pairs};
+pub use particles::{Column, ColumnError, Particles};
+pub use partition::{Partition, block, block_of};
+pub use periodic_box::{BoxError, PeriodicBox};
+pub use random::Random;
+pub use traceless::Traceless;
+
+/// A vector of three components in `f64`.
+pub type Vector = glam::DVec3;
+/// A 3 x 3 tensor in `f64`, stored by columns as glam does: `tensor.col(j)[i]` is component `ij`.
+pub type Tensor = glam::DMat3;

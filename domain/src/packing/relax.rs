@@ -1,0 +1,103 @@
+//! Overlaps removed by a descent of the elastic energy.
+
+use crate::{Pairs, PeriodicBox, Vector};
+
+/// Steps of the descent before it gives up.
+const STEPS: usize = 20_000;
+/// Pairs are searched this much beyond contact, in the largest diameter, so that a list serves several steps.
+const SKIN: f64 = 0.2;
+
+/// Moves the spheres until none overlaps: minimises the energy `sum (contact - r)^2 / 2` of spheres whose sizes are
+/// larger by the factor `1 + margin` until every overlap is below that margin, by the fast inertial relaxation engine
+/// (Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006). `None` if it does not get there.
+pub(super) fn relax(cell: &PeriodicBox, sizes: &[f64], margin: f64, positions: &mut [Vector]) -> Option<()> {
+    let ids: Vec<u64> = (0..sizes.len() as u64).collect();
+    let diameter = 2.0 * sizes.iter().copied().fold(0.0, f64::max) * (1.0 + margin);
+    let find = |positions: &[Vector]| Pairs::find(cell, positions, &ids, ids.len(), diameter * (1.0 + SKIN));
+    let mut pairs = find(positions);
+    let mut seen = positions.to_vec();
+    let mut descent = Descent::new(sizes.len());
+    for _ in 0..STEPS {
+        if seen.iter().zip(&*positions).any(|(a, b)| a.distance(*b) > 0.5 * SKIN * diameter) {
+            wrap(cell, positions);
+            pairs = find(positions);
+            seen.copy_from_slice(positions);
+        }
+        let worst = push(cell, (&pairs, sizes), (positions, margin), &mut descent.forces);
+        if worst < 0.5 * margin {
+            wrap(cell, positions);
+            return Some(());
+        }
+        descent.step(positions, 0.1 * diameter);
+    }
+    None
+}
+
+fn wrap(cell: &PeriodicBox, positions: &mut [Vector]) {
+    for position in positions {
+        *position = cell.wrap(*position).0;
+    }
+}
+
+/// Forces of the overlapping pairs, in their order; returns the largest overlap over the distance at contact.
+fn push(
+    cell: &PeriodicBox,
+    (pairs, sizes): (&Pairs, &[f64]),
+    (positions, margin): (&[Vector], f64),
+    forces: &mut [Vector],
+) -> f64 {
+    forces.fill(Vector::ZERO);
+    let mut worst = 0.0_f64;
+    for pair in pairs.list() {
+        let (i, j) = (pair.i as usize, pair.j as usize);
+        let contact = (sizes[i] + sizes[j]) * (1.0 + margin);
+        let separation = pair.separation(cell, positions);
+        let distance = separation.length();
+        if distance < contact {
+            let push = separation * ((contact - distance) / distance.max(1e-3 * contact));
+            forces[j] += push;
+            forces[i] -= push;
+            worst = worst.max(1.0 - distance / contact);
+        }
+    }
+    worst
+}
+
+/// The state of the descent: Newton's motion with unit masses, steered along the force and stopped when it climbs.
+struct Descent {
+    forces: Vec<Vector>,
+    velocities: Vec<Vector>,
+    dt: f64,
+    steering: f64,
+    downhill: usize,
+}
+
+impl Descent {
+    /// Unit stiffness and mass: a pair's period is `pi sqrt(2)`; a dozen neighbours make it shorter by `sqrt(12)`.
+    const LARGEST_DT: f64 = 0.5;
+
+    fn new(count: usize) -> Self {
+        let zero = vec![Vector::ZERO; count];
+        Self { forces: zero.clone(), velocities: zero, dt: 0.1, steering: 0.1, downhill: 0 }
+    }
+
+    fn step(&mut self, positions: &mut [Vector], longest: f64) {
+        let power: f64 = self.forces.iter().zip(&self.velocities).map(|(f, v)| f.dot(*v)).sum();
+        if power > 0.0 {
+            self.downhill += 1;
+            if self.downhill > 5 {
+                self.dt = (1.1 * self.dt).min(Self::LARGEST_DT);
+                self.steering *= 0.99;
+            }
+        } else {
+            self.velocities.fill(Vector::ZERO);
+            (self.dt, self.steering, self.downhill) = (0.5 * self.dt.max(0.02), 0.1, 0);
+        }
+        let norm = |list: &[Vector]| list.iter().map(|v| v.length_squared()).sum::<f64>().sqrt();
+        let ratio = norm(&self.velocities) / norm(&self.forces).max(f64::MIN_POSITIVE);
+        for ((position, velocity), force) in positions.iter_mut().zip(&mut self.velocities).zip(&self.forces) {
+            *velocity = *velocity * (1.0 - self.steering) + *force * (self.steering * ratio + self.dt);
+            *position += (*velocity * self.dt).clamp_length_max(longest);
+        }
+    }
+}

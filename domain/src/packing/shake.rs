@@ -1,0 +1,34 @@
+//! Hard-sphere Monte Carlo.
+
+use super::Occupied;
+use crate::{PeriodicBox, Random, Vector};
+
+/// Share of accepted moves that the length of the moves is steered to.
+const ACCEPTED: f64 = 0.4;
+
+/// Offers every sphere `sweeps` random moves, one sphere after another, and makes those that end without an overlap.
+/// Spheres that do not overlap before do not overlap afterwards.
+pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector], (seed, sweeps): (u64, u64)) {
+    let mut occupied = Occupied::new(cell, sizes);
+    for (sphere, &position) in positions.iter().enumerate() {
+        occupied.insert(sphere, position);
+    }
+    let smallest = sizes.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut longest = 0.3 * smallest;
+    for sweep in 1..=sweeps {
+        let mut accepted = 0;
+        for sphere in 0..sizes.len() {
+            let mut random = Random::new(seed ^ (sweep << 48), sphere as u64);
+            let step = (random.point() * 2.0 - Vector::ONE) * longest;
+            let place = cell.wrap(positions[sphere] + step).0;
+            if occupied.is_free(sphere, place, positions) {
+                occupied.remove(sphere, positions[sphere]);
+                occupied.insert(sphere, place);
+                positions[sphere] = place;
+                accepted += 1;
+            }
+        }
+        let share = f64::from(accepted) / sizes.len() as f64;
+        longest = (longest * (share / ACCEPTED).clamp(0.5, 1.5)).min(2.0 * smallest);
+    }
+}

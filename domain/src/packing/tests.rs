@@ -1,0 +1,87 @@
+use super::*;
+use crate::Pairs;
+
+const FOUR_THIRDS_PI: f64 = 4.0 / 3.0 * std::f64::consts::PI;
+
+fn cube(radii: &[f64], fraction: f64) -> PeriodicBox {
+    let volume: f64 = radii.iter().map(|a| FOUR_THIRDS_PI * a.powi(3)).sum();
+    PeriodicBox::new(Vector::splat((volume / fraction).cbrt())).unwrap()
+}
+
+/// Distances of the pairs nearer than `cutoff` and the smallest gap between surfaces.
+fn distances(cell: &PeriodicBox, radii: &[f64], positions: &[Vector], cutoff: f64) -> (Vec<f64>, f64) {
+    let ids: Vec<u64> = (0..radii.len() as u64).collect();
+    let pairs = Pairs::find(cell, positions, &ids, ids.len(), cutoff);
+    let mut gap = f64::INFINITY;
+    let mut all = Vec::new();
+    for pair in pairs.list() {
+        let distance = pair.separation(cell, positions).length();
+        gap = gap.min(distance - radii[pair.i as usize] - radii[pair.j as usize]);
+        all.push(distance);
+    }
+    (all, gap)
+}
+
+#[test]
+fn nothing_overlaps_at_any_density() {
+    let equal = vec![1.0; 400];
+    let two_sizes: Vec<f64> = (0..400).map(|i| if i % 4 == 0 { 2.5 } else { 1.0 }).collect();
+    for radii in [equal, two_sizes] {
+        for (fraction, gap) in [(0.05, 0.5), (0.12, 0.0), (0.25, 0.01), (0.4, 0.0), (0.5, 0.01), (0.6, 0.0)] {
+            let cell = cube(&radii, fraction);
+            let positions = random_packing(&cell, &radii, gap, 11).unwrap();
+            let found = distances(&cell, &radii, &positions, 5.5).1;
+            // 1e-12: round-off of the two ways to compute a distance.
+            assert!(found >= gap - 1e-12, "gap {found} at a volume fraction of {fraction}");
+            assert!(positions.iter().all(|&p| cell.wrap(p).1 == [0; 3]), "inside the box");
+        }
+    }
+}
+
+#[test]
+fn a_seed_is_one_packing() {
+    let radii = vec![1.0; 300];
+    for fraction in [0.2, 0.45] {
+        let cell = cube(&radii, fraction);
+        let [first, again, other] = [1, 1, 2].map(|seed| random_packing(&cell, &radii, 0.0, seed).unwrap());
+        assert_eq!(first, again);
+        assert_ne!(first, other);
+    }
+}
+
+/// The pair distribution is that of hard spheres: flat far away, and near contact no higher than the fluid's
+/// `g(2a) = (1 - phi/2)/(1 - phi)^3` (Carnahan & Starling 1969), with no heap of touching pairs.
+#[test]
+fn pairs_are_spread_as_in_a_fluid() {
+    let radii = vec![1.0; 2000];
+    for fraction in [0.12_f64, 0.4] {
+        let cell = cube(&radii, fraction);
+        let positions = random_packing(&cell, &radii, 0.0, 5).unwrap();
+        let (all, _) = distances(&cell, &radii, &positions, 6.0);
+        let g = |low: f64, high: f64| {
+            let count = all.iter().filter(|r| (low..high).contains(*r)).count() as f64;
+            let density = radii.len() as f64 / cell.volume();
+            count / (0.5 * radii.len() as f64 * density * FOUR_THIRDS_PI * (high.powi(3) - low.powi(3)))
+        };
+        assert!((g(4.5, 6.0) - 1.0).abs() < 0.05, "far: {}", g(4.5, 6.0));
+        let contact = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
+        let near = g(2.0, 2.05);
+        assert!(near > 0.5 * contact && near < 1.4 * contact, "near contact: {near}, a fluid has {contact}");
+    }
+}
+
+#[test]
+fn boxes_of_any_shape_are_filled() {
+    let radii = vec![1.0; 30];
+    let cell = PeriodicBox::sheared(Vector::new(3.0, 40.0, 5.0), 0.02).unwrap();
+    let positions = random_packing(&cell, &radii, 0.0, 3).unwrap();
+    assert!(distances(&cell, &radii, &positions, 2.9).1 >= 0.0);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
+    assert!(matches!(random_packing(&cell, &[2.1], 0.0, 1), Err(PackingError::OwnImage { .. })));
+    assert!(matches!(random_packing(&cell, &[1.0; 12], 0.0, 1), Err(PackingError::TooDense { .. })));
+    assert_eq!(random_packing(&cell, &[], 0.0, 1), Ok(vec![]));
+}

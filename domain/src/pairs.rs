@@ -1,0 +1,159 @@
+//! Near pairs.
+
+use crate::cells::Cells;
+use crate::{PeriodicBox, Vector};
+use rayon::prelude::*;
+
+/// Two particles near each other: rows `i` and `j` of the particles present, and the lattice steps from `j` to the
+/// image of it that is meant. A particle and its own image are a pair too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pair {
+    /// Row of the first, which this rank or another owns.
+    pub i: u32,
+    /// Row of the second.
+    pub j: u32,
+    /// Lattice steps added to the second's position.
+    pub steps: [i8; 3],
+}
+
+impl Pair {
+    /// The vector from the first particle to the meant image of the second.
+    pub fn separation(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vector {
+        let d = positions[self.j as usize] - positions[self.i as usize];
+        if self.steps == [0; 3] { d } else { d + cell.lattice(self.steps.map(i32::from)) }
+    }
+}
+
+/// All pairs within a cutoff, each once among all images and all ranks, ordered by the first particle.
+#[derive(Debug, Clone, Default)]
+pub struct Pairs {
+    list: Vec<Pair>,
+}
+
+impl Pairs {
+    /// Finds the pairs among the particles present on this rank, the first `owned` of which it owns. `ids` are unique
+    /// names of the particles, the same on all ranks; they decide which rank keeps a pair that two ranks see.
+    pub fn find(cell: &PeriodicBox, positions: &[Vector], ids: &[u64], owned: usize, cutoff: f64) -> Self {
+        if cutoff <= 0.0 || positions.is_empty() {
+            return Self::default();
+        }
+        let cells = Cells::sort(cell, positions, cutoff);
+        let list = (0..positions.len() as u32)
+            .into_par_iter()
+            .flat_map_iter(|i| {
+                let (mut near, mut rows) = (Vec::new(), Vec::new());
+                cells.for_each_run(cell, positions[i as usize], |run| {
+                    rows.clear();
+                    run.append_near(positions[i as usize], cutoff, &mut rows);
+                    let pairs = rows.iter().map(|&j| Pair { i, j, steps: run.steps });
+                    near.extend(pairs.filter(|pair| is_kept(pair, ids, owned)));
+                });
+                near.sort_unstable_by_key(|p| (p.j, p.steps));
+                near
+            })
+            .collect();
+        Self { list }
+    }
+
+    /// The pairs.
+    pub fn list(&self) -> &[Pair] {
+        &self.list
+    }
+}
+
+/// Of the two ways to write a pair, the one with the smaller id first is kept; of a particle and its own image, the one
+/// with positive steps. Of two owners, the pair goes to that of the first particle where the ids' sum is even, else to
+/// that of the second.
+fn is_kept(pair: &Pair, ids: &[u64], owned: usize) -> bool {
+    let (i, j) = (pair.i as usize, pair.j as usize);
+    let first = if i == j { pair.steps > [0; 3] } else { ids[i] < ids[j] };
+    let keeper = if (ids[i] + ids[j]).is_multiple_of(2) { i } else { j };
+    first && keeper < owned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Comm, Exchange, Particles, Partition};
+    use proptest::prelude::*;
+
+    fn random(count: u64, cell: &PeriodicBox, seed: f64) -> Vec<Vector> {
+        let place = |i: u64| {
+            let t = (i as f64 + 1.0) * seed;
+            cell.wrap((Vector::new(t * 0.754_877, t * 0.569_840, t * 0.438_579) % Vector::ONE) * cell.edges()).0
+        };
+        (0..count).map(place).collect()
+    }
+
+    /// Distances of all pairs of images, by brute force over lattice steps.
+    fn brute_force(cell: &PeriodicBox, positions: &[Vector], cutoff: f64) -> Vec<f64> {
+        let mut all = Vec::new();
+        let range = -5..=5;
+        for (i, &p) in positions.iter().enumerate() {
+            for (j, &q) in positions.iter().enumerate().skip(i) {
+                for steps in range.clone().flat_map(|x| {
+                    let range = range.clone();
+                    range.clone().flat_map(move |y| range.clone().map(move |z| [x, y, z]))
+                }) {
+                    let distance = (q + cell.lattice(steps) - p).length();
+                    if distance < cutoff && (i != j || steps > [0; 3]) {
+                        all.push(distance);
+                    }
+                }
+            }
+        }
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    fn distances(pairs: &Pairs, cell: &PeriodicBox, positions: &[Vector]) -> Vec<f64> {
+        let mut all: Vec<f64> = pairs.list().iter().map(|p| p.separation(cell, positions).length()).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    fn close(a: &[f64], b: &[f64]) -> bool {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn pairs_are_those_of_brute_force(
+            seed in 1.0..100.0, strain in -0.6..0.6, cutoff in 0.2..3.5, count in 1_u64..30,
+        ) {
+            let cell = PeriodicBox::sheared(Vector::new(2.0, 1.7, 2.4), strain).unwrap();
+            let positions = random(count, &cell, seed);
+            let ids: Vec<u64> = (0..count).collect();
+            let pairs = Pairs::find(&cell, &positions, &ids, count as usize, cutoff);
+            prop_assert!(close(&distances(&pairs, &cell, &positions), &brute_force(&cell, &positions, cutoff)));
+        }
+    }
+
+    #[test]
+    fn every_pair_is_on_one_rank() {
+        let cell = PeriodicBox::sheared(Vector::splat(6.0), 0.3).unwrap();
+        let cutoff = 1.1;
+        let everything = random(150, &cell, 7.3);
+        let expected = brute_force(&cell, &everything, cutoff);
+        for ranks in [1, 2, 3, 4, 7] {
+            let found = Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [12, 12]);
+                let mut particles = Particles::default();
+                for (id, &p) in everything.iter().enumerate().filter(|(id, _)| id % ranks == comm.rank()) {
+                    particles.push(id as u64, p, 1.0, 0);
+                }
+                particles.migrate(&partition, &cell);
+                let exchange = Exchange::plan(&partition, &cell, &particles.positions, [cutoff; 2]);
+                let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
+                exchange.extend(&mut positions);
+                exchange.extend(&mut ids);
+                let pairs = Pairs::find(&cell, &positions, &ids, particles.len(), cutoff);
+                distances(&pairs, &cell, &positions)
+            });
+            let mut found = found.concat();
+            found.sort_by(f64::total_cmp);
+            assert!(close(&found, &expected), "{ranks} ranks");
+        }
+    }
+}

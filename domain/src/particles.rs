@@ -1,0 +1,295 @@
+//! The particle store: one column a property, one row a particle.
+
+use crate::{Partition, PeriodicBox, Vector};
+use bytemuck::{Pod, Zeroable};
+
+/// A named property of every particle: `width` numbers each, row by row. Whatever a particle must not lose when it
+/// changes rank or the run is resumed, such as its past velocities, is a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// What it is called in checkpoints.
+    pub name: String,
+    /// Numbers a particle.
+    pub width: usize,
+    /// `width` numbers for each particle, in the store's order.
+    pub values: Vec<f64>,
+}
+
+/// The columns of two stores that should be alike are not.
+#[derive(Debug, thiserror::Error, PartialEq)]
+#[error("particle column '{name}' has {found} values for {particles} particles; it needs {width} each")]
+pub struct ColumnError {
+    /// The column's name.
+    pub name: String,
+    /// Values found.
+    pub found: usize,
+    /// Values needed by each particle.
+    pub width: usize,
+    /// Number of particles.
+    pub particles: usize,
+}
+
+/// The particles that this rank owns. Positions are inside the box; `steps` counts the lattice vectors that were taken
+/// out of each on its way, so that `position + lattice(steps)` is where it would be without periodicity.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Particles {
+    /// Names that last: a particle keeps its id for life.
+    pub ids: Vec<u64>,
+    /// Centres, inside the box.
+    pub positions: Vec<Vector>,
+    /// Lattice steps that wrapping has taken out of each position.
+    pub steps: Vec<[i32; 3]>,
+    /// Radii.
+    pub radii: Vec<f64>,
+    /// Species, as indices into the scene's list.
+    pub species: Vec<u32>,
+    /// Everything else.
+    pub columns: Vec<Column>,
+}
+
+/// The fixed part of a particle as it travels between ranks.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Row {
+    id: u64,
+    position: Vector,
+    radius: f64,
+    steps: [i32; 3],
+    species: u32,
+}
+
+impl Particles {
+    /// How many particles this rank owns.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Whether this rank owns none.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// Adds a particle; its columns are filled with zeros.
+    pub fn push(&mut self, id: u64, position: Vector, radius: f64, species: u32) {
+        self.push_row(Row { id, position, radius, steps: [0; 3], species });
+        let count = self.len();
+        for column in &mut self.columns {
+            column.values.resize(column.width * count, 0.0);
+        }
+    }
+
+    /// The column of this name, made of zeros if there is none yet.
+    pub fn column(&mut self, name: &str, width: usize) -> &mut Column {
+        let place = self.columns.iter().position(|c| c.name == name).unwrap_or_else(|| {
+            let values = vec![0.0; width * self.len()];
+            self.columns.push(Column { name: name.to_owned(), width, values });
+            self.columns.len() - 1
+        });
+        &mut self.columns[place]
+    }
+
+    /// A column of vectors, one a particle.
+    pub fn vectors(&mut self, name: &str) -> &mut [Vector] {
+        bytemuck::cast_slice_mut(&mut self.column(name, 3).values)
+    }
+
+    /// Refuses a store whose columns do not fit its number of particles.
+    pub fn check(&self) -> Result<(), ColumnError> {
+        let particles = self.len();
+        let fits = |name: &str, found: usize, width: usize| {
+            let error = || ColumnError { name: name.to_owned(), found, width, particles };
+            if found == width * particles { Ok(()) } else { Err(error()) }
+        };
+        fits("positions", self.positions.len(), 1)?;
+        fits("steps", self.steps.len(), 1)?;
+        fits("radii", self.radii.len(), 1)?;
+        fits("species", self.species.len(), 1)?;
+        self.columns.iter().try_for_each(|c| fits(&c.name, c.values.len(), c.width))
+    }
+
+    /// Moves every position back inside the box and counts the lattice steps.
+    pub fn wrap(&mut self, cell: &PeriodicBox) {
+        for (position, steps) in self.positions.iter_mut().zip(&mut self.steps) {
+            let (wrapped, taken) = cell.wrap(*position);
+            *position = wrapped;
+            *steps = std::array::from_fn(|i| steps[i] + taken[i]);
+        }
+    }
+
+    /// Names the images anew after the lattice's strain was turned back by `turns` whole periods: the lattice is the
+    /// same, but a step along its second vector now is that vector and `turns` steps along the first.
+    pub fn relabel(&mut self, turns: i32) {
+        for steps in &mut self.steps {
+            steps[0] += turns * steps[1];
+        }
+    }
+
+    /// Puts the particles in the order of the list of rows given; rows that it does not name are dropped.
+    pub fn arrange(&mut self, order: &[usize]) {
+        *self = self.selected(order);
+    }
+
+    /// The rows given, in that order, as a store of their own.
+    #[must_use]
+    pub fn selected(&self, rows: &[usize]) -> Self {
+        let pick_rows = |c: &Column| Column {
+            name: c.name.clone(),
+            width: c.width,
+            values: rows.iter().flat_map(|&r| &c.values[r * c.width..(r + 1) * c.width]).copied().collect(),
+        };
+        Self {
+            ids: rows.iter().map(|&r| self.ids[r]).collect(),
+            positions: rows.iter().map(|&r| self.positions[r]).collect(),
+            steps: rows.iter().map(|&r| self.steps[r]).collect(),
+            radii: rows.iter().map(|&r| self.radii[r]).collect(),
+            species: rows.iter().map(|&r| self.species[r]).collect(),
+            columns: self.columns.iter().map(pick_rows).collect(),
+        }
+    }
+
+    /// Hands every particle, with all its columns, to the rank that owns the place where it is, and puts each rank's
+    /// particles in the order of the lines that they lie on, and of their ids within a line, so that the order does not
+    /// depend on where they came from. Positions must be inside the box; all ranks have the same columns.
+    pub fn migrate(&mut self, partition: &Partition, cell: &PeriodicBox) {
+        if partition.comm().size() > 1 {
+            let owners: Vec<usize> = self.positions.iter().map(|&p| partition.owner(cell, p)).collect();
+            *self = self.sent_to(&owners, partition);
+        }
+        let lines = partition.lines();
+        let place = |row: &usize| {
+            let p = self.positions[*row] / cell.edges();
+            ((p.z * lines[1] as f64) as i64, (p.y * lines[0] as f64) as i64, self.ids[*row])
+        };
+        if !(0..self.len()).map(|r| place(&r)).is_sorted() {
+            let mut order: Vec<usize> = (0..self.len()).collect();
+            order.sort_by_cached_key(place);
+            self.arrange(&order);
+        }
+    }
+
+    /// The same particles without their columns.
+    #[must_use]
+    pub fn without_columns(&self) -> Self {
+        Self {
+            ids: self.ids.clone(),
+            positions: self.positions.clone(),
+            steps: self.steps.clone(),
+            radii: self.radii.clone(),
+            species: self.species.clone(),
+            columns: Vec::new(),
+        }
+    }
+
+    /// All particles on the first rank, in the order of their ids; none on the others.
+    #[must_use]
+    pub fn gathered(&self, partition: &Partition) -> Self {
+        let mut all = self.sent_to(&vec![0; self.len()], partition);
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by_key(|&r| all.ids[r]);
+        all.arrange(&order);
+        all
+    }
+
+    fn sent_to(&self, owners: &[usize], partition: &Partition) -> Self {
+        let comm = partition.comm();
+        let mut leaving = vec![Vec::new(); comm.size()];
+        for (row, &owner) in owners.iter().enumerate() {
+            leaving[owner].push(row);
+        }
+        let parts: Vec<Self> = leaving.iter().map(|rows| self.selected(rows)).collect();
+        let rows: Vec<Vec<Row>> = parts.iter().map(|part| (0..part.len()).map(|r| part.row(r)).collect()).collect();
+        let mut arrived = Self::default();
+        for row in comm.exchange(&rows).concat() {
+            arrived.push_row(row);
+        }
+        for (place, column) in self.columns.iter().enumerate() {
+            let values: Vec<Vec<f64>> = parts.iter().map(|part| part.columns[place].values.clone()).collect();
+            let values = comm.exchange(&values).concat();
+            arrived.columns.push(Column { name: column.name.clone(), width: column.width, values });
+        }
+        arrived
+    }
+
+    fn row(&self, r: usize) -> Row {
+        Row {
+            id: self.ids[r],
+            position: self.positions[r],
+            radius: self.radii[r],
+            steps: self.steps[r],
+            species: self.species[r],
+        }
+    }
+
+    fn push_row(&mut self, row: Row) {
+        self.ids.push(row.id);
+        self.positions.push(row.position);
+        self.radii.push(row.radius);
+        self.steps.push(row.steps);
+        self.species.push(row.species);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Comm;
+
+    fn scattered(count: u64) -> Particles {
+        let mut particles = Particles::default();
+        for id in 0..count {
+            let t = id as f64;
+            let position = Vector::new((t * 0.37) % 1.0, (t * 0.73) % 1.0, (t * 0.57) % 1.0) * 4.0;
+            particles.push(id, position, 1.0 + t, (id % 3) as u32);
+        }
+        for (id, v) in particles.vectors("velocity").iter_mut().enumerate() {
+            *v = Vector::splat(id as f64);
+        }
+        particles
+    }
+
+    #[test]
+    fn migration_keeps_every_row_whole_and_home() {
+        let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
+        let alone = scattered(60);
+        for ranks in [1, 2, 3, 4, 7] {
+            let gathered = Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [8, 8]);
+                let rows: Vec<usize> = (0..60).filter(|r| r % ranks == comm.rank()).collect();
+                let mut particles = alone.selected(&rows);
+                particles.migrate(&partition, &cell);
+                particles.check().unwrap();
+                assert!(particles.positions.iter().all(|&p| partition.owner(&cell, p) == comm.rank()));
+                particles.gathered(&partition)
+            });
+            assert_eq!(gathered[0], alone);
+            assert!(gathered[1..].iter().all(Particles::is_empty));
+        }
+    }
+
+    #[test]
+    fn the_order_on_a_rank_does_not_depend_on_the_order_before() {
+        let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
+        let partition = Partition::new(&Comm::alone(), [8, 8]);
+        let mut forwards = scattered(40);
+        let mut backwards = forwards.selected(&(0..40).rev().collect::<Vec<_>>());
+        forwards.migrate(&partition, &cell);
+        backwards.migrate(&partition, &cell);
+        assert_eq!(forwards, backwards);
+    }
+
+    #[test]
+    fn wrapping_and_relabelling_keep_the_unwrapped_place() {
+        let edges = Vector::new(2.0, 2.0, 3.0);
+        let (before, after) = (PeriodicBox::sheared(edges, 0.49).unwrap(), PeriodicBox::sheared(edges, 0.51).unwrap());
+        let mut particles = Particles::default();
+        let start = Vector::new(9.3, -7.7, 14.2);
+        particles.push(0, start, 1.0, 0);
+        particles.wrap(&before);
+        let unwrapped = particles.positions[0] + before.lattice(particles.steps[0]);
+        assert!((unwrapped - start).length() < 1e-12);
+        let rows = f64::from(particles.steps[0][1]);
+        particles.relabel(1);
+        let carried = particles.positions[0] + after.lattice(particles.steps[0]);
+        assert!((carried - start - Vector::X * rows * 2.0 * 0.02).length() < 1e-12, "the lattice has sheared by 0.02");
+    }
+}

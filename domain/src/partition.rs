@@ -1,0 +1,138 @@
+//! Which share of space each rank owns.
+
+use crate::{Comm, PeriodicBox, Vector};
+use std::ops::Range;
+
+/// The `index`-th of `parts` consecutive blocks of `0..count`, as even as they can be; empty where there are more parts
+/// than elements.
+pub fn block(count: usize, parts: usize, index: usize) -> Range<usize> {
+    count * index / parts..count * (index + 1) / parts
+}
+
+/// The block that holds `element`: the inverse of [`block`].
+pub fn block_of(count: usize, parts: usize, element: usize) -> usize {
+    (parts * (element + 1) - 1) / count
+}
+
+/// The ranks as a table of `rows x columns`: rank `r` stands in row `r / columns`. Real space is shared out in pencils
+/// along x: the row says which lines along y a rank owns, the column which along z. A particle lives with the rank
+/// whose pencil holds it.
+#[derive(Clone)]
+pub struct Partition {
+    all: Comm,
+    row: Comm,
+    column: Comm,
+    table: [usize; 2],
+    lines: [usize; 2],
+}
+
+impl Partition {
+    /// Shares out `lines = [along y, along z]` grid lines among the ranks: in slabs along z while each rank gets at
+    /// least four, which needs one transposition fewer, in pencils beyond.
+    pub fn new(comm: &Comm, lines: [usize; 2]) -> Self {
+        let ranks = comm.size();
+        let slabs = ranks <= 4 || ranks * 4 <= lines[1];
+        let rows = if slabs { 1 } else { (1..=ranks.isqrt()).rev().find(|r| ranks.is_multiple_of(*r)).unwrap_or(1) };
+        Self::with_table(comm, lines, [rows, ranks / rows])
+    }
+
+    /// Shares out grid lines among a table of ranks of the caller's choice.
+    ///
+    /// # Panics
+    /// If the table does not have as many places as there are ranks.
+    pub fn with_table(comm: &Comm, lines: [usize; 2], table: [usize; 2]) -> Self {
+        assert_eq!(table[0] * table[1], comm.size(), "the table of ranks has a place for each rank");
+        let (row, column) = (comm.rank() / table[1], comm.rank() % table[1]);
+        Self { all: comm.clone(), row: comm.split(row), column: comm.split(column), table, lines }
+    }
+
+    /// All ranks.
+    pub fn comm(&self) -> &Comm {
+        &self.all
+    }
+
+    /// The ranks of this rank's row, which share its lines along y and split those along z.
+    pub fn row(&self) -> &Comm {
+        &self.row
+    }
+
+    /// The ranks of this rank's column, which share its lines along z and split those along y.
+    pub fn column(&self) -> &Comm {
+        &self.column
+    }
+
+    /// Grid lines along y and along z.
+    pub fn lines(&self) -> [usize; 2] {
+        self.lines
+    }
+
+    /// Rows and columns of the table of ranks.
+    pub fn table(&self) -> [usize; 2] {
+        self.table
+    }
+
+    /// This rank's lines along y and along z.
+    pub fn owned(&self) -> [Range<usize>; 2] {
+        self.owned_by(self.all.rank())
+    }
+
+    /// Another rank's lines along y and along z.
+    pub fn owned_by(&self, rank: usize) -> [Range<usize>; 2] {
+        let place = [rank / self.table[1], rank % self.table[1]];
+        std::array::from_fn(|d| block(self.lines[d], self.table[d], place[d]))
+    }
+
+    /// The rank whose pencil holds a position inside the box.
+    pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
+        let line = |d: usize, fraction: f64| ((fraction * self.lines[d] as f64) as usize).min(self.lines[d] - 1);
+        let row = block_of(self.lines[0], self.table[0], line(0, position.y / cell.edges().y));
+        let column = block_of(self.lines[1], self.table[1], line(1, position.z / cell.edges().z));
+        row * self.table[1] + column
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn blocks_cover_everything_once(count in 1_usize..200, parts in 1_usize..50) {
+            let mut next = 0;
+            for index in 0..parts {
+                let range = block(count, parts, index);
+                prop_assert_eq!(range.start, next);
+                next = range.end;
+                for element in range {
+                    prop_assert_eq!(block_of(count, parts, element), index);
+                }
+            }
+            prop_assert_eq!(next, count);
+        }
+    }
+
+    #[test]
+    fn every_position_has_its_owner() {
+        for ranks in [1, 2, 3, 4, 7] {
+            Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [6, 5]);
+                let cell = PeriodicBox::new(Vector::new(1.0, 6.0, 5.0)).unwrap();
+                for (y, z) in (0..6).flat_map(|y| (0..5).map(move |z| (y, z))) {
+                    let owner = partition.owner(&cell, Vector::new(0.5, y as f64 + 0.5, z as f64 + 0.5));
+                    let [ys, zs] = partition.owned_by(owner);
+                    assert!(ys.contains(&y) && zs.contains(&z));
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn rows_and_columns_meet_in_one_rank() {
+        Comm::threads(6, |comm| {
+            let partition = Partition::with_table(&comm, [12, 12], [2, 3]);
+            assert_eq!((partition.row().size(), partition.column().size()), (3, 2));
+            assert_eq!(comm.rank(), partition.column().rank() * 3 + partition.row().rank());
+        });
+    }
+}
