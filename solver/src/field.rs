@@ -1,0 +1,227 @@
+//! Values on the grid whose type says in which space they are.
+
+use crate::layout::Layout;
+use crate::{Real, memory::Memory};
+use num_complex::Complex;
+use rayon::prelude::*;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// Marks values at grid points.
+#[derive(Debug, Clone, Copy)]
+pub enum Physical {}
+
+/// Marks Fourier coefficients.
+#[derive(Debug, Clone, Copy)]
+pub enum Spectral {}
+
+/// The three components of a vector field: one rank's share of it, made by [`crate::Transform::field`].
+///
+/// In physical space a rank owns whole rows along x; after the `nx` values of each row there is room for `halo` more, in
+/// which a stencil that crosses the box's end goes on without wrapping. Values written there belong to the start of the
+/// row: a forward transform adds them to it, and a backward transform copies the row's start there.
+#[derive(Debug, Clone)]
+pub struct Field<T, Space> {
+    pub(crate) memory: Memory<T>,
+    pub(crate) layout: Layout,
+    space: PhantomData<Space>,
+}
+
+impl<T: Real, Space> Field<T, Space> {
+    pub(crate) fn zero(layout: &Layout) -> Self {
+        Self { memory: Memory::zero(layout.capacity), layout: layout.clone(), space: PhantomData }
+    }
+
+    /// The same memory, whose values are now in another space.
+    pub(crate) fn into_space<Other>(self) -> Field<T, Other> {
+        Field { memory: self.memory, layout: self.layout, space: PhantomData }
+    }
+
+    /// Points of the whole grid along x, y and z.
+    pub fn points(&self) -> [usize; 3] {
+        self.layout.points
+    }
+
+    /// Sets every value to zero, halos included.
+    pub fn clear(&mut self) {
+        self.memory.values_mut().par_chunks_mut(1 << 15).for_each(|part| part.fill(T::default()));
+    }
+}
+
+impl<T: Real> Field<T, Physical> {
+    /// The lines along y and along z that this rank owns.
+    pub fn rows(&self) -> [Range<usize>; 2] {
+        self.layout.rows.clone()
+    }
+
+    /// Values that fit after the `nx` of each row.
+    pub fn halo(&self) -> usize {
+        self.layout.halo
+    }
+
+    /// Reals from one row to the next along y in [`Self::components`].
+    pub fn row_stride(&self) -> usize {
+        self.layout.physical.y
+    }
+
+    /// Reals from one row to the next along z in [`Self::components`].
+    pub fn plane_stride(&self) -> usize {
+        self.layout.physical.z
+    }
+
+    /// All values of each component: the row of the lines `y` and `z` begins at
+    /// `(z - rows[1].start) * plane_stride + (y - rows[0].start) * row_stride`.
+    pub fn components(&self) -> [&[T]; 3] {
+        let size = self.layout.physical.component;
+        std::array::from_fn(|c| &self.memory.values()[c * size..(c + 1) * size])
+    }
+
+    /// All values of each component, to write.
+    pub fn components_mut(&mut self) -> [&mut [T]; 3] {
+        let size = self.layout.physical.component;
+        let (x, rest) = self.memory.values_mut().split_at_mut(size);
+        let (y, rest) = rest.split_at_mut(size);
+        [x, y, &mut rest[..size]]
+    }
+
+    /// The row of a component at two lines that this rank owns, halo included.
+    pub fn row(&self, component: usize, y: usize, z: usize) -> &[T] {
+        let row = self.row_range(component, y, z);
+        &self.memory.values()[row]
+    }
+
+    /// The row of a component, to write.
+    pub fn row_mut(&mut self, component: usize, y: usize, z: usize) -> &mut [T] {
+        let row = self.row_range(component, y, z);
+        &mut self.memory.values_mut()[row]
+    }
+
+    fn row_range(&self, component: usize, y: usize, z: usize) -> Range<usize> {
+        let [ys, zs] = &self.layout.rows;
+        assert!(ys.contains(&y) && zs.contains(&z), "row ({y}, {z}) is another rank's");
+        let start = self.layout.physical.at(component, y - ys.start, z - zs.start);
+        start..start + self.layout.points[0] + self.layout.halo
+    }
+
+    /// Adds what stands in the halos to the starts of the rows, as a forward transform does, and clears the halos.
+    pub fn fold_halo(&mut self) {
+        let (nx, halo) = (self.layout.points[0], self.layout.halo);
+        self.for_each_row(|row| {
+            let (values, beyond) = row.split_at_mut(nx);
+            for turn in beyond[..halo].chunks_mut(nx) {
+                for (value, extra) in values.iter_mut().zip(turn) {
+                    *value += std::mem::take(extra);
+                }
+            }
+        });
+    }
+
+    /// Copies the starts of the rows to the halos, as a backward transform does.
+    pub fn fill_halo(&mut self) {
+        let (nx, halo) = (self.layout.points[0], self.layout.halo);
+        self.for_each_row(|row| {
+            let (values, beyond) = row.split_at_mut(nx);
+            for turn in beyond[..halo].chunks_mut(nx) {
+                turn.copy_from_slice(&values[..turn.len()]);
+            }
+        });
+    }
+
+    /// Sets the halos to zero: before a forward transform of what came out of a backward one.
+    pub fn clear_halo(&mut self) {
+        let (nx, halo) = (self.layout.points[0], self.layout.halo);
+        self.for_each_row(|row| row[nx..nx + halo].fill(T::default()));
+    }
+
+    fn for_each_row(&mut self, work: impl Fn(&mut [T]) + Sync) {
+        let strides = self.layout.physical;
+        let planes = 3 * self.layout.rows[1].len();
+        let rows = self.layout.rows[0].len();
+        if rows > 0 {
+            let values = &mut self.memory.values_mut()[..planes * strides.z];
+            values.par_chunks_mut(strides.z).for_each(|p| p.chunks_exact_mut(strides.y).take(rows).for_each(&work));
+        }
+    }
+
+    /// The values at this rank's points without halos and padding: `[component][z][y][x]`, x fastest.
+    pub fn to_vec(&self) -> Vec<T> {
+        let [ys, zs] = self.rows();
+        let nx = self.layout.points[0];
+        let mut values = Vec::with_capacity(3 * nx * ys.len() * zs.len());
+        for component in 0..3 {
+            for z in zs.clone() {
+                for y in ys.clone() {
+                    values.extend_from_slice(&self.row(component, y, z)[..nx]);
+                }
+            }
+        }
+        values
+    }
+
+    /// Cuts this rank's lines into tiles of at most `size = [along y, along z]` lines, for threads to write at the same
+    /// time: the tile `(i, j)` of `ny x nz` tiles stands at `j * ny + i`.
+    pub fn tiles(&mut self, size: [usize; 2]) -> Vec<Tile<'_, T>> {
+        let (layout, base) = (&self.layout, self.memory.values_mut().as_mut_ptr());
+        let cut = |d: usize| {
+            let lines = layout.rows[d].clone();
+            let end = lines.end;
+            lines.step_by(size[d]).map(move |start| start..end.min(start + size[d]))
+        };
+        cut(1).flat_map(|z| cut(0).map(move |y| [y, z.clone()])).map(|rows| Tile { base, layout, rows }).collect()
+    }
+}
+
+/// Some rows of a field, which one thread at a time writes.
+pub struct Tile<'a, T> {
+    base: *mut T,
+    layout: &'a Layout,
+    rows: [Range<usize>; 2],
+}
+
+// SAFETY: a tile is made by `Field::tiles` alone, which holds the field borrowed for writing while any tile lives, and
+// gives each row to one tile; `rows_mut` hands out rows of its own tile only.
+unsafe impl<T: Real> Send for Tile<'_, T> {}
+unsafe impl<T: Real> Sync for Tile<'_, T> {}
+
+impl<T: Real> Tile<'_, T> {
+    /// The lines along y and along z of this tile.
+    pub fn rows(&self) -> [Range<usize>; 2] {
+        self.rows.clone()
+    }
+
+    /// The rows of the three components at two lines of this tile, halos included.
+    pub fn rows_mut(&mut self, y: usize, z: usize) -> [&mut [T]; 3] {
+        assert!(self.rows[0].contains(&y) && self.rows[1].contains(&z), "row ({y}, {z}) is another tile's");
+        let [ys, zs] = &self.layout.rows;
+        let length = self.layout.points[0] + self.layout.halo;
+        std::array::from_fn(|component| {
+            let start = self.layout.physical.at(component, y - ys.start, z - zs.start);
+            // SAFETY: the row lies inside the field's memory, belongs to this tile alone, and the three components are
+            // apart.
+            unsafe { std::slice::from_raw_parts_mut(self.base.add(start), length) }
+        })
+    }
+}
+
+impl<T: Real> Field<T, Spectral> {
+    /// Calls `visit(mode, values)` for each mode `[m1, m2, m3]` that this rank owns, `m1 < nx/2`. Over all ranks these
+    /// are all modes; those with `m1 > nx/2` are the complex conjugates, and `m1 = nx/2` is taken as zero.
+    pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
+        let [nx, _, nz] = self.layout.points;
+        let columns = self.layout.blocks.start * T::LANES..(self.layout.blocks.end * T::LANES).min(nx / 2);
+        for m3 in 0..nz {
+            for m2 in self.layout.modes.clone() {
+                for m1 in columns.clone() {
+                    visit([m1, m2, m3], std::array::from_fn(|c| self.value(c, [m1, m2, m3])));
+                }
+            }
+        }
+    }
+
+    fn value(&self, component: usize, mode: [usize; 3]) -> Complex<T> {
+        let (layout, lanes) = (&self.layout, T::LANES);
+        let row = layout.spectral.at(component, mode[1] - layout.modes.start, mode[2]);
+        let real = row + (mode[0] / lanes - layout.blocks.start) * 2 * lanes + mode[0] % lanes;
+        Complex::new(self.memory.values()[real], self.memory.values()[real + lanes])
+    }
+}

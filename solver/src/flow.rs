@@ -1,0 +1,96 @@
+//! The flow that would be there without the particles.
+
+use domain::{Tensor, Traceless, Vector};
+
+/// Why a background flow can't be.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum FlowError {
+    /// A gradient of a flow that swells or shrinks.
+    #[error(
+        "the background velocity gradient has trace {0}; an incompressible flow needs xx + yy + zz = 0 \
+         and finite components"
+    )]
+    Trace(f64),
+}
+
+/// A linear flow `u_i(x) = G_ij x_j` with the velocity gradient `G_ij = du_i/dx_j`, one over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BackgroundFlow {
+    gradient: Tensor,
+}
+
+impl BackgroundFlow {
+    /// No flow.
+    pub const NONE: Self = Self { gradient: Tensor::ZERO };
+
+    /// Simple shear `u = rate y e_x`: flow along x, gradient along y, vorticity along -z.
+    pub fn shear(rate: f64) -> Self {
+        Self { gradient: Tensor::from_cols(Vector::ZERO, Vector::new(rate, 0.0, 0.0), Vector::ZERO) }
+    }
+
+    /// The flow of a velocity gradient; component `ij` of a tensor is `gradient.col(j)[i]`.
+    pub fn with_gradient(gradient: Tensor) -> Result<Self, FlowError> {
+        let trace = gradient.x_axis.x + gradient.y_axis.y + gradient.z_axis.z;
+        let size: f64 = gradient.to_cols_array().iter().map(|g| g.abs()).sum();
+        if trace.abs() <= 1e-12 * size && size.is_finite() {
+            Ok(Self { gradient })
+        } else {
+            Err(FlowError::Trace(trace))
+        }
+    }
+
+    /// The velocity gradient.
+    pub fn gradient(&self) -> Tensor {
+        self.gradient
+    }
+
+    /// The velocity at a place relative to the point that rests.
+    pub fn velocity(&self, position: Vector) -> Vector {
+        self.gradient * position
+    }
+
+    /// Half the vorticity, `1/2 curl u`: the rate at which a sphere in this flow turns.
+    pub fn angular_velocity(&self) -> Vector {
+        let g = self.gradient;
+        0.5 * Vector::new(g.y_axis.z - g.z_axis.y, g.z_axis.x - g.x_axis.z, g.x_axis.y - g.y_axis.x)
+    }
+
+    /// The rate of strain `(G + G^T)/2`.
+    pub fn strain_rate(&self) -> Traceless {
+        Traceless::part_of(&self.gradient)
+    }
+
+    /// The rate `G_xy` at which a Lees-Edwards box that goes with the flow shears.
+    pub fn shear_rate(&self) -> f64 {
+        self.gradient.y_axis.x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shear_turns_spheres_at_minus_half_the_rate_about_z() {
+        let flow = BackgroundFlow::shear(2.0);
+        assert_eq!(flow.velocity(Vector::new(5.0, 3.0, 1.0)), Vector::new(6.0, 0.0, 0.0));
+        assert_eq!(flow.angular_velocity(), Vector::new(0.0, 0.0, -1.0));
+        assert_eq!(flow.strain_rate(), Traceless([0.0, 1.0, 0.0, 0.0, 0.0]));
+        assert!(flow.shear_rate().to_bits() == 2.0_f64.to_bits());
+    }
+
+    #[test]
+    fn a_linear_flow_is_its_rotation_and_its_strain() {
+        let gradient = Tensor::from_cols_array(&[0.3, 1.0, -2.0, 0.7, -0.5, 3.0, 0.1, -0.4, 0.2]);
+        let flow = BackgroundFlow::with_gradient(gradient).unwrap();
+        let x = Vector::new(0.4, -1.2, 2.3);
+        let sum = flow.angular_velocity().cross(x) + flow.strain_rate().tensor() * x;
+        assert!((sum - flow.velocity(x)).length() < 1e-15);
+    }
+
+    #[test]
+    fn a_flow_that_swells_is_refused() {
+        assert_eq!(BackgroundFlow::with_gradient(Tensor::IDENTITY), Err(FlowError::Trace(3.0)));
+        assert!(BackgroundFlow::with_gradient(Tensor::IDENTITY * f64::NAN).is_err());
+    }
+}

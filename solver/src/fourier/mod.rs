@@ -1,0 +1,43 @@
+//! Fourier transforms of many lines at once: a vector's lanes hold the same element of neighbouring lines.
+
+mod butterfly;
+mod columns;
+mod rows;
+
+pub(crate) use columns::{At, Columns};
+pub(crate) use rows::{Batch, Rows};
+
+use crate::Real;
+use num_complex::Complex;
+
+/// The sign of the exponent, and with it the space that a transform leads to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// `exp(-i k x)`, to coefficients.
+    Forward,
+    /// `exp(+i k x)`, to values.
+    Backward,
+}
+
+/// `exp(-2 pi i numerator / denominator)`, correctly rounded up to the last bit or two.
+fn root_of_unity<T: Real>(numerator: usize, denominator: usize) -> Complex<T> {
+    // The angle in eighths of a turn keeps sines and cosines where they are accurate, and exact symmetries exact.
+    let eighths = 8 * (numerator % denominator);
+    let (octant, rest) = (eighths / denominator, eighths % denominator);
+    let within = |part: usize| std::f64::consts::FRAC_PI_4 * part as f64 / denominator as f64;
+    let (low, high) = (within(rest).sin_cos(), within(denominator - rest).sin_cos());
+    let (sine, cosine) = match octant {
+        0 => (low.0, low.1),
+        1 => (high.1, high.0),
+        2 => (low.1, -low.0),
+        3 => (high.0, -high.1),
+        4 => (-low.0, -low.1),
+        5 => (-high.1, -high.0),
+        6 => (-low.1, low.0),
+        _ => (-high.0, high.1),
+    };
+    Complex::new(T::from_f64(cosine), T::from_f64(-sine))
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,236 @@
+//! Real transforms of rows, as many at once as a vector has lanes.
+
+use super::butterfly::Pair;
+use super::columns::{At, Columns};
+use super::{Direction, root_of_unity};
+use crate::Real;
+use crate::simd::{Vector, Work, prefetch};
+use num_complex::Complex;
+
+/// A plan for rows of `n` real values and their `n/2` coefficients `0 <= k < n/2`; the coefficient `n/2` is dropped, and
+/// taken as zero on the way back. Neither direction scales.
+///
+/// A row of coefficients is made of blocks: the real parts of [`Real::LANES`] neighbours, then their imaginary parts;
+/// the last block is filled up with zeros.
+///
+/// Pairs of values are transformed as complex numbers, `z_j = x_2j + i x_2j+1`, and
+/// `X_k = (Z_k + Z*_h-k)/2 - i/2 exp(-2 pi i k / n) (Z_k - Z*_h-k)` with `h = n/2`.
+pub(crate) struct Rows<T> {
+    half: Columns<T>,
+    /// `-i/2 exp(-2 pi i k / n)`
+    roots: Vec<Complex<T>>,
+    halo: usize,
+}
+
+/// Neighbouring rows in memory, and the distance in reals from one to the next.
+#[derive(Clone, Copy)]
+pub(crate) struct Batch<T> {
+    pub first: *mut T,
+    pub stride: usize,
+}
+
+impl<T: Real> Rows<T> {
+    pub fn new(length: usize, halo: usize) -> Self {
+        let root = |k: usize| {
+            let w: Complex<T> = root_of_unity(k, length);
+            let half = T::from_f64(0.5);
+            Complex::new(w.im * half, -(w.re * half))
+        };
+        Self { half: Columns::new(length / 2), roots: (0..length / 2).map(root).collect(), halo }
+    }
+
+    /// Reals that the buffers need to hold.
+    pub fn room(&self) -> usize {
+        self.blocks() * T::LANES * 2 * T::LANES
+    }
+
+    fn blocks(&self) -> usize {
+        self.half.length().div_ceil(T::LANES)
+    }
+
+    /// Transforms [`Real::LANES`] rows in place: adds halos to the rows' starts and goes forward, or goes backward and
+    /// fills the halos.
+    ///
+    /// # Safety
+    /// The rows can be read and written up to their stride, which is a multiple of [`Real::LANES`] and has room for
+    /// values, halo and blocks, and nobody else touches them meanwhile; each buffer has [`Self::room`].
+    pub unsafe fn run(&self, direction: Direction, rows: Batch<T>, [values, first, second]: [*mut T; 3]) {
+        let columns = At { first: values, stride: 2 * T::LANES };
+        let transform = || {
+            // SAFETY: the buffers have room for half as many complex elements.
+            unsafe { self.half.run(direction, columns, columns, [first, second]) };
+        };
+        match direction {
+            Direction::Forward => {
+                T::dispatch(Gather { plan: self, rows, values });
+                transform();
+                T::dispatch(Spectrum { plan: self, rows, values });
+            }
+            Direction::Backward => {
+                T::dispatch(FromSpectrum { plan: self, rows, values });
+                transform();
+                T::dispatch(Scatter { plan: self, rows, values });
+            }
+        }
+    }
+}
+
+/// Adds the halos, and transposes values into lanes.
+struct Gather<'a, T> {
+    plan: &'a Rows<T>,
+    rows: Batch<T>,
+    values: *mut T,
+}
+
+impl<T: Real> Work<T> for Gather<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { plan, rows, values } = self;
+        let length = 2 * plan.half.length();
+        for r in 0..T::LANES {
+            // SAFETY: a row has room for its values and its halo.
+            let row = unsafe { std::slice::from_raw_parts_mut(rows.first.add(r * rows.stride), length + plan.halo) };
+            let (row, halo) = row.split_at_mut(length);
+            for turn in halo.chunks(length) {
+                for (value, extra) in row.iter_mut().zip(turn) {
+                    *value += *extra;
+                }
+            }
+        }
+        for x in (0..length).step_by(T::LANES) {
+            // The next batch, before it is needed.
+            for r in T::LANES..2 * T::LANES {
+                prefetch(rows.first.wrapping_add(r * rows.stride + x));
+            }
+            // SAFETY: rows and buffer have room up to the next multiple of the lanes.
+            unsafe { V::transpose((rows.first.add(x), rows.stride), (values.add(x * T::LANES), T::LANES)) };
+        }
+    }
+}
+
+/// Transposes values back into rows, and fills the halos.
+struct Scatter<'a, T> {
+    plan: &'a Rows<T>,
+    rows: Batch<T>,
+    values: *mut T,
+}
+
+impl<T: Real> Work<T> for Scatter<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { plan, rows, values } = self;
+        let length = 2 * plan.half.length();
+        for x in (0..length).step_by(T::LANES) {
+            // SAFETY: rows and buffer have room up to the next multiple of the lanes.
+            unsafe { V::transpose((values.add(x * T::LANES), T::LANES), (rows.first.add(x), rows.stride)) };
+        }
+        for r in 0..T::LANES {
+            // SAFETY: a row has room for its values and its halo.
+            let row = unsafe { std::slice::from_raw_parts_mut(rows.first.add(r * rows.stride), length + plan.halo) };
+            let (row, halo) = row.split_at_mut(length);
+            for turn in halo.chunks_mut(length) {
+                turn.copy_from_slice(&row[..turn.len()]);
+            }
+        }
+    }
+}
+
+/// From the transform of the pairs to the coefficients, and these into blocks of the rows.
+struct Spectrum<'a, T> {
+    plan: &'a Rows<T>,
+    rows: Batch<T>,
+    values: *mut T,
+}
+
+impl<T: Real> Work<T> for Spectrum<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { plan, rows, values } = self;
+        let h = plan.half.length();
+        let half = V::splat(T::from_f64(0.5));
+        // SAFETY: all elements lie inside the buffer and the rows.
+        unsafe {
+            let zero = V::splat(T::default());
+            let first = element::<T, V>(values, 0);
+            put(values, 0, Pair::new(first.re.add(first.im), zero));
+            for k in 1..=h / 2 {
+                let (a, b) = (element::<T, V>(values, k), element::<T, V>(values, h - k));
+                let sum = Pair::<V, T>::new(a.re.add(b.re).mul(half), a.im.sub(b.im).mul(half));
+                let turned = root::<T, V>(plan.roots[k]).mul(Pair::new(a.re.sub(b.re), a.im.add(b.im)));
+                put(values, h - k, conjugate(sum.sub(turned)));
+                put(values, k, sum.add(turned));
+            }
+            for k in h..plan.blocks() * T::LANES {
+                put(values, k, Pair::new(zero, zero));
+            }
+            for part in 0..2 * plan.blocks() {
+                let from = values.add((part / 2) * 2 * T::LANES * T::LANES + (part % 2) * T::LANES);
+                V::transpose((from, 2 * T::LANES), (rows.first.add(part * T::LANES), rows.stride));
+            }
+        }
+    }
+}
+
+/// From the blocks of the rows to what the transform of the pairs starts from.
+struct FromSpectrum<'a, T> {
+    plan: &'a Rows<T>,
+    rows: Batch<T>,
+    values: *mut T,
+}
+
+impl<T: Real> Work<T> for FromSpectrum<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { plan, rows, values } = self;
+        let h = plan.half.length();
+        let two = V::splat(T::from_f64(2.0));
+        // SAFETY: all elements lie inside the buffer and the rows.
+        unsafe {
+            for part in 0..2 * plan.blocks() {
+                let to = values.add((part / 2) * 2 * T::LANES * T::LANES + (part % 2) * T::LANES);
+                V::transpose((rows.first.add(part * T::LANES), rows.stride), (to, 2 * T::LANES));
+            }
+            let first = element::<T, V>(values, 0);
+            put(values, 0, Pair::new(first.re, first.re));
+            for k in 1..=h / 2 {
+                let (a, b) = (element::<T, V>(values, k), element::<T, V>(values, h - k));
+                let sum = Pair::<V, T>::new(a.re.add(b.re), a.im.sub(b.im));
+                let difference = Pair::<V, T>::new(a.re.sub(b.re).mul(two), a.im.add(b.im).mul(two));
+                // 2 conj(-i/2 w^k) = i w^-k
+                let turned = conjugate(root::<T, V>(plan.roots[k])).mul(difference);
+                put(values, h - k, conjugate(sum.sub(turned)));
+                put(values, k, sum.add(turned));
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn root<T: Real, V: Vector<T>>(root: Complex<T>) -> Pair<V, T> {
+    Pair::new(V::splat(root.re), V::splat(root.im))
+}
+
+#[inline(always)]
+fn conjugate<T: Real, V: Vector<T>>(value: Pair<V, T>) -> Pair<V, T> {
+    Pair::new(value.re, V::splat(T::default()).sub(value.im))
+}
+
+#[inline(always)]
+unsafe fn element<T: Real, V: Vector<T>>(values: *mut T, index: usize) -> Pair<V, T> {
+    // SAFETY: the caller's promise.
+    unsafe { Pair::load(values.add(index * 2 * T::LANES), [0, T::LANES]) }
+}
+
+#[inline(always)]
+unsafe fn put<T: Real, V: Vector<T>>(values: *mut T, index: usize, value: Pair<V, T>) {
+    // SAFETY: the caller's promise.
+    unsafe { value.store(values.add(index * 2 * T::LANES), [0, T::LANES]) };
+}

@@ -1,0 +1,73 @@
+//! Where the values of a rank's share stand in memory, in each stage of a transform.
+
+use crate::Real;
+use domain::{Partition, block};
+use std::ops::Range;
+
+/// The share of one rank. Physical values stand in rows along x, [component][z][y][x], with room for a halo after each
+/// row; rows and planes are odd numbers of cache lines, so that columns across them do not compete for the same places
+/// of the cache. A spectral row has `nx/2` complex values, in blocks: the real parts of a few neighbours, as many as
+/// fill a cache line, then their imaginary parts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Layout {
+    pub points: [usize; 3],
+    /// Lines along y and along z that this rank owns in physical space.
+    pub rows: [Range<usize>; 2],
+    /// Blocks along x and modes along y that this rank owns in spectral space.
+    pub blocks: Range<usize>,
+    pub modes: Range<usize>,
+    /// Reals of room after each row.
+    pub halo: usize,
+    /// Distances between neighbours in x-rows and z-pencils, in reals.
+    pub physical: Strides,
+    pub transposed: Strides,
+    pub spectral: Strides,
+    /// Reals of room that every stage fits in.
+    pub capacity: usize,
+}
+
+/// Distances in memory between neighbours, in reals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Strides {
+    pub component: usize,
+    pub z: usize,
+    pub y: usize,
+}
+
+impl Strides {
+    /// The first value of a row.
+    pub fn at(&self, component: usize, y: usize, z: usize) -> usize {
+        component * self.component + z * self.z + y * self.y
+    }
+}
+
+impl Layout {
+    pub fn new<T: Real>(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
+        let [nx, ny, nz] = points;
+        assert_eq!(partition.lines(), [ny, nz], "the partition shares out the lines of this grid");
+        let block_size = 2 * T::LANES;
+        let blocks_in_all = (nx / 2).div_ceil(T::LANES);
+        let rows = partition.owned();
+        let (column, row) = (partition.column(), partition.row());
+        let blocks = block(blocks_in_all, column.size(), column.rank());
+        let modes = block(ny, row.size(), row.rank());
+        let odd_lines = |reals: usize| (reals.div_ceil(T::LANES) | 1) * T::LANES;
+        let y = odd_lines((nx + halo).max(blocks_in_all * block_size));
+        let z = odd_lines(rows[0].len() * y);
+        let physical = Strides { component: rows[1].len() * z, z, y };
+        let width = blocks.len() * block_size;
+        let transposed = if column.size() == 1 {
+            physical
+        } else {
+            Strides { component: width, z: 3 * width, y: 3 * width * rows[1].len() }
+        };
+        let spectral = if row.size() == 1 {
+            transposed
+        } else {
+            Strides { component: width * modes.len(), z: 3 * width * modes.len(), y: width }
+        };
+        let capacity = [3 * physical.component, 3 * width * ny * rows[1].len(), 3 * width * modes.len() * nz];
+        let capacity = capacity.into_iter().max().unwrap_or(0);
+        Self { points, rows, blocks, modes, halo, physical, transposed, spectral, capacity }
+    }
+}

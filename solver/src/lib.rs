@@ -1,0 +1,39 @@
+//! The fluid: the grid, fields on it, their Fourier transform over any number of ranks, and the Stokes solve.
+//!
+//! One way through the crate is one force density to one velocity:
+//! ```
+//! use domain::{Comm, Partition, PeriodicBox, Vector};
+//! use solver::{Grid, Stokes, Transform};
+//!
+//! let cell = PeriodicBox::new(Vector::new(2.0, 1.0, 1.0))?;
+//! let grid = Grid::new([32, 16, 16], cell)?;
+//! let partition = Partition::new(&Comm::alone(), grid.lines());
+//! let mut transform = Transform::<f64>::new(grid.points(), &partition, 8);
+//! let mut field = transform.field();
+//! field.row_mut(1, 0, 0)[3] = 1.0; // a force along y at the grid point (3, 0, 0)
+//! transform.apply(&mut field, &Stokes::new(&grid, 1.0));
+//! let velocity = field.row(1, 0, 0)[3];
+//! assert!(velocity > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod divergence;
+mod field;
+mod flow;
+mod fourier;
+mod grid;
+mod layout;
+mod memory;
+mod real;
+mod shared;
+pub mod simd;
+mod stokes;
+mod transform;
+
+pub use divergence::divergence;
+pub use field::{Field, Physical, Spectral, Tile};
+pub use flow::{BackgroundFlow, FlowError};
+pub use grid::{Grid, GridError};
+pub use real::Real;
+pub use stokes::Stokes;
+pub use transform::Transform;

@@ -1,0 +1,31 @@
+//! Memory that begins at a cache line.
+
+use crate::Real;
+use bytemuck::{Pod, Zeroable};
+use std::marker::PhantomData;
+
+/// Values of which every 64th byte begins a cache line.
+#[derive(Debug, Clone)]
+pub(crate) struct Memory<T> {
+    lines: Vec<Line>,
+    values: PhantomData<T>,
+}
+
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Line([u64; 8]);
+
+impl<T: Real> Memory<T> {
+    /// At least `count` zeros.
+    pub fn zero(count: usize) -> Self {
+        Self { lines: vec![Line::zeroed(); count.div_ceil(T::LANES)], values: PhantomData }
+    }
+
+    pub fn values(&self) -> &[T] {
+        bytemuck::cast_slice(&self.lines)
+    }
+
+    pub fn values_mut(&mut self) -> &mut [T] {
+        bytemuck::cast_slice_mut(&mut self.lines)
+    }
+}

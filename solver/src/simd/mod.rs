@@ -1,0 +1,136 @@
+//! The widest vectors of the machine that the program happens to run on.
+//!
+//! The crates are compiled for any processor of their family; what follows compiles a kernel again for each set of
+//! vector instructions and picks the best at run time. Products and sums are fused everywhere (`mul_add`, rounded
+//! once), so that each set gives the same bits. Machines without fused instructions compute them in software: right,
+//! but slow.
+//!
+//! - [`vectorised`] runs a closure of plain loops, which the compiler vectorises.
+//! - [`Work`] is a kernel written in [`Vector`]s, for code that the compiler does not vectorise by itself.
+//!
+//! In both, whatever is called and not inlined is compiled for any processor: every function of a kernel is
+//! `#[inline(always)]`, and loops stand where `std::array::from_fn` or `map` might, which need not be inlined.
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod x86;
+
+use crate::Real;
+
+/// As many neighbouring values as fill a cache line of 64 bytes, worked on at once.
+///
+/// All functions are meant to be inlined into [`Work::run`].
+pub trait Vector<T: Real>: Copy {
+    /// Reads neighbouring values.
+    ///
+    /// # Safety
+    /// [`Real::LANES`] values can be read at `from`.
+    unsafe fn load(from: *const T) -> Self;
+
+    /// Writes neighbouring values.
+    ///
+    /// # Safety
+    /// [`Real::LANES`] values can be written at `to`.
+    unsafe fn store(self, to: *mut T);
+
+    /// The same value in every lane.
+    fn splat(value: T) -> Self;
+
+    /// `self + other`
+    #[must_use]
+    fn add(self, other: Self) -> Self;
+
+    /// `self - other`
+    #[must_use]
+    fn sub(self, other: Self) -> Self;
+
+    /// `self * other`
+    #[must_use]
+    fn mul(self, other: Self) -> Self;
+
+    /// `self / other`
+    #[must_use]
+    fn div(self, other: Self) -> Self;
+
+    /// `self * factor + term`, rounded once.
+    #[must_use]
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// `term - self * factor`, rounded once.
+    #[must_use]
+    fn mul_sub_from(self, factor: Self, term: Self) -> Self;
+
+    /// Transposes a square of [`Real::LANES`] rows and columns: `to[j * to_stride + i] = from[i * from_stride + j]`.
+    ///
+    /// # Safety
+    /// The rows can be read and written, and the two squares do not overlap.
+    unsafe fn transpose(from: (*const T, usize), to: (*mut T, usize));
+}
+
+/// A kernel in terms of vectors, compiled for each set of instructions; [`Real::dispatch`] runs it.
+pub trait Work<T: Real> {
+    /// What it returns.
+    type Output;
+
+    /// Does the work. Implementations, and all that they call, are `#[inline(always)]`: only then do the instructions of
+    /// the caller reach them.
+    fn run<V: Vector<T>>(self) -> Self::Output;
+}
+
+/// Sets of vector instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// What every machine has for which this program was compiled.
+    Portable,
+    /// AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// AVX-512, all of F, BW, DQ and VL.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Level {
+    /// The widest of this machine.
+    #[inline]
+    pub fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if x86::has_avx512() {
+                return Self::Avx512;
+            }
+            if x86::has_avx2() {
+                return Self::Avx2;
+            }
+        }
+        Self::Portable
+    }
+}
+
+/// Asks for the cache line of an address that need not exist, to be near when it is wanted.
+#[inline(always)]
+pub(crate) fn prefetch<T>(address: *const T) {
+    // SAFETY: a hint, which reads nothing.
+    #[cfg(target_arch = "x86_64")]
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address.cast());
+    }
+}
+
+/// Runs `work` compiled for the widest vectors of this machine. Its loops are vectorised like any others, but with wider
+/// registers and fused `mul_add`; it is written `vectorised(#[inline(always)] || ...)`, and what it calls is inlined as
+/// well, or it stays as it was.
+pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
+    match Level::detect() {
+        Level::Portable => work(),
+        // SAFETY: the machine has these instructions.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => unsafe { x86::avx2(work) },
+        // SAFETY: the machine has these instructions.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => unsafe { x86::avx512(work) },
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,74 @@
+//! Vectors for any machine.
+
+use super::Vector;
+use crate::Real;
+
+/// An array by its elements. A loop in place: `std::array::from_fn` need not be inlined.
+macro_rules! each {
+    ($i:ident, $value:expr) => {{
+        let mut result = [T::default(); LANES];
+        for $i in 0..LANES {
+            result[$i] = $value;
+        }
+        result
+    }};
+}
+
+impl<T: Real, const LANES: usize> Vector<T> for [T; LANES] {
+    #[inline(always)]
+    unsafe fn load(from: *const T) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe { from.cast::<Self>().read() }
+    }
+
+    #[inline(always)]
+    unsafe fn store(self, to: *mut T) {
+        // SAFETY: the caller's promise.
+        unsafe { to.cast::<Self>().write(self) }
+    }
+
+    #[inline(always)]
+    fn splat(value: T) -> Self {
+        [value; LANES]
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        each!(i, self[i] + other[i])
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        each!(i, self[i] - other[i])
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        each!(i, self[i] * other[i])
+    }
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        each!(i, self[i] / other[i])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        each!(i, self[i].mul_add(factor[i], term[i]))
+    }
+
+    #[inline(always)]
+    fn mul_sub_from(self, factor: Self, term: Self) -> Self {
+        each!(i, (-self[i]).mul_add(factor[i], term[i]))
+    }
+
+    #[inline(always)]
+    unsafe fn transpose((from, from_stride): (*const T, usize), (to, to_stride): (*mut T, usize)) {
+        for i in 0..LANES {
+            for j in 0..LANES {
+                // SAFETY: the caller's promise.
+                unsafe { *to.add(j * to_stride + i) = *from.add(i * from_stride + j) };
+            }
+        }
+    }
+}

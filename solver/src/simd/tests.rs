@@ -1,0 +1,76 @@
+use super::*;
+
+/// Every function of a vector on the same numbers.
+struct Everything;
+
+impl<T: Real> Work<T> for Everything {
+    type Output = Vec<T>;
+
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) -> Vec<T> {
+        let lanes = T::LANES;
+        let numbers = |seed: usize| -> Vec<T> {
+            (0..lanes * lanes).map(|i| T::from_f64(((i * 7 + seed) as f64 * 0.731).sin() + 2.0)).collect()
+        };
+        let [a, b, c] = [numbers(1), numbers(2), numbers(3)];
+        let mut results = vec![T::default(); 8 * lanes + lanes * lanes];
+        // SAFETY: all have room for a vector, and the squares for a vector of vectors.
+        unsafe {
+            let [x, y, z] = [V::load(a.as_ptr()), V::load(b.as_ptr()), V::load(c.as_ptr())];
+            let all =
+                [V::splat(a[3]), x.add(y), x.sub(y), x.mul(y), x.div(y), x.mul_add(y, z), x.mul_sub_from(y, z), z];
+            for (i, value) in all.into_iter().enumerate() {
+                value.store(results.as_mut_ptr().add(i * lanes));
+            }
+            V::transpose((a.as_ptr(), lanes), (results.as_mut_ptr().add(8 * lanes), lanes));
+        }
+        results
+    }
+}
+
+fn all_levels() -> Vec<Level> {
+    let mut levels = vec![Level::Portable];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend([Level::Avx2, Level::Avx512].into_iter().filter(|&level| match level {
+        Level::Avx512 => x86::has_avx512(),
+        _ => x86::has_avx2(),
+    }));
+    levels
+}
+
+fn same_bits_on_all_levels<T: Real>() {
+    let lanes = T::LANES;
+    for level in all_levels() {
+        // SAFETY: the machine has this level.
+        let found = unsafe { T::dispatch_at(level, Everything) };
+        // SAFETY: every machine has this level.
+        let expected = unsafe { T::dispatch_at(Level::Portable, Everything) };
+        assert_eq!(found, expected, "{level:?}");
+        let a = |i: usize| T::from_f64(((i * 7 + 1) as f64 * 0.731).sin() + 2.0);
+        for (i, j) in (0..lanes).flat_map(|i| (0..lanes).map(move |j| (i, j))) {
+            assert_eq!(found[8 * lanes + j * lanes + i], a(i * lanes + j));
+        }
+    }
+}
+
+#[test]
+fn all_instructions_give_the_same_bits() {
+    same_bits_on_all_levels::<f32>();
+    same_bits_on_all_levels::<f64>();
+}
+
+#[test]
+fn vectorised_returns_what_the_closure_does() {
+    let values: Vec<f64> = (0..100).map(f64::from).collect();
+    let mut sums = vec![1.0; 100];
+    let count = vectorised(
+        #[inline(always)]
+        || {
+            for (sum, value) in sums.iter_mut().zip(&values) {
+                *sum = value.mul_add(2.0, *sum);
+            }
+            sums.len()
+        },
+    );
+    assert_eq!((count, sums[7]), (100, 15.0));
+}

@@ -1,0 +1,153 @@
+//! From force density to velocity.
+
+use crate::simd::{Vector, Work};
+use crate::{Grid, Real};
+
+/// The Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`], which it
+/// completes with the factor `1 / (nx ny nz)`: a force density goes to the velocity that it drives.
+///
+/// The mean velocity, `k = 0`, is zero: a uniform pressure gradient balances the net force. The highest mode of each
+/// axis is zero as well: it stands for `+k` and `-k` at once, between which the projection (and in a sheared box even
+/// `k^2`) has no answer. So the operator is real, symmetric and positive semi-definite, as the projection is mode by
+/// mode. Wavevectors are computed in `f64` and rounded once.
+pub struct Stokes<T> {
+    points: [usize; 3],
+    /// Values for each m1, filled up with zeros to whole blocks.
+    k1: Vec<T>,
+    /// Values for each m2 and m1.
+    k2: Vec<T>,
+    /// `plane(k1, k2) / (mu nx ny nz)`, 0 where the velocity is.
+    plane: Vec<T>,
+    /// `1 / (k1^2 + k2^2)`, 0 at the origin.
+    inverse: Vec<T>,
+    /// Values for each m3.
+    k3: Vec<T>,
+    axis: Vec<T>,
+}
+
+impl<T: Real> Stokes<T> {
+    /// The solve for a fluid of this viscosity, `m = 1`.
+    pub fn new(grid: &Grid, viscosity: f64) -> Self {
+        Self::with_multiplier(grid, viscosity, |_, _| 1.0, |_| 1.0)
+    }
+
+    /// The solve with a multiplier `m(k) = plane(k1, k2) axis(k3)` of the wavevector `k = (k1, k2, k3)` of the box,
+    /// sheared or not: with `m` even, as that of every real even kernel, and not negative, the operator keeps its
+    /// properties. `axis` is called for `k3 >= 0`.
+    pub fn with_multiplier(
+        grid: &Grid,
+        viscosity: f64,
+        plane: impl Fn(f64, f64) -> f64,
+        axis: impl Fn(f64) -> f64,
+    ) -> Self {
+        let [nx, ny, nz] = grid.points();
+        let scale = 1.0 / (viscosity * grid.count() as f64);
+        let columns = (nx / 2).next_multiple_of(T::LANES);
+        let modes = || (0..ny).flat_map(|m2| (0..columns).map(move |m1| [m1, m2, 0]));
+        let in_plane = |mode: [usize; 3]| {
+            let k = if mode[0] < nx / 2 { grid.wavevector(mode) } else { grid.wavevector([0, mode[1], 0]) };
+            [k.x, k.y]
+        };
+        let factor = |mode: [usize; 3]| {
+            let [k1, k2] = in_plane(mode);
+            if mode[0] >= nx / 2 || grid.is_nyquist(1, mode[1]) { 0.0 } else { scale * plane(k1, k2) }
+        };
+        let inverse = |mode: [usize; 3]| {
+            let [k1, k2] = in_plane(mode);
+            if k1 == 0.0 && k2 == 0.0 { 0.0 } else { 1.0 / (k1 * k1 + k2 * k2) }
+        };
+        let k3 = |m3: usize| grid.wavenumber(2, m3);
+        let along_axis = |m3: usize| if grid.is_nyquist(2, m3) { 0.0 } else { axis(k3(m3).abs()) };
+        Self {
+            points: grid.points(),
+            k1: (0..columns).map(|m1| T::from_f64(in_plane([m1, 0, 0])[0])).collect(),
+            k2: modes().map(|mode| T::from_f64(in_plane(mode)[1])).collect(),
+            plane: modes().map(|mode| T::from_f64(factor(mode))).collect(),
+            inverse: modes().map(|mode| T::from_f64(inverse(mode))).collect(),
+            k3: (0..nz).map(|m3| T::from_f64(k3(m3))).collect(),
+            axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),
+        }
+    }
+
+    pub(crate) fn points(&self) -> [usize; 3] {
+        self.points
+    }
+
+    /// Multiplies the columns along z of one block along x and one mode along y: for each component, for each m3, a
+    /// vector of real parts and one of imaginary parts.
+    ///
+    /// # Safety
+    /// The columns can be read and written.
+    pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; 3]) {
+        T::dispatch(Multiply { operator: self, place, components });
+    }
+}
+
+struct Multiply<'a, T> {
+    operator: &'a Stokes<T>,
+    place: [usize; 2],
+    components: [*mut T; 3],
+}
+
+impl<T: Real> Work<T> for Multiply<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Stokes { points, k1, k2, plane, inverse, k3, axis } = self.operator;
+        let nz = points[2];
+        let [block, mode] = self.place;
+        let column = block * T::LANES;
+        let in_plane = mode * k1.len() + column;
+        let [k1, k2] = [part::<T, V>(k1, column), part::<T, V>(k2, in_plane)];
+        let plane = part::<T, V>(plane, in_plane);
+        let square = k2.mul_add(k2, k1.mul(k1));
+        let one = V::splat(T::from_f64(1.0));
+        let zero = V::splat(T::default());
+        // SAFETY: the columns have nz elements; the mode nz/2 is set to zero, all others are k3 and -k3 in turn.
+        unsafe {
+            let inverse = part::<T, V>(inverse, in_plane);
+            self.project([k1, k2, zero], inverse, plane.mul(V::splat(axis[0])).mul(inverse), 0);
+            for m3 in 1..nz / 2 {
+                let k3 = V::splat(k3[m3]);
+                let inverse = one.div(k3.mul_add(k3, square));
+                let factor = plane.mul(V::splat(axis[m3])).mul(inverse);
+                self.project([k1, k2, k3], inverse, factor, m3);
+                self.project([k1, k2, zero.sub(k3)], inverse, factor, nz - m3);
+            }
+            self.project([k1, k2, zero], zero, zero, nz / 2);
+        }
+    }
+}
+
+impl<T: Real> Multiply<'_, T> {
+    /// `f <- factor (f - k (k.f) / k^2)` for one element of the columns, given `1/k^2`.
+    #[inline(always)]
+    unsafe fn project<V: Vector<T>>(&self, k: [V; 3], inverse: V, factor: V, m3: usize) {
+        for part in [0, T::LANES] {
+            let [x, y, z] = self.components;
+            // SAFETY: the caller's promise.
+            let (place, f) = unsafe {
+                let at = m3 * 2 * T::LANES + part;
+                let place = [x.add(at), y.add(at), z.add(at)];
+                (place, [V::load(place[0]), V::load(place[1]), V::load(place[2])])
+            };
+            let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0]))).mul(inverse);
+            for c in 0..3 {
+                // SAFETY: the caller's promise.
+                unsafe { along.mul_sub_from(k[c], f[c]).mul(factor).store(place[c]) };
+            }
+        }
+    }
+}
+
+/// As many values of a table as a vector has.
+#[inline(always)]
+fn part<T: Real, V: Vector<T>>(table: &[T], first: usize) -> V {
+    let values = &table[first..first + T::LANES];
+    // SAFETY: they are there.
+    unsafe { V::load(values.as_ptr()) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,114 @@
+//! The only way from one space to the other.
+
+mod exchange;
+mod share;
+
+use crate::fourier::Direction;
+use crate::layout::Layout;
+use crate::memory::Memory;
+use crate::{Field, Physical, Real, Spectral, Stokes};
+use domain::Partition;
+use exchange::Exchange;
+use share::{Axis, Share};
+
+/// The Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
+/// allocating.
+///
+/// Forward is `u_hat(m) = sum_x u(x) exp(-i k(m).x)`, backward `u(x) = sum_m u_hat(m) exp(+i k(m).x)`. Neither scales:
+/// forward and backward give `nx ny nz` times the field, which [`Stokes`] divides by. Coefficients of real fields come
+/// in conjugate pairs, and those of `0 <= m1 < nx/2` are kept. The highest mode of x, `m1 = nx/2`, in which a
+/// derivative has no meaning and which every operator here would set to zero, is dropped.
+///
+/// Rows along x are whole on a rank. Columns along y and then along z are made whole by one exchange each, of all three
+/// components at once, among the ranks that split them; a table of ranks with a single row or column saves that
+/// exchange, and a rank on its own copies nothing. Coefficients are left where the last exchange brought them. In the
+/// exchange along y the ranks share out blocks of 8 (`f64`) or 16 (`f32`) columns of `nx/2`: beyond as many ranks
+/// along y as there are blocks, some wait.
+///
+/// Threads of the pool in which a method is called work side by side; results are the same bits for any number of
+/// threads and ranks.
+pub struct Transform<T> {
+    share: Share<T>,
+    along_y: Option<Exchange>,
+    along_z: Option<Exchange>,
+    outbox: Memory<T>,
+}
+
+impl<T: Real> Transform<T> {
+    /// Plans the transform of grids of `points` values, which [`crate::Grid`] allows, shared out by `partition`, with
+    /// room for `halo` values after each row, which go around the row as often as they need. A collective call, as all
+    /// others.
+    ///
+    /// # Panics
+    /// If the partition shares out other lines than those of the grid.
+    pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
+        let layout = Layout::new::<T>(points, partition, halo);
+        let along_y = Exchange::along_y::<T>(&layout, partition);
+        let along_z = Exchange::along_z::<T>(&layout, partition);
+        let sent = [&along_y, &along_z].into_iter().flatten().map(Exchange::room).max();
+        Self { share: Share::new(layout), along_y, along_z, outbox: Memory::zero(sent.unwrap_or(0)) }
+    }
+
+    /// A field of zeros for this transform.
+    pub fn field(&self) -> Field<T, Physical> {
+        Field::zero(self.share.layout())
+    }
+
+    /// From values to coefficients. What stands in the halos is added to the starts of the rows first; after a backward
+    /// transform, [`Field::clear_halo`] comes before.
+    #[must_use]
+    pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
+        self.planes_forward(&mut field.memory);
+        self.share.pencils(&mut field.memory, Direction::Forward);
+        field.into_space()
+    }
+
+    /// From coefficients to values. The halos are filled.
+    #[must_use]
+    pub fn backward(&mut self, mut field: Field<T, Spectral>) -> Field<T, Physical> {
+        self.share.pencils(&mut field.memory, Direction::Backward);
+        self.planes_backward(&mut field.memory);
+        field.into_space()
+    }
+
+    /// From force density to velocity: forward, times the operator, backward. The last direction goes both ways while
+    /// a few of its columns are in the cache. Halos are added to the rows first, and filled at the end.
+    pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
+        assert_eq!(self.share.layout().points, operator.points(), "transform and operator have one grid");
+        self.planes_forward(&mut field.memory);
+        self.share.pencils_through(&mut field.memory, operator);
+        self.planes_backward(&mut field.memory);
+    }
+
+    /// Transforms along x and y, after which columns along z are whole.
+    fn planes_forward(&mut self, memory: &mut Memory<T>) {
+        assert!(memory.values().len() >= self.share.layout().capacity, "the field is of this transform");
+        if let Some(exchange) = &self.along_y {
+            self.share.planes(memory, Direction::Forward, &[Axis::X]);
+            exchange.send(memory, &mut self.outbox);
+            self.share.planes(memory, Direction::Forward, &[Axis::Y]);
+        } else {
+            self.share.planes(memory, Direction::Forward, &[Axis::X, Axis::Y]);
+        }
+        if let Some(exchange) = &self.along_z {
+            exchange.send(memory, &mut self.outbox);
+        }
+    }
+
+    /// The way back from whole columns along z.
+    fn planes_backward(&mut self, memory: &mut Memory<T>) {
+        if let Some(exchange) = &self.along_z {
+            exchange.send_back(memory, &mut self.outbox);
+        }
+        if let Some(exchange) = &self.along_y {
+            self.share.planes(memory, Direction::Backward, &[Axis::Y]);
+            exchange.send_back(memory, &mut self.outbox);
+            self.share.planes(memory, Direction::Backward, &[Axis::X]);
+        } else {
+            self.share.planes(memory, Direction::Backward, &[Axis::Y, Axis::X]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,150 @@
+//! What a rank transforms by itself: planes along x and y, and columns along z.
+
+use crate::fourier::{At, Batch, Columns, Direction, Rows};
+use crate::layout::Layout;
+use crate::memory::Memory;
+use crate::shared::Shared;
+use crate::{Real, Stokes};
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// The directions within a plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Axis {
+    X,
+    Y,
+}
+
+/// One rank's layout, the plans of its three directions, and room for each thread to work in.
+pub(super) struct Share<T> {
+    layout: Layout,
+    rows: Rows<T>,
+    along_y: Columns<T>,
+    along_z: Columns<T>,
+    room: usize,
+    desks: Vec<Mutex<Memory<T>>>,
+}
+
+impl<T: Real> Share<T> {
+    pub fn new(layout: Layout) -> Self {
+        let [nx, ny, nz] = layout.points;
+        let rows = Rows::new(nx, layout.halo);
+        let room = rows.room().max(2 * T::LANES * ny.max(nz));
+        let desk = || Mutex::new(Memory::zero(5 * room + T::LANES * layout.physical.y));
+        let desks = (0..rayon::current_num_threads()).map(|_| desk()).collect();
+        Self { rows, along_y: Columns::new(ny), along_z: Columns::new(nz), room, desks, layout }
+    }
+
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Lends a thread room to work in: two buffers, a panel of three components, and a batch of rows.
+    fn at_desk(&self, work: impl FnOnce([*mut T; 2], *mut T, &mut [T])) {
+        let desk = rayon::current_thread_index().unwrap_or(0) % self.desks.len();
+        let mut memory = self.desks[desk].lock().unwrap_or_else(PoisonError::into_inner);
+        let (first, rest) = memory.values_mut().split_at_mut(self.room);
+        let (second, rest) = rest.split_at_mut(self.room);
+        let (panel, batch) = rest.split_at_mut(3 * self.room);
+        work([first.as_mut_ptr(), second.as_mut_ptr()], panel.as_mut_ptr(), batch);
+    }
+
+    /// Transforms every plane of this rank along the axes, one after the other while the plane is in the cache.
+    pub fn planes(&self, memory: &mut Memory<T>, direction: Direction, axes: &[Axis]) {
+        let memory = Shared::new(memory.values_mut());
+        let planes = self.layout.rows[1].len();
+        (0..3 * planes).into_par_iter().for_each(|i| {
+            let (component, z) = (i / planes, i % planes);
+            for axis in axes {
+                match axis {
+                    Axis::X => self.plane_rows(&memory, direction, self.layout.physical.at(component, 0, z)),
+                    Axis::Y => self.plane_columns(&memory, direction, self.layout.transposed.at(component, 0, z)),
+                }
+            }
+        });
+    }
+
+    /// Transforms the rows of a plane, as many at once as there are lanes.
+    fn plane_rows(&self, memory: &Shared<T>, direction: Direction, plane: usize) {
+        let (rows, stride) = (self.layout.rows[0].len(), self.layout.physical.y);
+        self.at_desk(|[first, second], values, batch| {
+            for row in (0..rows).step_by(T::LANES) {
+                // SAFETY: a plane belongs to one thread, and the rows lie inside it.
+                unsafe {
+                    let place = memory.at(plane + row * stride);
+                    if row + T::LANES <= rows {
+                        let rows = Batch { first: place, stride };
+                        self.rows.run(direction, rows, [values, first, second]);
+                        continue;
+                    }
+                    let last = std::slice::from_raw_parts_mut(place, (rows - row) * stride);
+                    batch[..last.len()].copy_from_slice(last);
+                    batch[last.len()..].fill(T::default());
+                    self.rows.run(direction, Batch { first: batch.as_mut_ptr(), stride }, [values, first, second]);
+                    last.copy_from_slice(&batch[..last.len()]);
+                }
+            }
+        });
+    }
+
+    /// Transforms the columns of a plane, block by block.
+    fn plane_columns(&self, memory: &Shared<T>, direction: Direction, plane: usize) {
+        let stride = self.layout.transposed.y;
+        self.at_desk(|buffers, _, _| {
+            for block in 0..self.layout.blocks.len() {
+                // SAFETY: a plane belongs to one thread, and the blocks lie inside it.
+                unsafe {
+                    let columns = At { first: memory.at(plane + block * 2 * T::LANES), stride };
+                    self.along_y.run(direction, columns, columns, buffers);
+                }
+            }
+        });
+    }
+
+    /// Transforms all columns along z.
+    pub fn pencils(&self, memory: &mut Memory<T>, direction: Direction) {
+        self.each_panel(memory, |components, _| {
+            self.at_desk(|buffers, _, _| {
+                for columns in components {
+                    // SAFETY: the panel belongs to one thread.
+                    unsafe { self.along_z.run(direction, columns, columns, buffers) };
+                }
+            });
+        });
+    }
+
+    /// Transforms all columns along z, multiplies them by the operator, and transforms them back.
+    pub fn pencils_through(&self, memory: &mut Memory<T>, operator: &Stokes<T>) {
+        let stride = 2 * T::LANES;
+        self.each_panel(memory, |components, [block, mode]| {
+            self.at_desk(|buffers, panel, _| {
+                // SAFETY: the panel belongs to one thread, and the desk has room for its three components.
+                unsafe {
+                    let work = [0, 1, 2].map(|c| At { first: panel.add(c * self.room), stride });
+                    for (columns, work) in components.into_iter().zip(work) {
+                        self.along_z.run(Direction::Forward, columns, work, buffers);
+                    }
+                    operator.multiply([block, mode], work.map(|w| w.first));
+                    for (columns, work) in components.into_iter().zip(work) {
+                        self.along_z.run(Direction::Backward, work, columns, buffers);
+                    }
+                }
+            });
+        });
+    }
+
+    /// Goes to every panel of columns along z: those of one block along x and one mode along y, which it names.
+    fn each_panel(&self, memory: &mut Memory<T>, work: impl Fn([At<T>; 3], [usize; 2]) + Sync) {
+        let memory = Shared::new(memory.values_mut());
+        let Layout { blocks, modes, spectral, .. } = &self.layout;
+        (0..modes.len() * blocks.len()).into_par_iter().for_each(|i| {
+            let (mode, block) = (i / blocks.len(), i % blocks.len());
+            let components = [0, 1, 2].map(|component| {
+                let start = spectral.at(component, mode, 0) + block * 2 * T::LANES;
+                // SAFETY: the panel lies inside this rank's share.
+                At { first: unsafe { memory.at(start) }, stride: spectral.z }
+            });
+            work(components, [blocks.start + block, modes.start + mode]);
+        });
+    }
+}
