@@ -1,0 +1,163 @@
+//! Rigid spheres: the stresslets that leave no rate of strain within them.
+
+use crate::conjugate_gradients::{Limits, System, conjugate_gradients};
+use crate::loads::{Loads, Motion};
+use crate::mobility::{Evaluation, Mobility};
+use crate::plan::{Multipoles, Plan};
+use crate::work::Work;
+use domain::{Comm, Particles, Partition, PeriodicBox, Traceless};
+use std::f64::consts::PI;
+
+/// A solve that did not end well; known to all ranks.
+#[derive(Debug, Clone, thiserror::Error, PartialEq)]
+pub enum SolveError {
+    /// The stresslets did not converge.
+    #[error(
+        "the stresslets did not converge: after {iterations} iterations the residual is {residual:.1e}, asked for \
+         {tolerance:.1e}; allow a larger hydrodynamics.iteration_tolerance, or look for overlapping particles"
+    )]
+    NotConverged {
+        /// Iterations made.
+        iterations: usize,
+        /// Residual reached.
+        residual: f64,
+        /// Residual asked for.
+        tolerance: f64,
+    },
+    /// Positions or loads are not numbers.
+    #[error("the motion of the particles is not finite; look for non-finite forces, or for particles at one point")]
+    NotFinite,
+}
+
+/// The motions of rigid spheres and what was needed to find them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// Velocities, angular velocities and rates of strain relative to the background flow; with monopoles only, only
+    /// velocities.
+    pub motion: Motion,
+    /// The stresslets of the particles; empty with monopoles only.
+    pub stresslets: Vec<Traceless>,
+    /// Applications of the mobility to find the stresslets.
+    pub iterations: usize,
+    /// The error left in the stresslets, as the iteration estimates it, relative to them.
+    pub residual: f64,
+}
+
+/// The hydrodynamics of spheres: forces and torques to motions, with the stresslets that keep them rigid.
+///
+/// With `M` the mobility `(F, T, -S) -> (V, Omega, E)`, the stresslets solve `M_EE (-S) = -(E_inf + E_FT)`, where `E_FT`
+/// is the rate of strain by forces and torques and `E_inf` the background's: a symmetric positive definite system.
+pub struct Hydrodynamics {
+    mobility: Mobility,
+    comm: Comm,
+}
+
+/// Stresslet iterations after which a solve has failed.
+const MOST_ITERATIONS: usize = 500;
+
+impl Hydrodynamics {
+    /// Prepares what `plan` decided, for ranks that share out the grid by `partition`.
+    pub fn new(plan: &Plan, partition: &Partition) -> Self {
+        Self { mobility: Mobility::new(plan, partition), comm: partition.comm().clone() }
+    }
+
+    /// The mobility, for its fields and its record of work.
+    pub fn mobility(&mut self) -> &mut Mobility {
+        &mut self.mobility
+    }
+
+    /// What has been done so far.
+    pub fn work(&self) -> Work {
+        self.mobility.work()
+    }
+
+    /// The motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`.
+    /// With dipoles, `loads.stresslets` are ignored and solved for, starting from `guess` (one a particle, or none).
+    /// Collective; an error is an error on all ranks.
+    pub fn solve(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        loads: &Loads,
+        background: Traceless,
+        guess: &[Traceless],
+    ) -> Result<Solved, SolveError> {
+        self.mobility.arrange(cell, &particles.positions, &particles.radii);
+        let solved = match self.mobility.plan().multipoles {
+            Multipoles::Monopole => self.free(loads),
+            Multipoles::Dipole => self.rigid(&particles.radii, loads, background, guess)?,
+        };
+        let finite = solved.motion.velocities.iter().all(|v| v.is_finite());
+        if self.comm.any(!finite) { Err(SolveError::NotFinite) } else { Ok(solved) }
+    }
+
+    fn free(&mut self, loads: &Loads) -> Solved {
+        let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
+        let motion = self.mobility.apply(&forces, Evaluation::Velocities);
+        Solved { motion, stresslets: Vec::new(), iterations: 0, residual: 0.0 }
+    }
+
+    fn rigid(
+        &mut self,
+        radii: &[f64],
+        loads: &Loads,
+        background: Traceless,
+        guess: &[Traceless],
+    ) -> Result<Solved, SolveError> {
+        let mut resistances = if guess.is_empty() { vec![Traceless::ZERO; radii.len()] } else { guess.to_vec() };
+        let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
+        let motion = self.mobility.apply(&start, Evaluation::All);
+        // The unknowns are D = -S, for which the system is positive definite.
+        for s in &mut resistances {
+            *s = -*s;
+        }
+        let mut residual: Vec<_> = motion.strain_rates.iter().map(|&e| -(e + background)).collect();
+        let viscosity = self.mobility.plan().viscosity;
+        let diagonal: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
+        let limits = Limits { tolerance: self.mobility.plan().iteration_tolerance, iterations: MOST_ITERATIONS };
+        let mut strain = Strain { mobility: &mut self.mobility, diagonal, motion, step: Motion::default() };
+        let outcome = conjugate_gradients(&self.comm, &mut strain, (&mut resistances, &mut residual), limits);
+        let motion = strain.motion;
+        if !outcome.residual.is_finite() {
+            return Err(SolveError::NotFinite);
+        }
+        if !outcome.converged {
+            let (iterations, residual) = (outcome.iterations, outcome.residual);
+            return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
+        }
+        let stresslets = resistances.into_iter().map(|d| -d).collect();
+        Ok(Solved { motion, stresslets, iterations: outcome.iterations, residual: outcome.residual })
+    }
+}
+
+/// The rate of strain by stresslets `-D`, and the whole motion as it follows the iteration.
+struct Strain<'a> {
+    mobility: &'a mut Mobility,
+    /// The resistance of single spheres to strain.
+    diagonal: Vec<f64>,
+    motion: Motion,
+    step: Motion,
+}
+
+impl System for Strain<'_> {
+    type Unknowns = Vec<Traceless>;
+
+    fn apply(&mut self, direction: &Vec<Traceless>) -> Vec<Traceless> {
+        let stresslets = direction.iter().map(|&d| -d).collect();
+        let loads = Loads { stresslets, ..Loads::default() };
+        self.step = self.mobility.apply(&loads, Evaluation::All);
+        self.step.strain_rates.clone()
+    }
+
+    fn stepped(&mut self, length: f64) {
+        self.motion.add(length, &self.step);
+    }
+
+    fn precondition(&mut self, residual: &Vec<Traceless>) -> Vec<Traceless> {
+        residual.iter().zip(&self.diagonal).map(|(&r, &d)| r * d).collect()
+    }
+
+    fn size(&self, x: &Vec<Traceless>) -> f64 {
+        x.iter().zip(&self.diagonal).map(|(&x, &d)| x.contract(x) / d).sum()
+    }
+}

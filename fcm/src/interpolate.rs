@@ -1,0 +1,87 @@
+//! Velocity field to motions.
+
+use crate::kernel::{Lattice, Scratch, Slab, collect};
+use crate::shape::{Shape, Sources};
+use crate::stencil::Place;
+use domain::{Tensor, Vector};
+use rayon::prelude::*;
+use solver::simd::{Vector as Lanes, Work};
+use solver::{Field, Physical, Real};
+use std::marker::PhantomData;
+
+/// What is interpolated to: stencils, and for each particle present its class.
+pub(crate) struct Interpolation<'a> {
+    pub places: &'a [Place],
+    pub classes: &'a [u32],
+    pub sources: &'a [Sources],
+    pub lattice: Lattice,
+}
+
+/// Particles in a batch of one thread.
+const BATCH: usize = 64;
+
+impl Interpolation<'_> {
+    /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present, by what this rank's rows add to them.
+    pub fn run<T: Real, S: Shape<K>, const K: usize>(&self, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
+        let [lines, planes] = field.rows();
+        let strides = [field.row_stride(), field.plane_stride()];
+        let slab = &Slab { components: field.components(), lines, planes, strides };
+        let weigh = |places| T::dispatch(Weigh::<T, S, K> { to: self, places, slab, shape: PhantomData });
+        let sorted: Vec<(Vector, Tensor)> = self.places.par_chunks(BATCH).flat_map_iter(weigh).collect();
+        let mut motions = vec![(Vector::ZERO, Tensor::ZERO); sorted.len()];
+        for (place, motion) in self.places.iter().zip(sorted) {
+            motions[place.row as usize] = motion;
+        }
+        motions
+    }
+}
+
+/// One batch.
+struct Weigh<'a, T, S, const K: usize> {
+    to: &'a Interpolation<'a>,
+    places: &'a [Place],
+    slab: &'a Slab<&'a [T]>,
+    shape: PhantomData<S>,
+}
+
+impl<T: Real, S: Shape<K>, const K: usize> Work<T> for Weigh<'_, T, S, K> {
+    type Output = Vec<(Vector, Tensor)>;
+
+    #[inline(always)]
+    fn run<V: Lanes<T>>(self) -> Self::Output {
+        let Interpolation { classes, sources, lattice, .. } = self.to;
+        let mut scratch = Scratch::default();
+        let volume = lattice.spacing.x * lattice.spacing.y * lattice.spacing.z;
+        let mut motions = Vec::with_capacity(self.places.len());
+        for place in self.places {
+            let sources = &sources[classes[place.row as usize] as usize];
+            let sums = collect::<T, S, V, K>(&mut scratch, (place, sources), lattice, self.slab);
+            let (mut velocity, mut gradient) = (Vector::ZERO, [Vector::ZERO; 3]);
+            for c in 0..3 {
+                velocity[c] = total(sums.velocity[c]);
+                for j in 0..3 {
+                    gradient[j][c] = total(sums.gradient[c][j]);
+                }
+            }
+            let [x, y, z] = gradient;
+            motions.push((velocity * volume, Tensor::from_cols(x, y, z) * -volume));
+        }
+        motions
+    }
+}
+
+/// The sum of all lanes, in their order.
+#[inline(always)]
+fn total<T: Real, V: Lanes<T>>(lanes: V) -> f64 {
+    let mut values = [T::default(); MOST_LANES];
+    // SAFETY: no vector has more lanes.
+    unsafe { lanes.store(values.as_mut_ptr()) };
+    let mut sum = 0.0;
+    for value in &values[..T::LANES] {
+        sum += value.to_f64();
+    }
+    sum
+}
+
+/// Lanes of the longest vectors, those of `f32`.
+const MOST_LANES: usize = 16;

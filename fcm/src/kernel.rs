@@ -1,0 +1,181 @@
+//! The two loops in which the program spends its time: a particle's stencil to the grid, and the grid to a particle.
+
+use crate::axis::Axis;
+use crate::shape::{Columns, Load, Plane, Row, Shape, Sources, Sums};
+use crate::stencil::{Place, Support};
+use domain::Vector;
+use solver::Real;
+use solver::simd::Vector as Lanes;
+use std::ops::Range;
+
+/// The rows that one thread works on: some planes of this rank's share of the grid.
+pub(crate) struct Slab<S> {
+    /// The three components of the planes, rows with halos.
+    pub components: [S; 3],
+    /// The rank's lines along y.
+    pub lines: Range<usize>,
+    /// The slab's planes.
+    pub planes: Range<usize>,
+    /// Reals from row to row and from plane to plane.
+    pub strides: [usize; 2],
+}
+
+/// The grid as a stencil sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lattice {
+    pub points: [usize; 3],
+    pub spacing: Vector,
+    pub support: Support,
+}
+
+/// One particle's basis functions on the rows of a slab that it touches; kept from particle to particle to reuse its
+/// memory.
+#[derive(Default)]
+pub(crate) struct Scratch<T> {
+    /// The stencil along each axis.
+    axes: [Axis<T>; 3],
+    /// Touched planes: where each begins, and its point along z.
+    planes: Vec<(usize, usize)>,
+    /// Touched rows: where each begins in a plane, and its point along y.
+    rows: Vec<(usize, usize)>,
+    /// Basis functions: for each vector of columns, each touched row and each function, as many as a vector has lanes.
+    basis: Vec<T>,
+}
+
+impl<T: Real> Scratch<T> {
+    /// Whether the particle touches the slab at all; if so, everything is ready.
+    #[inline(always)]
+    fn prepare<S: Shape<K>, X, const K: usize>(
+        &mut self,
+        (place, sources): (&Place, &Sources),
+        lattice: &Lattice,
+        slab: &Slab<X>,
+    ) -> bool {
+        self.find_touched(place, lattice, slab);
+        if self.planes.is_empty() || self.rows.is_empty() {
+            return false;
+        }
+        let Support { lanes: columns, support } = lattice.support;
+        let (offset, spacing) = (place.offset, lattice.spacing);
+        let [x, y, z] = &mut self.axes;
+        x.fill(columns, (offset.x, spacing.x), sources, 1.0);
+        y.fill(support, (offset.y, spacing.y), sources, sources.strain.mul_add(sources.strain, 1.0).sqrt());
+        z.fill(support, (offset.z, spacing.z), sources, 1.0);
+        let lanes = T::LANES;
+        self.basis.resize(columns * self.rows.len() * K, T::default());
+        let mut bases = self.basis.chunks_exact_mut(K * lanes);
+        for from in (0..columns).step_by(lanes) {
+            let part = from..from + lanes;
+            let columns = [
+                Columns { x: &x.distances[part.clone()], gaussian: &x.gaussians[0][part.clone()] },
+                Columns { x: &x.distances[part.clone()], gaussian: &x.gaussians[1][part] },
+            ];
+            for &(_, point) in &self.rows {
+                let row = Row { y: y.distances[point], gaussian: y.gaussian(point) };
+                S::basis(sources, columns, row, bases.next().expect("a basis for each row"));
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn find_touched<X>(&mut self, place: &Place, lattice: &Lattice, slab: &Slab<X>) {
+        self.planes.clear();
+        self.rows.clear();
+        let [_, lines, planes] = lattice.points;
+        for point in 0..lattice.support.support {
+            let plane = (place.first[2] + point as i32).rem_euclid(planes as i32) as usize;
+            if slab.planes.contains(&plane) {
+                self.planes.push(((plane - slab.planes.start) * slab.strides[1], point));
+            }
+            let line = (place.first[1] + point as i32).rem_euclid(lines as i32) as usize;
+            if slab.lines.contains(&line) {
+                self.rows.push(((line - slab.lines.start) * slab.strides[0] + place.first[0] as usize, point));
+            }
+        }
+    }
+
+    /// A vector of columns in the plane of a point along z.
+    #[inline(always)]
+    fn plane<V: Lanes<T>>(&self, from: usize, point: usize) -> Plane<T, V> {
+        let [columns, _, heights] = &self.axes;
+        let columns = &columns.rounded[from..from + T::LANES];
+        // SAFETY: the slice has as many values as a vector.
+        let x = unsafe { V::load(columns.as_ptr()) };
+        let [monopole, dipole] = heights.gaussian(point);
+        Plane { x, z: heights.rounded[point], decay: [T::from_f64(monopole), T::from_f64(dipole)] }
+    }
+}
+
+/// Adds a particle's load to the rows of a slab.
+#[inline(always)]
+pub(crate) fn deposit<T: Real, S: Shape<K>, V: Lanes<T>, const K: usize>(
+    scratch: &mut Scratch<T>,
+    (place, sources, load): (&Place, &Sources, &Load<T>),
+    lattice: &Lattice,
+    slab: &mut Slab<&mut [T]>,
+) {
+    if !scratch.prepare::<S, _, K>((place, sources), lattice, slab) {
+        return;
+    }
+    let [x, y, z] = &mut slab.components;
+    let lanes = T::LANES;
+    for &(start, point) in &scratch.planes {
+        for from in (0..lattice.support.lanes).step_by(lanes) {
+            let coefficients = S::spread::<T, V>(sources, load, &scratch.plane(from, point));
+            let bases = scratch.basis[from * scratch.rows.len() * K..].chunks_exact(K * lanes);
+            for (&(row, _), basis) in scratch.rows.iter().zip(bases) {
+                let place = start + row + from;
+                let values = [&mut x[place..place + lanes], &mut y[place..place + lanes], &mut z[place..place + lanes]];
+                for (values, coefficients) in values.into_iter().zip(&coefficients) {
+                    // SAFETY: a row's part has as many values as a vector, and a basis has `K` vectors.
+                    unsafe {
+                        let mut sum = V::load(values.as_ptr());
+                        for k in 0..K {
+                            sum = coefficients[k].mul_add(V::load(basis.as_ptr().add(k * lanes)), sum);
+                        }
+                        sum.store(values.as_mut_ptr());
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Weighs the velocities on the rows of a slab with a particle's envelopes.
+#[inline(always)]
+pub(crate) fn collect<T: Real, S: Shape<K>, V: Lanes<T>, const K: usize>(
+    scratch: &mut Scratch<T>,
+    (place, sources): (&Place, &Sources),
+    lattice: &Lattice,
+    slab: &Slab<&[T]>,
+) -> Sums<V> {
+    let zero = V::splat(T::default());
+    let mut sums = Sums { velocity: [zero; 3], gradient: [[zero; 3]; 3] };
+    if !scratch.prepare::<S, _, K>((place, sources), lattice, slab) {
+        return sums;
+    }
+    let [x, y, z] = slab.components;
+    let lanes = T::LANES;
+    for &(start, point) in &scratch.planes {
+        for from in (0..lattice.support.lanes).step_by(lanes) {
+            let mut moments = [[zero; K]; 3];
+            let bases = scratch.basis[from * scratch.rows.len() * K..].chunks_exact(K * lanes);
+            for (&(row, _), basis) in scratch.rows.iter().zip(bases) {
+                let place = start + row + from;
+                let values = [&x[place..place + lanes], &y[place..place + lanes], &z[place..place + lanes]];
+                for (values, moments) in values.into_iter().zip(&mut moments) {
+                    // SAFETY: a row's part has as many values as a vector, and a basis has `K` vectors.
+                    unsafe {
+                        let values = V::load(values.as_ptr());
+                        for k in 0..K {
+                            moments[k] = values.mul_add(V::load(basis.as_ptr().add(k * lanes)), moments[k]);
+                        }
+                    }
+                }
+            }
+            S::weigh::<T, V>(sources, &moments, &scratch.plane(from, point), &mut sums);
+        }
+    }
+    sums
+}

@@ -1,0 +1,193 @@
+//! The linear map from loads to motions.
+
+use crate::far::{Far, FarField, FarLoads, Wanted};
+use crate::loads::{Loads, Motion, angular_velocity, dipole};
+use crate::near::{NearField, Present};
+use crate::plan::{Method, Plan, Precision};
+use crate::work::{Clock, Work};
+use domain::{Exchange, Neighbours, Partition, PeriodicBox, Tensor, Traceless, Vector};
+use rayon::prelude::*;
+
+/// Which motions are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Evaluation {
+    /// Velocities alone: no dipole is touched on the way back.
+    Velocities,
+    /// Angular velocities and rates of strain alone.
+    Gradients,
+    /// Velocities, angular velocities and rates of strain.
+    All,
+}
+
+/// The grand mobility of the force-coupling method, `(F, T, S) -> (V, Omega, E)`, in a periodic box with no mean flow.
+/// As a map from `(F, T, -S)` it is symmetric and positive definite.
+///
+/// An evaluation is collective. Particles are those that the rank owns; their positions are set by
+/// [`Mobility::arrange`] and hold for any number of evaluations.
+pub struct Mobility {
+    plan: Plan,
+    partition: Partition,
+    far: Box<dyn FarField>,
+    near: Option<NearField>,
+    arrangement: Arrangement,
+    work: Work,
+}
+
+/// What depends on the positions alone.
+struct Arrangement {
+    cell: PeriodicBox,
+    exchange: Exchange,
+    positions: Vec<Vector>,
+    classes: Vec<u32>,
+    neighbours: Neighbours,
+}
+
+impl Mobility {
+    /// Prepares what `plan` decided, for ranks that share out the grid by `partition`.
+    pub fn new(plan: &Plan, partition: &Partition) -> Self {
+        let cell = plan.cell();
+        let far: Box<dyn FarField> = match plan.precision {
+            Precision::Single => Box::new(Far::<f32>::new(plan, partition, &cell)),
+            Precision::Double => Box::new(Far::<f64>::new(plan, partition, &cell)),
+        };
+        let near = match plan.method {
+            Method::Direct => None,
+            Method::Split { width, cutoff } => {
+                Some(NearField::new(&plan.radii, width, cutoff, plan.viscosity, plan.table_tolerance()))
+            }
+        };
+        let arrangement = Arrangement {
+            cell,
+            exchange: Exchange::plan(partition, &cell, &[], [0.0; 2]),
+            positions: Vec::new(),
+            classes: Vec::new(),
+            neighbours: Neighbours::find(&cell, &[], 0, 0.0),
+        };
+        Self { plan: plan.clone(), partition: partition.clone(), far, near, arrangement, work: Work::default() }
+    }
+
+    /// The plan that it follows.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What has been done so far.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// Sets the box and where the particles of this rank are, inside it, with their radii, which must be radii of the
+    /// plan.
+    pub fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector], radii: &[f64]) {
+        let mut clock = Clock::start();
+        let edges = cell.edges();
+        let spacing = [edges.y / self.plan.grid[1] as f64, edges.z / self.plan.grid[2] as f64];
+        let cutoff = self.near.as_ref().map_or(0.0, NearField::cutoff);
+        let reach = spacing.map(|h| (0.5 * self.plan.support.support as f64 * h).max(cutoff));
+        let exchange = Exchange::plan(&self.partition, cell, positions, reach);
+        let mut present = positions.to_vec();
+        let mut classes: Vec<u32> = radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        exchange.extend(&mut present);
+        exchange.extend(&mut classes);
+        clock.stop(&mut self.work.seconds.exchange);
+        self.far.arrange(cell, &present);
+        clock.stop(&mut self.work.seconds.spread);
+        let mut neighbours = Neighbours::default();
+        if self.near.is_some() {
+            neighbours = Neighbours::find(cell, &present, positions.len(), cutoff);
+            self.work.searches += 1;
+        }
+        self.arrangement = Arrangement { cell: *cell, exchange, positions: present, classes, neighbours };
+        clock.stop(&mut self.work.seconds.near);
+    }
+
+    /// The motions that the loads cause. Lists of loads have an entry for each particle that the rank owns, or none.
+    pub fn apply(&mut self, loads: &Loads, wanted: Evaluation) -> Motion {
+        self.work.evaluations += 1;
+        let mut clock = Clock::start();
+        let (forces, dipoles) = self.present(loads);
+        clock.stop(&mut self.work.seconds.exchange);
+        let wanted_far = match wanted {
+            Evaluation::Velocities => Wanted::Velocities,
+            Evaluation::Gradients => Wanted::Gradients,
+            Evaluation::All => Wanted::Both,
+        };
+        let arrangement = &self.arrangement;
+        let far_loads = FarLoads { classes: &arrangement.classes, forces: &forces, dipoles: &dipoles };
+        let mut motions = self.far.motions(&far_loads, wanted_far, &mut self.work);
+        clock.restart();
+        arrangement.collect(&mut motions);
+        clock.stop(&mut self.work.seconds.exchange);
+        if let Some(near) = &self.near {
+            let monopoles = wanted == Evaluation::Velocities && dipoles.is_empty();
+            let zeros = if dipoles.is_empty() && !monopoles { vec![Tensor::ZERO; forces.len()] } else { Vec::new() };
+            let present = Present {
+                cell: &arrangement.cell,
+                positions: &arrangement.positions,
+                classes: &arrangement.classes,
+                forces: &forces,
+                dipoles: if zeros.is_empty() { &dipoles } else { &zeros },
+            };
+            near.add(&present, &arrangement.neighbours, &mut motions);
+            self.work.neighbours += arrangement.neighbours.count() as u64;
+            clock.stop(&mut self.work.seconds.near);
+        }
+        motion(&motions, wanted)
+    }
+
+    /// The forces and dipoles of all particles present.
+    fn present(&self, loads: &Loads) -> (Vec<Vector>, Vec<Tensor>) {
+        // A rank without particles has empty lists, but takes part in the exchange.
+        let mut kinds = [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()]
+            .map(|some| f64::from(u8::from(some)));
+        self.partition.comm().max(&mut kinds);
+        let [forced, twisted, strained] = kinds.map(|kind| kind > 0.0);
+        let mut forces = Vec::new();
+        if forced {
+            forces.clone_from(&loads.forces);
+            self.arrangement.exchange.extend(&mut forces);
+        }
+        let mut dipoles = Vec::new();
+        if twisted || strained {
+            let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
+            let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
+            dipoles = (0..self.arrangement.exchange.owned()).map(|i| dipole(stresslet(i), torque(i))).collect();
+            self.arrangement.exchange.extend(&mut dipoles);
+        }
+        (forces, dipoles)
+    }
+
+    /// The velocity field of the last evaluation on this rank's share of the grid, `[component][z][y][x]`, x fastest.
+    /// With the split method it is the flow of the common wide Gaussians.
+    pub fn velocity_field(&self) -> Vec<f64> {
+        self.far.velocity_field()
+    }
+
+    /// The largest `|k . u| / (|k| |u|)` over all modes of the last velocity field.
+    pub fn divergence(&mut self) -> f64 {
+        self.far.divergence()
+    }
+}
+
+impl Arrangement {
+    /// Brings what the ranks added up for each other's particles home.
+    fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
+        let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();
+        let mut gradients: Vec<Tensor> = motions.iter().map(|m| m.1).collect();
+        self.exchange.collect(&mut velocities);
+        self.exchange.collect(&mut gradients);
+        *motions = velocities.into_iter().zip(gradients).collect();
+    }
+}
+
+fn motion(motions: &[(Vector, Tensor)], wanted: Evaluation) -> Motion {
+    let mut motion = Motion::default();
+    if wanted != Evaluation::Gradients {
+        motion.velocities = motions.par_iter().map(|m| m.0).collect();
+    }
+    if wanted != Evaluation::Velocities {
+        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1)).collect();
+        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1)).collect();
+    }
+    motion
+}

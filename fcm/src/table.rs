@@ -1,0 +1,122 @@
+//! Pair functions of two radii, exact or tabulated in the square of the distance.
+
+use crate::envelope::Envelope;
+use crate::pair_functions::Difference;
+
+/// The functions of one pair of radii at one distance, padded to whole vectors:
+/// `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the second's dipole, `f_2, f_3` the other way round,
+/// and `f_2, f_3, f_4` of two dipoles.
+pub(crate) type Values = [f64; 12];
+
+/// The four differences between two envelopes and two common ones.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PairFunctions {
+    forces: Difference,
+    force_dipole: Difference,
+    dipole_force: Difference,
+    dipoles: Difference,
+}
+
+impl PairFunctions {
+    /// Between envelopes `i` and `j` spread with the common width.
+    pub fn new(i: Envelope, j: Envelope, wide: f64) -> Self {
+        Self {
+            forces: Difference::new([i.monopole, j.monopole], wide),
+            force_dipole: Difference::new([i.monopole, j.dipole], wide),
+            dipole_force: Difference::new([i.dipole, j.monopole], wide),
+            dipoles: Difference::new([i.dipole, j.dipole], wide),
+        }
+    }
+
+    /// The functions at `r^2 = square`, and their derivatives by `r^2` to the given order: `d f_n / d(r^2) = f_(n+1)/2`.
+    fn derivative(&self, square: f64, order: usize) -> Values {
+        let [forces, mixed, other, dipoles] =
+            [&self.forces, &self.force_dipole, &self.dipole_force, &self.dipoles].map(|d| d.evaluate(square));
+        let half = 0.5_f64.powi(order as i32);
+        let [a, b, c, d] = [1, 2, 3, 4].map(|n| n + order);
+        [
+            forces[a], forces[b], mixed[b], mixed[c], other[b], other[c], dipoles[b], dipoles[c], dipoles[d], 0.0, 0.0,
+            0.0,
+        ]
+        .map(|f| f * half)
+    }
+
+    /// The functions at `r^2 = square`.
+    pub fn exact(&self, square: f64) -> Values {
+        self.derivative(square, 0)
+    }
+}
+
+const DEGREE: usize = 5;
+
+/// [`PairFunctions`] as Taylor polynomials about the middles of equal intervals of the squared distance.
+#[derive(Debug, Clone)]
+pub(crate) struct Table {
+    per_interval: f64,
+    intervals: Vec<[Values; DEGREE + 1]>,
+}
+
+impl Table {
+    /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and point.
+    pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Self {
+        let first = functions.exact(0.0);
+        let bound = functions.derivative(0.0, DEGREE + 1);
+        let factorial = 720.0;
+        // Half an interval, from the first neglected term, which is largest at r = 0.
+        let half = (0..9)
+            .filter(|&f| bound[f] != 0.0)
+            .map(|f| (tolerance * factorial * (first[f] / bound[f]).abs()).powf(1.0 / (DEGREE + 1) as f64))
+            .fold(f64::INFINITY, f64::min);
+        let count = ((cutoff * cutoff / (2.0 * half)).ceil() as usize).clamp(8, 1 << 14);
+        let width = cutoff * cutoff / count as f64;
+        let interval = |i: usize| {
+            let middle = (i as f64 + 0.5) * width;
+            let mut factorial = 1.0;
+            std::array::from_fn(|order| {
+                factorial *= order.max(1) as f64;
+                functions.derivative(middle, order).map(|f| f * (0.5 * width).powi(order as i32) / factorial)
+            })
+        };
+        Self { per_interval: 1.0 / width, intervals: (0..count).map(interval).collect() }
+    }
+
+    /// The functions at `r^2 = square`, below the cutoff.
+    #[inline(always)]
+    pub fn evaluate(&self, square: f64) -> Values {
+        let place = square * self.per_interval;
+        let index = (place as usize).min(self.intervals.len() - 1);
+        let t = 2.0 * (place - index as f64) - 1.0;
+        let terms = &self.intervals[index];
+        let mut values = terms[DEGREE];
+        for order in (0..DEGREE).rev() {
+            for f in 0..12 {
+                values[f] = values[f].mul_add(t, terms[order][f]);
+            }
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_keep_their_tolerance() {
+        for (i, j) in [(1.0, 1.0), (1.0, 2.0), (1.0, 4.0)] {
+            let functions = PairFunctions::new(Envelope::of_sphere(i), Envelope::of_sphere(j), 2.5);
+            let first = functions.exact(0.0);
+            for tolerance in [1e-4, 1e-8, 1e-12] {
+                let table = Table::new(&functions, 9.0, tolerance);
+                for n in 0..400 {
+                    let square = f64::from(n) * 0.2017;
+                    let (found, exact) = (table.evaluate(square), functions.exact(square));
+                    for f in 0..9 {
+                        let error = (found[f] - exact[f]).abs() / first[f].abs();
+                        assert!(error < 2.0 * tolerance + 1e-14, "function {f} at {square}: error {error}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! What the tests have in common: suspensions, exact answers that share nothing with the library but its types, and the
+//! measure of an error.
+
+#![allow(dead_code, unused_imports, reason = "each test uses a part of it")]
+
+mod dense;
+mod measure;
+mod ranks;
+mod suspension;
+mod wavevectors;
+
+pub use measure::{at_surfaces, difference, error, errors, tensors, vectors, worst};
+pub use ranks::on_ranks;
+pub use suspension::Suspension;

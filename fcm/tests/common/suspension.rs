@@ -1,0 +1,89 @@
+//! Particles in a box, what acts on them, and how the library moves them.
+
+use domain::{Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector, random_packing};
+use fcm::{Evaluation, Fixed, Loads, Mobility, Motion, Multipoles, Plan, Problem};
+
+/// Particles in a box.
+#[derive(Debug, Clone)]
+pub struct Suspension {
+    pub cell: PeriodicBox,
+    pub viscosity: f64,
+    pub positions: Vec<Vector>,
+    pub radii: Vec<f64>,
+}
+
+impl Suspension {
+    /// `count` particles of radii 1 and `ratio` in turn at random places without overlap.
+    pub fn random(count: usize, ratio: f64, cell: PeriodicBox, seed: u64) -> Self {
+        let radii: Vec<f64> = (0..count).map(|i| if i % 2 == 0 { 1.0 } else { ratio }).collect();
+        let positions = random_packing(&cell, &radii, 0.0, seed).unwrap();
+        Self { cell, viscosity: 1.3, positions, radii }
+    }
+
+    /// One particle of radius 1 somewhere between the points of any grid.
+    pub fn single(edge: f64) -> Self {
+        let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
+        Self { cell, viscosity: 0.7, positions: vec![Vector::new(0.123, 0.456, 0.789) * edge], radii: vec![1.0] }
+    }
+
+    /// Random loads of the sizes that matter: forces like `a`, torques and stresslets like `a^2`.
+    pub fn loads(&self, seed: u64) -> Loads {
+        let mut random = Random::new(seed, 0xABCD);
+        let mut loads = Loads::default();
+        for &a in &self.radii {
+            let mut vector = || random.point() - Vector::splat(0.5);
+            loads.forces.push(vector() * a);
+            loads.torques.push(vector() * a * a);
+            loads.stresslets.push(Traceless(std::array::from_fn(|_| (random.uniform() - 0.5) * a * a)));
+        }
+        loads
+    }
+
+    /// What a planner is asked.
+    pub fn problem(&self, tolerance: f64) -> Problem {
+        Problem {
+            edges: self.cell.edges(),
+            largest_strain: self.cell.strain().abs(),
+            radii: self.radii.iter().map(|&a| (a, 1)).collect(),
+            viscosity: self.viscosity,
+            multipoles: Multipoles::Dipole,
+            tolerance,
+            threads: 1,
+            ranks: 1,
+            fixed: Fixed::default(),
+        }
+    }
+
+    /// The plan for a tolerance.
+    pub fn plan(&self, tolerance: f64, fixed: Fixed) -> Plan {
+        Plan::choose(&Problem { fixed, ..self.problem(tolerance) }).unwrap()
+    }
+
+    /// The mobility of these particles, on one rank.
+    pub fn mobility(&self, plan: &Plan) -> Mobility {
+        let mut mobility = Mobility::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+        mobility.arrange(&self.cell, &self.positions, &self.radii);
+        mobility
+    }
+
+    /// The motion by the library, on one rank.
+    pub fn evaluate(&self, plan: &Plan, loads: &Loads) -> Motion {
+        self.mobility(plan).apply(loads, Evaluation::All)
+    }
+
+    /// The particles as a store, their ids those of their rows here.
+    pub fn particles(&self) -> Particles {
+        let mut particles = Particles::default();
+        for (id, (&position, &radius)) in self.positions.iter().zip(&self.radii).enumerate() {
+            particles.push(id as u64, position, radius, 0);
+        }
+        particles
+    }
+
+    /// The same particles displaced all alike, brought back into the box.
+    #[must_use]
+    pub fn displaced(&self, by: Vector) -> Self {
+        let positions = self.positions.iter().map(|&p| self.cell.wrap(p + by).0).collect();
+        Self { positions, ..self.clone() }
+    }
+}

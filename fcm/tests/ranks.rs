@@ -1,0 +1,138 @@
+//! However many ranks and threads there are, the answer is the same.
+
+mod common;
+
+use common::{Suspension, error, on_ranks, tensors, vectors, worst};
+use domain::{PeriodicBox, Traceless, Vector};
+use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Mobility, Motion, Plan, Precision};
+
+/// Ranks that own slabs, pencils, and nothing.
+const TABLES: [[usize; 2]; 9] = [[1, 1], [1, 2], [2, 1], [3, 1], [1, 4], [2, 2], [4, 1], [1, 7], [7, 1]];
+const BACKGROUND: Traceless = Traceless([0.3, -0.1, 0.2, 0.4, -0.5]);
+
+fn suspension() -> Suspension {
+    let cell = PeriodicBox::sheared(Vector::new(9.0, 7.0, 8.0), 0.3).unwrap();
+    Suspension::random(13, 1.4, cell, 2)
+}
+
+fn mobility(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loads) -> Motion {
+    let answer = |partition: &domain::Partition, particles: &domain::Particles, loads: &Loads| {
+        let mut mobility = Mobility::new(plan, partition);
+        mobility.arrange(&suspension.cell, &particles.positions, &particles.radii);
+        (mobility.apply(loads, Evaluation::All), Vec::new())
+    };
+    on_ranks(suspension, (plan, table), loads, answer).0
+}
+
+fn rigid(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loads) -> (Motion, Vec<Traceless>) {
+    on_ranks(suspension, (plan, table), loads, |partition, particles, loads| {
+        let mut hydrodynamics = Hydrodynamics::new(plan, partition);
+        let solved = hydrodynamics.solve(&suspension.cell, particles, loads, BACKGROUND, &[]).unwrap();
+        (solved.motion, solved.stresslets)
+    })
+}
+
+fn fixed(method: MethodName) -> Fixed {
+    Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() }
+}
+
+/// Sums run in another order, so the last digits differ: 1e-12 leaves room for that, not for a lost image.
+#[test]
+fn any_table_of_ranks_agrees_with_one_rank() {
+    let suspension = suspension();
+    let loads = suspension.loads(7);
+    for method in [MethodName::Direct, MethodName::Split] {
+        let plan = suspension.plan(1e-3, fixed(method));
+        let alone = suspension.evaluate(&plan, &loads);
+        for table in TABLES {
+            let error = worst(&mobility(&suspension, &plan, table, &loads), &alone);
+            assert!(error < 1e-12, "{method:?} on {table:?}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn rigid_spheres_agree_on_any_table_of_ranks() {
+    let suspension = suspension();
+    let loads = suspension.loads(8);
+    for method in [MethodName::Direct, MethodName::Split] {
+        let plan = suspension.plan(1e-3, fixed(method));
+        let (alone, stresslets) = rigid(&suspension, &plan, [1, 1], &loads);
+        for table in TABLES {
+            let (motion, found) = rigid(&suspension, &plan, table, &loads);
+            let error = worst(&motion, &alone).max(error(&tensors(&found), &tensors(&stresslets)));
+            assert!(error < 1e-12, "{method:?} on {table:?}: {error:e}");
+        }
+    }
+}
+
+/// A grid of 4 x 4 lines for 7 ranks, most of which own no particle.
+#[test]
+fn more_ranks_than_lines_and_ranks_without_particles() {
+    let cell = PeriodicBox::new(Vector::new(8.0, 4.0, 4.0)).unwrap();
+    let suspension = Suspension::random(2, 1.5, cell, 4);
+    let loads = suspension.loads(9);
+    for method in [MethodName::Direct, MethodName::Split] {
+        let choice = Fixed { grid: Some([16, 4, 4]), ..fixed(method) };
+        let plan = suspension.plan(0.1, choice);
+        let alone = rigid(&suspension, &plan, [1, 1], &loads);
+        for table in [[1, 7], [7, 1], [5, 1], [3, 2]] {
+            let (motion, stresslets) = rigid(&suspension, &plan, table, &loads);
+            let error = worst(&motion, &alone.0).max(error(&tensors(&stresslets), &tensors(&alone.1)));
+            assert!(error < 1e-12, "{method:?} on {table:?}: {error:e}");
+        }
+    }
+}
+
+/// Loads of one kind: ranks without particles have empty lists of every kind.
+#[test]
+fn kinds_of_load_are_known_to_all_ranks() {
+    let cell = PeriodicBox::new(Vector::splat(7.0)).unwrap();
+    let suspension = Suspension::random(2, 1.2, cell, 6);
+    let all = suspension.loads(3);
+    let kinds = [
+        Loads { forces: all.forces, ..Loads::default() },
+        Loads { torques: all.torques, ..Loads::default() },
+        Loads { stresslets: all.stresslets, ..Loads::default() },
+    ];
+    for (method, loads) in
+        [MethodName::Direct, MethodName::Split].iter().flat_map(|m| kinds.iter().map(move |k| (m, k)))
+    {
+        let plan = suspension.plan(1e-2, fixed(*method));
+        let alone = suspension.evaluate(&plan, loads);
+        let four = mobility(&suspension, &plan, [2, 2], loads);
+        // What is zero by symmetry is round-off, so all are held to the size of the largest.
+        let [v, w, e] = [vectors(&four.velocities), vectors(&four.angular_velocities), tensors(&four.strain_rates)];
+        let [p, q, r] = [vectors(&alone.velocities), vectors(&alone.angular_velocities), tensors(&alone.strain_rates)];
+        let error = error(&[v, w, e].concat(), &[p, q, r].concat());
+        assert!(error < 1e-12, "{method:?}: {error:e}");
+    }
+}
+
+/// Bit for bit, in both precisions, with stencils that reach around the box and such that do not.
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let cell = PeriodicBox::sheared(Vector::new(14.0, 12.0, 16.0), -0.2).unwrap();
+    let suspension = Suspension::random(150, 1.3, cell, 1);
+    let loads = suspension.loads(2);
+    for (method, precision) in [
+        (MethodName::Direct, Precision::Single),
+        (MethodName::Direct, Precision::Double),
+        (MethodName::Split, Precision::Single),
+        (MethodName::Split, Precision::Double),
+    ] {
+        let plan = suspension.plan(1e-3, Fixed { precision: Some(precision), ..fixed(method) });
+        let [one, two, three] = [1, 2, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| rigid_alone(&suspension, &plan, &loads))
+        });
+        assert!(one == two && one == three, "{method:?} in {precision:?}");
+    }
+}
+
+fn rigid_alone(suspension: &Suspension, plan: &Plan, loads: &Loads) -> (Motion, Vec<Traceless>) {
+    let partition = domain::Partition::new(&domain::Comm::alone(), [plan.grid[1], plan.grid[2]]);
+    let mut hydrodynamics = Hydrodynamics::new(plan, &partition);
+    let solved = hydrodynamics.solve(&suspension.cell, &suspension.particles(), loads, BACKGROUND, &[]).unwrap();
+    (solved.motion, solved.stresslets)
+}

@@ -1,0 +1,91 @@
+//! Rigid spheres against a dense solve of the sums over wavevectors.
+
+mod common;
+
+use common::{Suspension, at_surfaces, difference, error, tensors};
+use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
+use fcm::{Fixed, Hydrodynamics, Loads, Motion, Plan, SolveError, Solved};
+
+const BACKGROUND: Traceless = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]);
+
+fn hydrodynamics(plan: &Plan) -> Hydrodynamics {
+    Hydrodynamics::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]))
+}
+
+fn solve(suspension: &Suspension, plan: &Plan, loads: &Loads, guess: &[Traceless]) -> Result<Solved, SolveError> {
+    hydrodynamics(plan).solve(&suspension.cell, &suspension.particles(), loads, BACKGROUND, guess)
+}
+
+fn suspension(edges: [f64; 3], strain: f64, ratio: f64) -> Suspension {
+    Suspension::random(6, ratio, PeriodicBox::sheared(Vector::from_array(edges), strain).unwrap(), 3)
+}
+
+/// Stresslets below the tolerance; motions below it against the motion at the surfaces as a whole, rate of strain
+/// included. A spin or, without forces, a velocity is what little is left of that when the self mobility has been taken
+/// out: against itself alone its error has no bound, and is larger than the tolerance in one of a hundred draws.
+fn keeps_tolerances(suspension: &Suspension, loads: &Loads) {
+    let (stresslets, motion) = suspension.rigid(loads, BACKGROUND);
+    let scale = at_surfaces(suspension, &motion).iter().map(|m| m * m).sum::<f64>().sqrt();
+    for digits in 2..=10 {
+        let tolerance = 10f64.powi(-digits);
+        let found = solve(suspension, &suspension.plan(tolerance, Fixed::default()), loads, &[]).unwrap();
+        let error = error(&tensors(&found.stresslets), &tensors(&stresslets));
+        assert!(error < tolerance, "stresslets: {error:e} at {tolerance:e}");
+        for part in at_surfaces(suspension, &difference(&found.motion, &motion)) {
+            assert!(part < tolerance * scale, "motions: {part:e} of {scale:e} at {tolerance:e}");
+        }
+        assert!(found.residual <= 0.1 * tolerance, "the iteration may take a tenth, took {}", found.residual);
+    }
+}
+
+#[test]
+fn driven_by_forces_and_torques_in_a_cubic_box() {
+    let suspension = suspension([8.0; 3], 0.0, 1.7);
+    keeps_tolerances(&suspension, &suspension.loads(1));
+}
+
+#[test]
+fn driven_by_forces_and_torques_in_a_long_sheared_box() {
+    let suspension = suspension([16.0, 7.0, 6.0], 0.9, 1.4);
+    keeps_tolerances(&suspension, &suspension.loads(2));
+}
+
+/// Nothing but the background flow: the velocities come from the stresslets alone.
+#[test]
+fn driven_by_the_background_in_a_sheared_box() {
+    keeps_tolerances(&suspension([6.5; 3], -0.3, 1.6), &Loads::default());
+}
+
+/// Stresslets are forces of constraint: they take from the power of forces and torques, so that rigid spheres, at no
+/// background flow, move less along their loads than spheres of fluid would.
+#[test]
+fn rigidity_slows() {
+    let suspension = suspension([7.0; 3], 0.2, 1.5);
+    let loads = Loads { stresslets: Vec::new(), ..suspension.loads(4) };
+    let plan = suspension.plan(1e-8, Fixed::default());
+    let power = |motion: &Motion| -> f64 {
+        let by_forces: f64 = loads.forces.iter().zip(&motion.velocities).map(|(f, v)| f.dot(*v)).sum();
+        by_forces + loads.torques.iter().zip(&motion.angular_velocities).map(|(t, w)| t.dot(*w)).sum::<f64>()
+    };
+    let particles = suspension.particles();
+    let rigid = hydrodynamics(&plan).solve(&suspension.cell, &particles, &loads, Traceless::ZERO, &[]).unwrap();
+    let free = suspension.evaluate(&plan, &loads);
+    assert!(0.0 < power(&rigid.motion) && power(&rigid.motion) < power(&free));
+}
+
+#[test]
+fn the_solution_as_a_guess_needs_no_iteration() {
+    let suspension = suspension([8.0; 3], 0.1, 1.3);
+    let loads = suspension.loads(5);
+    let plan = suspension.plan(1e-6, Fixed::default());
+    let cold = solve(&suspension, &plan, &loads, &[]).unwrap();
+    let warm = solve(&suspension, &plan, &loads, &cold.stresslets).unwrap();
+    assert!(cold.iterations > 2);
+    assert_eq!((warm.iterations, &warm.stresslets), (0, &cold.stresslets));
+    // A guess that is off by a thousandth takes fewer iterations than none.
+    let near: Vec<Traceless> = cold.stresslets.iter().map(|&s| s * 1.001).collect();
+    let short = solve(&suspension, &plan, &loads, &near).unwrap();
+    assert!(0 < short.iterations && short.iterations < cold.iterations);
+    // Both stop within a twentieth of the tolerance of the solution, by their own estimate.
+    assert!(error(&tensors(&short.stresslets), &tensors(&cold.stresslets)) < 0.2 * plan.tolerance);
+}
