@@ -1,0 +1,126 @@
+//! Short-range repulsion that keeps spheres apart.
+
+use domain::Vector;
+use thiserror::Error;
+
+/// Repulsion between two spheres, Dance, Climent & Maxey (2004), and eq. (13) of Abbas et al. (2006), for any two radii.
+///
+/// With `r` the distance of the centres, `c = a_i + a_j` their distance at contact and
+/// `R = c + range (a_i + a_j)/2` the distance where the barrier starts, the force on sphere `i` is
+///
+/// ```text
+/// F_i = -(strength / c) [(R² - r²) / (R² - c²)]² (x_j - x_i)     for r < R,     0 beyond,
+/// ```
+///
+/// and sphere `j` feels the opposite. Its magnitude is `strength` at contact; the formula continues
+/// into overlap, where the force grows further until `r = R/√5`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Barrier {
+    strength: f64,
+    range: f64,
+}
+
+/// A parameter of the barrier that makes no sense.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum BarrierError {
+    /// The force at contact is negative or not finite.
+    #[error("barrier strength is {0}; it is the repulsive force at contact: give a finite number, 0 or more")]
+    Strength(f64),
+    /// The activation gap is not a positive number up to 1.
+    #[error("barrier range is {0}; it is the gap at activation over the mean radius: give a number above 0, at most 1")]
+    Range(f64),
+}
+
+impl Barrier {
+    /// Activation gap over the mean radius where nothing but the barrier keeps spheres apart.
+    pub const RANGE_ALONE: f64 = 0.1;
+    /// Activation gap over the mean radius where lubrication helps.
+    pub const RANGE_WITH_LUBRICATION: f64 = 0.025;
+
+    /// A barrier with force `strength` at contact that starts at a gap of `range` mean radii.
+    pub fn new(strength: f64, range: f64) -> Result<Self, BarrierError> {
+        if !(strength.is_finite() && strength >= 0.0) {
+            return Err(BarrierError::Strength(strength));
+        }
+        if !(range > 0.0 && range <= 1.0) {
+            return Err(BarrierError::Range(range));
+        }
+        Ok(Self { strength, range })
+    }
+
+    /// Force at contact, `F_ref`.
+    pub fn strength(&self) -> f64 {
+        self.strength
+    }
+
+    /// Activation gap over the mean radius.
+    pub fn range(&self) -> f64 {
+        self.range
+    }
+
+    /// Distance of the centres where the barrier starts, `R_ref`.
+    pub fn reach(&self, radii: [f64; 2]) -> f64 {
+        (radii[0] + radii[1]) * (1.0 + 0.5 * self.range)
+    }
+
+    /// Force on the first sphere; `separation` is `x_j - x_i`. The second sphere feels the opposite.
+    pub fn force(&self, separation: Vector, radii: [f64; 2]) -> Vector {
+        let reach_squared = self.reach(radii).powi(2);
+        let distance_squared = separation.length_squared();
+        if distance_squared >= reach_squared {
+            return Vector::ZERO;
+        }
+        let contact = radii[0] + radii[1];
+        let depth = (reach_squared - distance_squared) / (reach_squared - contact * contact);
+        -self.strength / contact * depth * depth * separation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn force_at_contact_is_the_strength() {
+        let barrier = Barrier::new(3.0, 0.1).unwrap();
+        let force = barrier.force(Vector::new(0.0, 3.0, 0.0), [1.0, 2.0]);
+        assert!((force - Vector::new(0.0, -3.0, 0.0)).length() < 1e-14);
+    }
+
+    #[test]
+    fn equal_spheres_follow_equation_13() {
+        // a = 1, R_ref = 2.1, r = 2.05: (2.1² - 2.05²) / (2.1² - 4) = 0.2075/0.41.
+        let force = Barrier::new(1.0, 0.1).unwrap().force(Vector::new(2.05, 0.0, 0.0), [1.0, 1.0]);
+        assert!((force.x + 0.5 * (0.2075_f64 / 0.41).powi(2) * 2.05).abs() < 1e-13);
+    }
+
+    #[test]
+    fn force_is_zero_from_the_reach_on_and_starts_smoothly() {
+        let barrier = Barrier::new(1.0, 0.025).unwrap();
+        let reach = barrier.reach([1.0, 1.5]);
+        assert_eq!(barrier.force(Vector::new(0.0, 0.0, reach), [1.0, 1.5]), Vector::ZERO);
+        let slight = barrier.force(Vector::new(0.0, 0.0, reach - 1e-6), [1.0, 1.5]).length();
+        assert!(slight > 0.0 && slight < 1e-8);
+    }
+
+    #[test]
+    fn overlap_pushes_harder_than_contact() {
+        let barrier = Barrier::new(1.0, 0.1).unwrap();
+        assert!(barrier.force(Vector::new(1.9, 0.0, 0.0), [1.0, 1.0]).length() > 1.0);
+    }
+
+    #[test]
+    fn action_equals_reaction() {
+        let barrier = Barrier::new(2.0, 0.1).unwrap();
+        let separation = Vector::new(0.3, 2.4, 0.4);
+        assert_eq!(barrier.force(separation, [1.0, 1.5]), -barrier.force(-separation, [1.5, 1.0]));
+    }
+
+    #[test]
+    fn refuses_senseless_parameters() {
+        assert!(matches!(Barrier::new(f64::NAN, 0.1), Err(BarrierError::Strength(_))));
+        assert_eq!(Barrier::new(-1.0, 0.1), Err(BarrierError::Strength(-1.0)));
+        assert_eq!(Barrier::new(1.0, 0.0), Err(BarrierError::Range(0.0)));
+        assert!(Barrier::new(1.0, f64::INFINITY).unwrap_err().to_string().contains("at most 1"));
+    }
+}

@@ -1,0 +1,101 @@
+//! Lubrication between near spheres of several species.
+
+use std::sync::Arc;
+
+use domain::Vector;
+use thiserror::Error;
+
+use crate::pair_factor::PairFactor;
+use crate::pair_motion::{PairLoads, PairMotion};
+use crate::range::Range;
+use crate::root_table::RootTable;
+use crate::two_sphere::TwoSphereError;
+
+/// The pair correction `R_lub = R_exact - R_FCM` of the force-coupling method, Dance & Maxey (2003), Yeo & Maxey (2010):
+/// exact two-sphere resistance minus what the method itself gives two spheres in free space.
+///
+/// The difference is kept positive semi-definite in its tables: what is stored, interpolated and
+/// tapered is a factor `B` with `R_lub = B B^T`, so any number in the tables is a valid one.
+#[derive(Debug, Clone)]
+pub struct PairForce {
+    radii: Vec<f64>,
+    viscosity: f64,
+    range: Range,
+    /// Row by row for species `i <= j`.
+    tables: Vec<Arc<RootTable>>,
+}
+
+/// Species between which lubrication cannot be computed.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PairForceError {
+    /// A radius or the viscosity is not a positive number.
+    #[error("{name} is {value}; lubrication needs a positive, finite number")]
+    Positive {
+        /// Which one.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// Two radii differ too much.
+    #[error("no lubrication between radii {0} and {1}: {2}")]
+    Radii(f64, f64, TwoSphereError),
+}
+
+impl PairForce {
+    /// Tables for every pair of species; `radii` has one entry a species. Computes tables at first use, with rayon; not to be called
+    /// from a rayon task.
+    pub fn new(radii: &[f64], viscosity: f64, range: Range) -> Result<Self, PairForceError> {
+        let named = radii.iter().map(|&radius| ("particle radius", radius)).chain([("viscosity", viscosity)]);
+        if let Some((name, value)) = named.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
+            return Err(PairForceError::Positive { name, value });
+        }
+        let mut tables = Vec::new();
+        for (i, &a) in radii.iter().enumerate() {
+            for &b in &radii[i..] {
+                let table =
+                    RootTable::with_ratio(a.max(b) / a.min(b)).map_err(|error| PairForceError::Radii(a, b, error))?;
+                tables.push(table);
+            }
+        }
+        Ok(Self { radii: radii.to_vec(), viscosity, range, tables })
+    }
+
+    /// Where the correction begins and ends.
+    pub fn range(&self) -> Range {
+        self.range
+    }
+
+    /// Largest distance of centres at which any pair feels lubrication.
+    pub fn reach(&self) -> f64 {
+        self.radii.iter().copied().fold(0.0, f64::max) * (2.0 + self.range.cutoff())
+    }
+
+    /// The factor of a pair, for `separation` from the first centre to the second; none beyond the cutoff.
+    pub fn factor(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
+        let [first, second] = species.map(|s| self.radii[s as usize]);
+        let mean = 0.5 * (first + second);
+        let distance = separation.length();
+        let gap = distance / mean - 2.0;
+        if gap >= self.range.cutoff() || distance == 0.0 {
+            return None;
+        }
+        let (order, axis) =
+            if first <= second { ([0, 1], separation / distance) } else { ([1, 0], -separation / distance) };
+        let (small, large) = (first.min(second), first.max(second));
+        let factor = (self.viscosity * small).sqrt() * self.range.taper(gap);
+        let roots = self.table(species).at(gap.max(self.range.closest()) * mean / small, factor);
+        Some(PairFactor::new(&roots, axis, order, [small, large / small]))
+    }
+
+    /// Lubrication loads of a pair on the fluid, `R_lub` times its motion; none beyond the cutoff.
+    pub fn loads(&self, separation: Vector, species: [u32; 2], motion: &PairMotion) -> Option<PairLoads> {
+        let factor = self.factor(separation, species)?;
+        Some(factor.loads(&factor.modes(motion)))
+    }
+
+    fn table(&self, species: [u32; 2]) -> &RootTable {
+        let (low, high) = (species[0].min(species[1]) as usize, species[0].max(species[1]) as usize);
+        let before = low * self.radii.len() - low * low.saturating_sub(1) / 2;
+        &self.tables[before + high - low]
+    }
+}

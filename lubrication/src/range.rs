@@ -1,0 +1,72 @@
+//! From which gap to which lubrication acts.
+
+use thiserror::Error;
+
+use crate::root_table::{CLOSEST, FARTHEST};
+
+/// Gaps between which the lubrication correction acts, over the mean radius of a pair.
+///
+/// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two continuous
+/// derivatives. At gaps below `closest`, and for spheres that overlap, it stays what it is at `closest`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    cutoff: f64,
+    closest: f64,
+}
+
+/// A range that makes no sense.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum RangeError {
+    /// The cutoff is outside the tables.
+    #[error(
+        "lubrication cutoff is {0}; it is a gap over the mean radius: give a number above 0.001, at most 8 (2.5 is accurate, 0.2 is customary)"
+    )]
+    Cutoff(f64),
+    /// The smallest gap is outside the tables, or beyond the cutoff.
+    #[error(
+        "closest gap of lubrication is {0}; it is a gap over the mean radius: give a number from 1e-6 to a tenth of the cutoff"
+    )]
+    Closest(f64),
+}
+
+impl Range {
+    /// Cutoff beyond which the method alone has the motion of two spheres to 1%, for radii up to 2:1.
+    pub const WIDE: f64 = 2.5;
+    /// Cutoff of Dance & Maxey (2003) and Yeo & Maxey (2010); the correction still is large there.
+    pub const NARROW: f64 = 0.2;
+    /// Fraction of the cutoff up to which the correction is whole.
+    pub const TAPER: f64 = 0.75;
+
+    /// Lubrication at gaps up to `cutoff`, and no stronger than at the gap `closest`.
+    pub fn new(cutoff: f64, closest: f64) -> Result<Self, RangeError> {
+        if !(cutoff > 1e-3 && cutoff <= FARTHEST) {
+            return Err(RangeError::Cutoff(cutoff));
+        }
+        if !(closest >= 10.0 * CLOSEST && closest <= 0.1 * cutoff) {
+            return Err(RangeError::Closest(closest));
+        }
+        Ok(Self { cutoff, closest })
+    }
+
+    /// Gap where the correction ends, over the mean radius.
+    pub fn cutoff(&self) -> f64 {
+        self.cutoff
+    }
+
+    /// Gap below which the correction grows no more, over the mean radius.
+    pub fn closest(&self) -> f64 {
+        self.closest
+    }
+
+    /// Factor of the root of the correction, the square root of a quintic step from 1 to 0.
+    pub(crate) fn taper(&self, gap: f64) -> f64 {
+        let x = ((1.0 - gap / self.cutoff) / (1.0 - Self::TAPER)).clamp(0.0, 1.0);
+        (x * x * x * (10.0 - x * (15.0 - 6.0 * x))).sqrt()
+    }
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { cutoff: Self::WIDE, closest: 1e-6 }
+    }
+}

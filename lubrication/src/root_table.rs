@@ -1,0 +1,93 @@
+//! Tables of the lubrication correction, one for each ratio of radii.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use crate::blocks::Blocks;
+use crate::chebyshev::Chebyshev;
+use crate::far_field;
+use crate::root::{LANES, Roots, Scales, flat_roots};
+use crate::two_sphere::{TwoSphere, TwoSphereError};
+
+/// Smallest tabulated gap over the smaller radius.
+pub const CLOSEST: f64 = 1e-7;
+/// Largest tabulated gap over the mean radius.
+pub const FARTHEST: f64 = 8.0;
+/// Intervals of interpolation grow by this factor.
+const GROWTH: f64 = 2.0;
+
+/// Roots of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1, as Chebyshev series in the logarithm of the gap.
+#[derive(Debug)]
+pub struct RootTable {
+    pieces: Vec<Chebyshev<LANES>>,
+    scales: Scales,
+}
+
+/// The table of one ratio, computed by whoever asks first while others wait.
+type Entry = Arc<OnceLock<Arc<RootTable>>>;
+
+impl RootTable {
+    /// The table of a ratio of at least 1; computed at the first call, then shared.
+    pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
+        static TABLES: OnceLock<Mutex<HashMap<u64, Entry>>> = OnceLock::new();
+        let exact = TwoSphere::with_ratio(ratio)?;
+        let tables = TABLES.get_or_init(Mutex::default);
+        let entry =
+            Arc::clone(tables.lock().unwrap_or_else(PoisonError::into_inner).entry(ratio.to_bits()).or_default());
+        Ok(Arc::clone(entry.get_or_init(|| Arc::new(Self::compute(&exact)))))
+    }
+
+    /// Roots at a gap between the closest and the farthest, times `factor`.
+    pub fn at(&self, gap: f64, factor: f64) -> Roots {
+        let log = gap.ln();
+        let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
+        let lanes = self.pieces[piece.min(self.pieces.len() - 1)].at(log);
+        Roots::from_flat(&lanes, factor, &self.scales)
+    }
+
+    fn compute(exact: &TwoSphere) -> Self {
+        let farthest = FARTHEST * 0.5 * (1.0 + exact.ratio());
+        let count = (farthest / CLOSEST).log(GROWTH).ceil() as i32;
+        let edge = |k: i32| (CLOSEST * GROWTH.powi(k)).ln();
+        let piece = |k: i32| {
+            let values = Chebyshev::<LANES>::nodes(edge(k), edge(k + 1)).map(|log| roots(exact, log.exp()));
+            Chebyshev::through(edge(k), edge(k + 1), &values)
+        };
+        Self { pieces: (0..count).map(piece).collect(), scales: Scales::new(exact.ratio()) }
+    }
+}
+
+/// Roots at one gap, without interpolation.
+fn roots(exact: &TwoSphere, gap: f64) -> [f64; LANES] {
+    let radii = [1.0, exact.ratio()];
+    let known = far_field::resistance(radii, radii[0] + radii[1] + gap);
+    flat_roots(&Blocks::exact(&exact.at(gap), radii), &known, exact.ratio())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `L L^T` of the largest block.
+    fn product(roots: &Roots) -> Vec<f64> {
+        let entry = |i: usize, j: usize| (0..6).map(|k| roots.transverse[i][k] * roots.transverse[j][k]).sum();
+        (0..36).map(|k| entry(k / 6, k % 6)).collect()
+    }
+
+    #[test]
+    fn interpolates_between_the_nodes() {
+        for ratio in [1.0, 2.0] {
+            let exact = TwoSphere::with_ratio(ratio).unwrap();
+            let table = RootTable::with_ratio(ratio).unwrap();
+            for k in 0..60 {
+                let gap = 1.3e-6 * 1.29_f64.powi(k);
+                let (wanted, found) = (Roots::from_flat(&roots(&exact, gap), 1.0, &table.scales), table.at(gap, 1.0));
+                // The approach of the surfaces is smooth; eigenvalues that change sign bend the rest by 1e-4 of the drag.
+                assert!(gap > 1.0 || (found.axial[0][0] / wanted.axial[0][0] - 1.0).abs() < 1e-9);
+                let worst =
+                    product(&found).iter().zip(product(&wanted)).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+                assert!(worst < 1e-3 * 6.0 * std::f64::consts::PI, "ratio {ratio} gap {gap}: off by {worst}");
+            }
+        }
+    }
+}

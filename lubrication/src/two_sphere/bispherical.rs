@@ -1,0 +1,254 @@
+//! Two moving spheres in bispherical coordinates: the exact solution, for any gap.
+//!
+//! Lengths in units of the focal distance `c`, `z = sinh(xi)/(cosh(xi) - cos(eta))`,
+//! `rho = sin(eta)/(cosh(xi) - cos(eta))`; sphere 1 is `xi = -alpha_1`, sphere 2 `xi = alpha_2`.
+//! With `m` the azimuthal order, the flow is `u = x Q/2 + v`, where the pressure `Q`, `v_z`, `v_rho + v_phi` and
+//! `v_rho - v_phi` are harmonic of orders `m`, `m`, `m + 1` and `m - 1` (Jeffery 1922; Dean & O'Neill 1963;
+//! O'Neill & Majumdar 1970), so each is
+//!
+//! ```text
+//! sqrt(cosh xi - cos eta) sum_n [a_n exp((n+1/2)(xi - alpha_2)) + b_n exp(-(n+1/2)(xi + alpha_1))] P_n^m(cos eta),
+//! ```
+//!
+//! the family `a` with its sources inside sphere 2, the family `b` inside sphere 1. On a sphere, the boundary condition gives
+//! all four from one unknown series, `y_n` of `z Q/2`. That `u` has no divergence is a recurrence for each family that
+//! couples `y_{n-1}`, `y_n`, `y_{n+1}` of both spheres: a block tridiagonal system, solved directly.
+//! Digits are lost like a power of `1/alpha`, hence the double-double numbers.
+
+use super::double_double::DoubleDouble;
+use super::geometry::{Geometry, side};
+use super::tridiagonal::{self, Block, Row};
+
+/// A velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over `sqrt 2`.
+#[derive(Debug, Clone, Copy)]
+pub struct Drive {
+    /// Sphere that moves, 0 or 1; the other one is at rest.
+    pub sphere: usize,
+    /// `v_z`, of order `m`.
+    pub axial: Shape,
+    /// `(v_rho + v_phi)/2`, of order `m + 1`.
+    pub raised: Shape,
+    /// `(v_rho - v_phi)/2`, of order `m - 1`.
+    pub lowered: Shape,
+}
+
+/// A function on a sphere that is at most linear in the coordinates.
+#[derive(Debug, Clone, Copy)]
+pub enum Shape {
+    /// 0
+    Zero,
+    /// 1, of order 0
+    One,
+    /// `z - z_i`, of order 0
+    Height,
+    /// A multiple of `rho`, of order 1
+    Radius(f64),
+}
+
+impl Shape {
+    /// Coefficient of degree `n` over `sqrt 2`, given `exp(-(n+1/2) alpha)`.
+    fn coefficient(self, n: usize, decay: DoubleDouble, geometry: &Geometry, sphere: usize) -> DoubleDouble {
+        match self {
+            Self::Zero => DoubleDouble::default(),
+            Self::One => decay,
+            Self::Height => {
+                let side = decay * side(sphere);
+                side * (2 * n + 1) as f64 - side * geometry.cosh[sphere] / geometry.sinh[sphere]
+            }
+            Self::Radius(factor) => decay * (2.0 * factor),
+        }
+    }
+}
+
+/// Moments of the traction on one sphere about its centre, on the fluid, in units of viscosity and `c`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Load {
+    /// Along `z` for `m = 0`, along `x` for `m = 1`.
+    pub force: DoubleDouble,
+    /// About `y`, for `m = 1`.
+    pub torque: DoubleDouble,
+    /// `zz` for `m = 0`, `xz` for `m = 1`, `xx` for `m = 2`.
+    pub stresslet: DoubleDouble,
+}
+
+/// Loads on both spheres for each drive of azimuthal order `order`.
+pub fn solve(geometry: &Geometry, order: usize, drives: &[Drive]) -> Vec<[Load; 2]> {
+    let problem = Problem::new(geometry, order);
+    let mut rows: Vec<Row> = (order..problem.decays.len() - 2).map(|n| problem.row(n, drives)).collect();
+    let y = tridiagonal::solve(&mut rows);
+    drives.iter().enumerate().map(|(d, drive)| problem.loads(drive, &y, d)).collect()
+}
+
+struct Problem<'a> {
+    geometry: &'a Geometry,
+    order: usize,
+    /// `exp(-(n+1/2) alpha_i)`
+    decays: Vec<[DoubleDouble; 2]>,
+    /// Weights of the values on spheres 1 and 2 in the amplitude of each family.
+    amplitudes: Vec<[[DoubleDouble; 2]; 2]>,
+}
+
+impl Problem<'_> {
+    fn new(geometry: &Geometry, order: usize) -> Problem<'_> {
+        let decays = geometry.decays();
+        let one = DoubleDouble::from(1.0);
+        let amplitudes = decays.iter().map(|decay| {
+            let across = decay[0] * decay[1];
+            let own = one / (one - across * across);
+            let other = -(across * own);
+            [[own, other], [other, own]]
+        });
+        Problem { geometry, order, amplitudes: amplitudes.collect(), decays }
+    }
+
+    /// The two equations (one a family) of degree `n`.
+    fn row(&self, n: usize, drives: &[Drive]) -> Row {
+        let mut row = Row::new(drives.len());
+        for family in 0..2 {
+            for (k, growth) in self.neighbours(n, family) {
+                let amplitude = self.amplitudes[k][family].map(|a| a * growth);
+                for (sphere, weight) in amplitude.into_iter().enumerate() {
+                    self.couple(&mut row, (n, k), (family, sphere), weight);
+                }
+                for (d, drive) in drives.iter().enumerate() {
+                    row.right[family][d] += -(amplitude[drive.sphere] * self.known(n, k, family, drive));
+                }
+            }
+        }
+        row
+    }
+
+    /// Degrees that enter the divergence at degree `n`, with the factor that refers their amplitudes to `n`.
+    fn neighbours(&self, n: usize, family: usize) -> impl Iterator<Item = (usize, DoubleDouble)> {
+        let e = self.geometry.exponential[family];
+        let one = DoubleDouble::from(1.0);
+        let below = (n > 0).then(|| (n.wrapping_sub(1), e));
+        below.into_iter().chain([(n, one), (n + 1, one / e)])
+    }
+
+    /// Adds what the unknowns of one sphere, through degree `k` of the four functions, give to the divergence at `n`.
+    fn couple(&self, row: &mut Row, (n, k): (usize, usize), (family, sphere): (usize, usize), amplitude: DoubleDouble) {
+        let (x, m) = (n as f64, self.order as f64);
+        let sign = side(family);
+        let per_sinh = amplitude / (self.geometry.sinh[sphere] * side(sphere));
+        let coth = per_sinh * self.geometry.cosh[sphere];
+        let add = |block: &mut Block, value: DoubleDouble| block[family][sphere] += value;
+        if k == n + 1 {
+            let half = 0.5 * (x + m + 1.0);
+            add(&mut row.above, coth * half + amplitude * (sign * half));
+            add(&mut row.middle, -ratio(per_sinh, (x + 1.0) * (2.0 * x + 3.0), 2.0 * (2.0 * x + 1.0)));
+        } else if k == n {
+            add(&mut row.above, -ratio(per_sinh, (x + m + 1.0) * (x + 2.5), 2.0 * x + 3.0));
+            add(&mut row.middle, coth * 2.5 - amplitude * (sign * (x + 0.5)));
+            add(&mut row.below, ratio(per_sinh, (x - m) * (x - 1.5), 2.0 * x - 1.0));
+        } else {
+            let half = 0.5 * (x - m);
+            add(&mut row.below, amplitude * (sign * half) - coth * half);
+            add(&mut row.middle, ratio(per_sinh, x * (2.0 * x - 1.0), 2.0 * (2.0 * x + 1.0)));
+        }
+    }
+
+    /// What the prescribed velocity, through degree `k`, gives to the divergence at `n`.
+    fn known(&self, n: usize, k: usize, family: usize, drive: &Drive) -> DoubleDouble {
+        let (x, m) = (n as f64, self.order as f64);
+        let (axial, raised, lowered) = if k == n + 1 {
+            (-0.5 * (x + m + 1.0), 0.5 * (x + m + 1.0) * (x + m + 2.0), -0.5)
+        } else if k == n {
+            (x + 0.5, -(x + m + 1.0) * (x - m), 1.0)
+        } else {
+            (-0.5 * (x - m), 0.5 * (x - m) * (x - m - 1.0), -0.5)
+        };
+        let value = |shape: Shape| shape.coefficient(k, self.decays[k][drive.sphere], self.geometry, drive.sphere);
+        value(drive.axial) * (axial * side(family)) + value(drive.raised) * raised + value(drive.lowered) * lowered
+    }
+
+    /// Loads from the far field of each family.
+    fn loads(&self, drive: &Drive, y: &[Vec<[DoubleDouble; 2]>], d: usize) -> [Load; 2] {
+        let m = self.order;
+        let at = |n: usize, sphere: usize| {
+            n.checked_sub(m).and_then(|i| y.get(i)).map_or(DoubleDouble::default(), |values| values[d][sphere])
+        };
+        let mut sums = [[DoubleDouble::default(); 3]; 2];
+        for n in m..m + y.len() {
+            let pressure = [0, 1].map(|sphere| self.pressure(n, sphere, &at));
+            let axial = [0, 1].map(|sphere| {
+                let moving = if sphere == drive.sphere { drive.axial } else { Shape::Zero };
+                moving.coefficient(n, self.decays[n][sphere], self.geometry, sphere) - at(n, sphere)
+            });
+            for (family, sum) in sums.iter_mut().enumerate() {
+                let weights = self.amplitudes[n][family].map(|w| w * self.decays[n][family]);
+                let q = weights[0] * pressure[0] + weights[1] * pressure[1];
+                let w = weights[0] * axial[0] + weights[1] * axial[1];
+                accumulate(sum, m, n as f64, [q, w]);
+            }
+        }
+        [0, 1].map(|family| self.about_centre(family, sums[family]))
+    }
+
+    /// Coefficient of the pressure on a sphere, from that of `z Q/2`.
+    fn pressure(&self, n: usize, sphere: usize, y: &impl Fn(usize, usize) -> DoubleDouble) -> DoubleDouble {
+        let (x, m) = (n as f64, self.order as f64);
+        let below = if n == 0 { DoubleDouble::default() } else { ratio(y(n - 1, sphere), x - m, 2.0 * x - 1.0) };
+        let stencil =
+            self.geometry.cosh[sphere] * y(n, sphere) - below - ratio(y(n + 1, sphere), x + m + 1.0, 2.0 * x + 3.0);
+        stencil * (2.0 * side(sphere)) / self.geometry.sinh[sphere]
+    }
+
+    /// Moments about the origin turned into loads about the sphere's centre.
+    fn about_centre(&self, family: usize, [first, second, third]: [DoubleDouble; 3]) -> Load {
+        let pi = DoubleDouble::pi();
+        let sign = side(family);
+        let centre = self.geometry.cosh[family] / self.geometry.sinh[family] * sign;
+        let third_pi = ratio(pi, 4.0, 3.0);
+        match self.order {
+            0 => {
+                let force = pi * first * (8.0 * sign);
+                let stresslet = third_pi * second * 4.0 - ratio(force * centre, 2.0, 3.0);
+                Load { force, stresslet, ..Load::default() }
+            }
+            1 => {
+                let force = pi * first * 8.0;
+                let torque = -(pi * third * 16.0) - force * centre;
+                let stresslet = third_pi * second * sign - force * centre * 0.5;
+                Load { force, torque, stresslet }
+            }
+            _ => Load { stresslet: third_pi * second, ..Load::default() },
+        }
+    }
+}
+
+/// Adds degree `n` to the sums that give force, stresslet and torque.
+fn accumulate(sum: &mut [DoubleDouble; 3], order: usize, n: f64, [q, w]: [DoubleDouble; 2]) {
+    let pair = n * (n + 1.0);
+    match order {
+        0 => {
+            sum[0] += q * (2.0 * n + 1.0);
+            sum[1] += q * (pair + 0.5);
+        }
+        1 => {
+            sum[0] += q * pair;
+            sum[1] += q * pair * (2.0 * n + 1.0);
+            sum[2] += w * pair;
+        }
+        _ => sum[1] += q * pair * ((n - 1.0) * (n + 2.0)),
+    }
+}
+
+fn ratio(x: DoubleDouble, numerator: f64, denominator: f64) -> DoubleDouble {
+    x * numerator / DoubleDouble::from(denominator)
+}
+
+/// Torques along the line of centres, `[spinning sphere][sphere that bears]`, for unit angular velocity (Jeffery 1915).
+///
+/// The velocity is harmonic by itself, of order 1, so the two families follow from its values on the spheres.
+pub fn spin(geometry: &Geometry) -> [[f64; 2]; 2] {
+    let problem = Problem::new(geometry, 1);
+    let mut sums = [[DoubleDouble::default(); 2]; 2];
+    for (n, decays) in problem.decays.iter().enumerate().skip(1) {
+        for (spins, bears) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let amplitude = problem.amplitudes[n][bears][spins] * decays[bears] * decays[spins];
+            sums[spins][bears] += amplitude * (n * (n + 1)) as f64;
+        }
+    }
+    sums.map(|line| line.map(|sum| 32.0 * std::f64::consts::PI * sum.value()))
+}

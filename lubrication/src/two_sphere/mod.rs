@@ -1,0 +1,28 @@
+//! Exact resistance and mobility functions of two rigid spheres in unbounded Stokes flow.
+//!
+//! [`TwoSphere::with_ratio`] gives the tables of one ratio of radii; [`TwoSphere::resistance`] and [`TwoSphere::mobility`] evaluate them
+//! at any positive gap to a relative 1e-8 (an absolute one where a function changes sign). Radii may differ by a
+//! factor of up to 20.
+//!
+//! ```
+//! use lubrication::two_sphere::{Function, TwoSphere, named};
+//!
+//! let functions = TwoSphere::with_ratio(2.0)?.resistance(1e-3)?;
+//! assert!(functions[Function::XA][0][0] > 400.0);
+//! assert_eq!(named(&functions)[0].0, "XA11");
+//! # Ok::<(), lubrication::two_sphere::TwoSphereError>(())
+//! ```
+
+mod bispherical;
+mod double_double;
+mod exact;
+mod functions;
+mod geometry;
+mod mobility;
+mod near;
+mod singular;
+mod table;
+mod tridiagonal;
+
+pub use functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions, named, named_mobility};
+pub use table::{TwoSphere, TwoSphereError};

@@ -1,0 +1,174 @@
+//! Tables of the resistance functions of one pair of radii.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::exact;
+use super::functions::{Function, MobilityFunctions, ResistanceFunctions};
+use super::mobility::mobility;
+use super::near::NearContact;
+use crate::chebyshev::{Chebyshev, Samples};
+
+/// Smallest gap, over the smaller radius, where values are computed; closer, the near-contact expansion holds.
+const NEAREST: f64 = 2e-3;
+/// Intervals of interpolation grow by this factor.
+const GROWTH: f64 = 4.0;
+/// Radii may differ by at most this factor.
+const LARGEST_RATIO: f64 = 20.0;
+
+/// Two spheres whose radii have a given ratio: their exact resistance functions at any gap.
+///
+/// From contact to 2e-3 of the smaller radius it evaluates the near-contact expansion, then Chebyshev series in the logarithm of
+/// the gap, and beyond a gap of the sum of the radii Chebyshev series in `((a1 + a2)/r)²`. All come
+/// from the solution in bispherical coordinates.
+#[derive(Debug, Clone)]
+pub struct TwoSphere {
+    ratio: f64,
+    near: NearContact,
+    pieces: Vec<Chebyshev<44>>,
+    far: Chebyshev<44>,
+    far_from: f64,
+}
+
+/// The tables of one ratio, computed by whoever asks first while others wait.
+type Entry = Arc<OnceLock<Arc<TwoSphere>>>;
+
+/// A question about two spheres that has no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum TwoSphereError {
+    /// The ratio of the radii is outside the range of the tables.
+    #[error("ratio a2/a1 is {0}; the two-sphere functions are tabulated for ratios from 0.05 to 20")]
+    Ratio(f64),
+    /// The spheres touch, overlap or are not anywhere.
+    #[error("gap is {0}; the two-sphere functions need spheres that do not touch: give a gap above 0")]
+    Gap(f64),
+}
+
+impl TwoSphere {
+    /// Tables for radii 1 and `ratio`; computed at the first call for a ratio, then shared. Not to be called from a rayon task,
+    /// since the first call waits for rayon.
+    pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
+        static TABLES: OnceLock<Mutex<HashMap<u64, Entry>>> = OnceLock::new();
+        if !(1.0 / LARGEST_RATIO..=LARGEST_RATIO).contains(&ratio) {
+            return Err(TwoSphereError::Ratio(ratio));
+        }
+        let tables = TABLES.get_or_init(Mutex::default);
+        let entry =
+            Arc::clone(tables.lock().unwrap_or_else(PoisonError::into_inner).entry(ratio.to_bits()).or_default());
+        Ok(Arc::clone(entry.get_or_init(|| Arc::new(Self::compute(ratio)))))
+    }
+
+    /// Radius of sphere 2 over that of sphere 1.
+    pub fn ratio(&self) -> f64 {
+        self.ratio
+    }
+
+    /// All functions at `gap`, in units of the radius of sphere 1; an infinite gap is allowed.
+    pub fn resistance(&self, gap: f64) -> Result<ResistanceFunctions, TwoSphereError> {
+        if gap > 0.0 { Ok(self.at(gap)) } else { Err(TwoSphereError::Gap(gap)) }
+    }
+
+    /// All mobility functions at `gap`, in units of the radius of sphere 1; an infinite gap is allowed.
+    pub fn mobility(&self, gap: f64) -> Result<MobilityFunctions, TwoSphereError> {
+        Ok(mobility(&self.resistance(gap)?, self.ratio))
+    }
+
+    /// All functions at a positive gap.
+    pub(crate) fn at(&self, gap: f64) -> ResistanceFunctions {
+        let nearest = NEAREST * self.ratio.min(1.0);
+        let t = (1.0 + self.ratio) / (1.0 + self.ratio + gap);
+        let flat = if gap < nearest {
+            self.near.at(gap)
+        } else if gap < self.far_from {
+            let log = gap.ln();
+            let piece = (log - nearest.ln()) / GROWTH.ln();
+            times_leading(&self.pieces[(piece as usize).min(self.pieces.len() - 1)].at(log), t)
+        } else {
+            times_leading(&self.far.at(t * t), t)
+        };
+        ResistanceFunctions(std::array::from_fn(|f| [0, 1].map(|i| [0, 1].map(|j| flat[4 * f + 2 * i + j]))))
+    }
+
+    fn compute(ratio: f64) -> Self {
+        let nearest = NEAREST * ratio.min(1.0);
+        let count = ((1.0 + ratio) / nearest).log(GROWTH).ceil() as usize;
+        let edges: Vec<f64> = (0..=count).map(|k| nearest * GROWTH.powi(k as i32)).collect();
+        let far_from = edges[count];
+        let piece = |edge: &[f64]| {
+            let (from, to) = (edge[0].ln(), edge[1].ln());
+            Chebyshev::through(from, to, &sampled(from, to, |log| reduced(ratio, log.exp())))
+        };
+        let nearest_far = ((1.0 + ratio) / (1.0 + ratio + far_from)).powi(2);
+        Self {
+            ratio,
+            near: NearContact::fit(ratio, nearest),
+            pieces: edges.par_windows(2).map(piece).collect(),
+            far: Chebyshev::through(
+                0.0,
+                nearest_far,
+                &sampled(0.0, nearest_far, |square| reduced(ratio, (1.0 + ratio) * (1.0 / square.sqrt() - 1.0))),
+            ),
+            far_from,
+        }
+    }
+}
+
+/// Values at the nodes of an interval, in parallel.
+fn sampled(from: f64, to: f64, function: impl Fn(f64) -> [f64; 44] + Send + Sync) -> Samples<44> {
+    let values: Vec<_> = Chebyshev::<44>::nodes(from, to).into_par_iter().map(function).collect();
+    std::array::from_fn(|j| values[j])
+}
+
+/// Lowest power of `t = (a1 + a2)/r` in a function: of a sphere's own motion, of the other's.
+const LEADING: [[usize; 2]; Function::ALL.len()] =
+    [[0, 1], [0, 1], [3, 2], [0, 3], [0, 3], [3, 2], [5, 4], [6, 3], [0, 3], [0, 3], [0, 5]];
+
+/// The functions over their leading power of `t`: smooth down to `t = 0`, and even in it.
+fn reduced(ratio: f64, gap: f64) -> [f64; 44] {
+    times_leading(&flatten(&exact::resistance(ratio, gap)), (1.0 + ratio + gap) / (1.0 + ratio))
+}
+
+fn times_leading(values: &[f64; 44], t: f64) -> [f64; 44] {
+    let powers = powers(t);
+    std::array::from_fn(|i| values[i] * powers[LEADING[i / 4][usize::from(i % 4 == 1 || i % 4 == 2)]])
+}
+
+fn powers(t: f64) -> [f64; 7] {
+    std::array::from_fn(|k| t.powi(k as i32))
+}
+
+fn flatten(functions: &ResistanceFunctions) -> [f64; 44] {
+    std::array::from_fn(|i| functions.0[i / 4][i / 2 % 2][i % 2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Largest relative error of the tables against the solution itself.
+    fn worst(ratio: f64, gaps: impl Iterator<Item = f64>) -> f64 {
+        let table = TwoSphere::with_ratio(ratio).unwrap();
+        let error = |gap: f64| {
+            let (found, wanted) = (flatten(&table.at(gap)), flatten(&exact::resistance(ratio, gap)));
+            found.iter().zip(&wanted).map(|(f, w)| (f / w - 1.0).abs()).fold(0.0, f64::max)
+        };
+        gaps.map(error).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn tables_agree_with_the_solution() {
+        for ratio in [1.0, 2.0, 2.5, 10.0] {
+            let error = worst(ratio, (0..40).map(|k| 5e-4 * 1.47_f64.powi(k)));
+            assert!(error < 1e-8, "ratio {ratio}: {error}");
+        }
+    }
+
+    #[test]
+    fn near_contact_expansion_agrees_with_the_solution() {
+        let error = worst(1.0, [1e-5, 1e-4].into_iter()).max(worst(2.0, [2e-5].into_iter()));
+        assert!(error < 1e-8, "{error}");
+    }
+}

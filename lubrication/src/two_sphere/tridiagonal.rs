@@ -1,0 +1,91 @@
+//! Direct solution of a tridiagonal system of 2 x 2 blocks.
+
+use super::double_double::DoubleDouble;
+
+/// A 2 x 2 block: `[equation][sphere]`.
+pub type Block = [[DoubleDouble; 2]; 2];
+
+/// Two equations: `below y_{n-1} + middle y_n + above y_{n+1} = right`, with several right-hand sides.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Factor of the row before.
+    pub below: Block,
+    /// Factor of this row.
+    pub middle: Block,
+    /// Factor of the row after.
+    pub above: Block,
+    /// `[equation][right-hand side]`
+    pub right: [Vec<DoubleDouble>; 2],
+}
+
+impl Row {
+    /// Zeros, for `count` right-hand sides.
+    pub fn new(count: usize) -> Self {
+        let zeros = vec![DoubleDouble::default(); count];
+        Self {
+            below: Block::default(),
+            middle: Block::default(),
+            above: Block::default(),
+            right: [zeros.clone(), zeros],
+        }
+    }
+}
+
+/// Solution as `[row][right-hand side][sphere]`, by block elimination; destroys the rows.
+pub fn solve(rows: &mut [Row]) -> Vec<Vec<[DoubleDouble; 2]>> {
+    for n in 0..rows.len() {
+        let (done, rest) = rows.split_at_mut(n);
+        let row = &mut rest[0];
+        if let Some(before) = done.last() {
+            eliminate(row, before);
+        }
+        let inverse = inverse(&row.middle);
+        row.above = product(&inverse, &row.above);
+        for d in 0..row.right[0].len() {
+            let [first, second] = apply(&inverse, [row.right[0][d], row.right[1][d]]);
+            (row.right[0][d], row.right[1][d]) = (first, second);
+        }
+    }
+    substitute(rows)
+}
+
+fn eliminate(row: &mut Row, before: &Row) {
+    let carried = product(&row.below, &before.above);
+    for (i, line) in carried.iter().enumerate() {
+        for (j, value) in line.iter().enumerate() {
+            row.middle[i][j] += -*value;
+        }
+    }
+    for d in 0..row.right[0].len() {
+        let carried = apply(&row.below, [before.right[0][d], before.right[1][d]]);
+        row.right[0][d] += -carried[0];
+        row.right[1][d] += -carried[1];
+    }
+}
+
+fn substitute(rows: &[Row]) -> Vec<Vec<[DoubleDouble; 2]>> {
+    let mut solution: Vec<Vec<[DoubleDouble; 2]>> = Vec::with_capacity(rows.len());
+    for row in rows.iter().rev() {
+        let values = (0..row.right[0].len()).map(|d| {
+            let after = solution.last().map_or([DoubleDouble::default(); 2], |next| apply(&row.above, next[d]));
+            [row.right[0][d] - after[0], row.right[1][d] - after[1]]
+        });
+        let values = values.collect();
+        solution.push(values);
+    }
+    solution.reverse();
+    solution
+}
+
+fn apply(block: &Block, x: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
+    [0, 1].map(|i| block[i][0] * x[0] + block[i][1] * x[1])
+}
+
+fn product(a: &Block, b: &Block) -> Block {
+    [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
+}
+
+fn inverse(a: &Block) -> Block {
+    let scale = DoubleDouble::from(1.0) / (a[0][0] * a[1][1] - a[0][1] * a[1][0]);
+    [[a[1][1] * scale, -(a[0][1] * scale)], [-(a[1][0] * scale), a[0][0] * scale]]
+}

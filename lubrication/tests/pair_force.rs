@@ -1,0 +1,190 @@
+//! Lubrication of a pair: values, symmetries, ends of its range, and refusals.
+
+use std::f64::consts::PI;
+
+use domain::{Tensor, Traceless, Vector};
+use lubrication::{PairFactor, PairForce, PairForceError, PairLoads, PairMotion, Range, RangeError};
+use proptest::prelude::*;
+
+fn force(radii: &[f64]) -> PairForce {
+    PairForce::new(radii, 1.0, Range::default()).unwrap()
+}
+
+fn moving(sphere: usize, velocity: Vector) -> PairMotion {
+    let mut motion = PairMotion::default();
+    motion.velocity[sphere] = velocity;
+    motion
+}
+
+fn turning(sphere: usize, angular_velocity: Vector) -> PairMotion {
+    let mut motion = PairMotion::default();
+    motion.angular_velocity[sphere] = angular_velocity;
+    motion
+}
+
+/// Exact resistance minus that of the method, by multipole collocation and a dense inverse: hatted dXA11, dXA12, dXA22, dYA11, dYB11, dYB21, dYC11.
+#[test]
+fn strong_functions_agree_with_reference() {
+    let cases = [
+        (
+            1.0,
+            [
+                2500.70497238,
+                -2500.70039017,
+                2500.70497238,
+                1.19755309258,
+                -1.76336407259,
+                -1.77058263092,
+                1.41951851229,
+            ],
+        ),
+        (
+            2.0,
+            [4445.86708735, -2963.84771519, 2222.83985435, 1.84398570754, -1.97217713537, -2.7047529412, 1.98921738889],
+        ),
+    ];
+    for (ratio, expected) in cases {
+        let force = force(&[1.0, ratio]);
+        let separation = Vector::Z * (1.0 + ratio + 1e-4);
+        let loads = |motion: PairMotion| force.loads(separation, [0, 1], &motion).unwrap();
+        let (s, first, second) = (1.0 + ratio, loads(moving(0, Vector::Z)), loads(moving(1, Vector::Z)));
+        let (across, turned) = (loads(moving(0, Vector::X)), loads(turning(0, Vector::Y)));
+        let found = [
+            first.force[0].z / (6.0 * PI),
+            second.force[0].z / (3.0 * PI * s),
+            second.force[1].z / (6.0 * PI * ratio),
+            across.force[0].x / (6.0 * PI),
+            -across.torque[0].y / (4.0 * PI),
+            -across.torque[1].y / (PI * s * s),
+            turned.torque[0].y / (8.0 * PI),
+        ];
+        for (found, expected) in found.into_iter().zip(expected) {
+            // What makes the pair positive semi-definite changes unequal spheres by a few thousandths of the drag.
+            assert!((found - expected).abs() < 5e-3 + 1e-5 * expected.abs(), "ratio {ratio}: {found}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn facing_surfaces_push_each_other_equally() {
+    let force = force(&[1.0, 2.0]);
+    let loads = force.loads(Vector::X * (3.0 + 1e-5), [0, 1], &moving(0, Vector::X)).unwrap();
+    // The difference is what the method misses of the drag on the pair as a whole: 0.1 of 6 pi a.
+    assert!(loads.force[0].x > 1e5);
+    assert!((loads.force[0] + loads.force[1]).length() < 2.0);
+}
+
+#[test]
+fn nothing_acts_beyond_the_cutoff_and_it_ends_smoothly() {
+    let force = PairForce::new(&[1.0, 1.5], 1.0, Range::new(Range::NARROW, 1e-6).unwrap()).unwrap();
+    let at =
+        |gap: f64| force.loads(Vector::Y * (2.5 + gap), [0, 1], &moving(0, Vector::Y)).map(|loads| loads.force[0].y);
+    assert!(at(0.25 + 1e-12).is_none());
+    // A quintic step: third power of the distance to the end.
+    let (near, nearer) = (at(0.25 - 1e-2).unwrap(), at(0.25 - 0.5e-2).unwrap());
+    assert!(near > 0.0 && (nearer / near) < 0.15, "{near} {nearer}");
+    assert!((force.reach() - 1.5 * 2.2).abs() < 1e-14);
+}
+
+#[test]
+fn overlap_is_as_stiff_as_the_closest_gap() {
+    let force = PairForce::new(&[1.0], 1.0, Range::new(2.0, 1e-3).unwrap()).unwrap();
+    let at = |r: f64| force.loads(Vector::X * r, [0, 0], &moving(0, Vector::X)).unwrap();
+    assert_eq!(at(1.9), at(1.0));
+    assert!((at(1.9).force[0].x / at(2.001).force[0].x - 1.0).abs() < 1e-10);
+    assert!(force.factor(Vector::ZERO, [0, 0]).is_none());
+}
+
+#[test]
+fn loads_scale_with_size_and_viscosity() {
+    let (unit, large) = (force(&[1.0, 2.0]), PairForce::new(&[3.0, 6.0], 5.0, Range::default()).unwrap());
+    let separation = Vector::new(1.0, 2.0, 2.1);
+    let loads = unit.loads(separation, [0, 1], &moving(1, Vector::X)).unwrap();
+    let scaled = large.loads(3.0 * separation, [0, 1], &moving(1, Vector::X)).unwrap();
+    assert!((scaled.force[0] - 15.0 * loads.force[0]).length() < 1e-11 * scaled.force[0].length());
+    assert!((scaled.torque[0] - 45.0 * loads.torque[0]).length() < 1e-11 * scaled.torque[0].length());
+    assert!((scaled.moment[1] - loads.moment[1] * 45.0).contract(Traceless([1.0; 5])).abs() < 1e-9);
+}
+
+#[test]
+fn refuses_senseless_parameters() {
+    assert_eq!(Range::new(9.0, 1e-4), Err(RangeError::Cutoff(9.0)));
+    assert_eq!(Range::new(1.0, 0.2), Err(RangeError::Closest(0.2)));
+    assert!(Range::new(f64::NAN, 1e-4).is_err());
+    assert!(matches!(PairForce::new(&[1.0, -1.0], 1.0, Range::default()), Err(PairForceError::Positive { .. })));
+    let error = PairForce::new(&[1.0, 30.0], 1.0, Range::default()).unwrap_err();
+    assert!(error.to_string().contains("radii 1 and 30"));
+}
+
+fn vector() -> impl Strategy<Value = Vector> {
+    prop::array::uniform3(-1.0..1.0f64).prop_map(Vector::from)
+}
+
+fn motion() -> impl Strategy<Value = PairMotion> {
+    let strain = || prop::array::uniform5(-1.0..1.0f64).prop_map(Traceless);
+    (vector(), vector(), vector(), vector(), strain(), strain()).prop_map(|(u, v, o, p, e, f)| PairMotion {
+        velocity: [u, v],
+        angular_velocity: [o, p],
+        strain_rate: [e, f],
+    })
+}
+
+fn turned(motion: &PairMotion, by: Tensor) -> PairMotion {
+    PairMotion {
+        velocity: motion.velocity.map(|u| by * u),
+        angular_velocity: motion.angular_velocity.map(|o| by * o),
+        strain_rate: motion.strain_rate.map(|e| Traceless::part_of(&(by * e.tensor() * by.transpose()))),
+    }
+}
+
+fn swapped(motion: &PairMotion) -> PairMotion {
+    let ([u, v], [o, p], [e, f]) = (motion.velocity, motion.angular_velocity, motion.strain_rate);
+    PairMotion { velocity: [v, u], angular_velocity: [p, o], strain_rate: [f, e] }
+}
+
+fn size(loads: &PairLoads) -> f64 {
+    (0..2)
+        .map(|i| loads.force[i].length() + loads.torque[i].length() + loads.moment[i].contract(loads.moment[i]).sqrt())
+        .sum()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn work_is_the_square_of_the_modes(direction in vector(), gap in 1e-4..1.0f64, a in motion(), b in motion()) {
+        prop_assume!(direction.length() > 0.1);
+        let factor = force(&[1.0, 2.0]).factor(direction.normalize() * (3.0 + gap), [1, 0]).unwrap();
+        let (modes, others): ([f64; PairFactor::MODES], _) = (factor.modes(&a), factor.modes(&b));
+        let squares: f64 = modes.iter().map(|g| g * g).sum();
+        let product: f64 = modes.iter().zip(&others).map(|(g, h)| g * h).sum();
+        let scale = squares + others.iter().map(|h| h * h).sum::<f64>();
+        prop_assert!((a.power(&factor.loads(&modes)) - squares).abs() < 1e-12 * scale);
+        prop_assert!((b.power(&factor.loads(&modes)) - product).abs() < 1e-12 * scale);
+    }
+
+    #[test]
+    fn loads_turn_with_the_pair(direction in vector(), gap in 1e-4..1.0f64, a in motion(), turn in vector(), angle in 0.0..6.0f64) {
+        prop_assume!(direction.length() > 0.1 && turn.length() > 0.1);
+        let (force, by) = (force(&[1.0, 2.0]), Tensor::from_axis_angle(turn.normalize(), angle));
+        let separation = direction.normalize() * (3.0 + gap);
+        let loads = force.loads(separation, [0, 1], &a).unwrap();
+        let other = force.loads(by * separation, [0, 1], &turned(&a, by)).unwrap();
+        for i in 0..2 {
+            prop_assert!((by * loads.force[i] - other.force[i]).length() < 1e-10 * size(&loads));
+            prop_assert!((by * loads.torque[i] - other.torque[i]).length() < 1e-10 * size(&loads));
+            let moment = Traceless::part_of(&(by * loads.moment[i].tensor() * by.transpose())) - other.moment[i];
+            prop_assert!(moment.contract(moment).sqrt() < 1e-10 * size(&loads));
+        }
+    }
+
+    #[test]
+    fn names_of_the_spheres_do_not_matter(direction in vector(), gap in 1e-4..1.0f64, a in motion()) {
+        prop_assume!(direction.length() > 0.1);
+        let (separation, force) = (direction.normalize() * (3.0 + gap), force(&[1.0, 2.0]));
+        let loads = force.loads(separation, [0, 1], &a).unwrap();
+        let other = force.loads(-separation, [1, 0], &swapped(&a)).unwrap();
+        prop_assert_eq!(loads.force, [other.force[1], other.force[0]]);
+        prop_assert_eq!(loads.moment, [other.moment[1], other.moment[0]]);
+    }
+}
