@@ -1,0 +1,337 @@
+//! One configuration that a user brings, and its answer: JSON, or HDF5 with the same names.
+
+use crate::FileError;
+use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
+use hdf5::{Container, File, Group};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// Particles in a box, what acts on them, and what is asked for. Lists of `N` have an entry for each particle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Edges of the box.
+    #[serde(rename = "box")]
+    pub edges: [f64; 3],
+    /// Lees-Edwards strain of the box.
+    #[serde(default)]
+    pub strain: f64,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Centres of the particles, `N` of them.
+    pub positions: Vec<[f64; 3]>,
+    /// Their radii.
+    pub radii: OneOrAll,
+    /// Forces; zero if absent.
+    #[serde(default)]
+    pub forces: Vec<[f64; 3]>,
+    /// Torques; zero if absent.
+    #[serde(default)]
+    pub torques: Vec<[f64; 3]>,
+    /// Stresslets (xx, xy, xz, yy, yz) of particles that are not rigid; zero if absent.
+    #[serde(default)]
+    pub stresslets: Vec<[f64; 5]>,
+    /// Whether the stresslets are to be found that keep the particles rigid.
+    #[serde(default = "yes")]
+    pub rigid: bool,
+    /// `"monopole"` or `"dipole"`.
+    #[serde(default)]
+    pub multipoles: Terms,
+    /// Whether near pairs of rigid particles feel lubrication.
+    #[serde(default)]
+    pub lubrication: bool,
+    /// The background flow.
+    #[serde(default)]
+    pub background: Background,
+}
+
+/// A number for all particles, or one for each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum OneOrAll {
+    /// The same for all.
+    One(f64),
+    /// Each its own.
+    All(Vec<f64>),
+}
+
+/// Terms of the multipole expansion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Terms {
+    /// Forces alone.
+    Monopole,
+    /// Forces, torques and stresslets.
+    #[default]
+    Dipole,
+}
+
+/// A linear flow.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Background {
+    /// `G[i][j] = du_i / dx_j`.
+    #[serde(default)]
+    pub velocity_gradient: [[f64; 3]; 3],
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// What came out of a [`Case`]; fields that were not computed are absent.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Answer {
+    /// Velocities relative to the background flow at the centres.
+    pub velocities: Vec<[f64; 3]>,
+    /// Angular velocities relative to the background flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_velocities: Option<Vec<[f64; 3]>>,
+    /// Rates of strain of the disturbance flow (xx, xy, xz, yy, yz).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strain_rates: Option<Vec<[f64; 5]>>,
+    /// Stresslets (xx, xy, xz, yy, yz); with lubrication, the whole hydrodynamic ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stresslets: Option<Vec<[f64; 5]>>,
+    /// With lubrication, the part of the stresslets that the far field sees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stresslets_far: Option<Vec<[f64; 5]>>,
+    /// Iterations for the stresslets and for lubrication.
+    pub iterations: usize,
+    /// Their relative residual.
+    pub residual: f64,
+    /// Seconds that the evaluation took.
+    pub seconds: f64,
+    /// How it was evaluated.
+    pub plan: String,
+}
+
+impl Case {
+    /// Reads a case and checks it. Files whose name ends in `.h5` or `.hdf5` are HDF5, all others JSON.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let case = if is_hdf5(path) {
+            let contents = File::open(path).and_then(|file| contents(&file));
+            serde_json::from_value(contents.map_err(|e| FileError::read(path, &e))?)
+        } else {
+            let text = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
+            serde_json::from_str(&text)
+        };
+        let case: Self = case.map_err(|e| FileError::read(path, &e))?;
+        case.check().map_err(|reason| FileError::read(path, &reason))?;
+        Ok(case)
+    }
+
+    /// The case as JSON, for other ranks.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("finite numbers and text can be written as JSON")
+    }
+
+    /// A case as another rank sent it.
+    ///
+    /// # Panics
+    /// If the text is not from [`Case::to_json`].
+    pub fn from_json(text: &str) -> Self {
+        serde_json::from_str(text).expect("a case that was checked on the first rank")
+    }
+
+    /// The radius of each particle.
+    pub fn radii(&self) -> Vec<f64> {
+        match &self.radii {
+            OneOrAll::One(radius) => vec![*radius; self.positions.len()],
+            OneOrAll::All(radii) => radii.clone(),
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let count = self.positions.len();
+        let fits = |key: &str, found: usize, may_be_absent: bool| {
+            if found == count || (may_be_absent && found == 0) {
+                return Ok(());
+            }
+            Err(format!("{key} has {found} entries, but there are {count} positions; it needs one for each"))
+        };
+        fits("radii", self.radii().len(), false)?;
+        fits("forces", self.forces.len(), true)?;
+        fits("torques", self.torques.len(), true)?;
+        fits("stresslets", self.stresslets.len(), true)?;
+        let finite = |key: &str, mut numbers: Box<dyn Iterator<Item = f64> + '_>| {
+            let wrong = numbers.find(|n| !n.is_finite());
+            wrong.map_or(Ok(()), |n| Err(format!("{key} contains {n}; every number needs to be finite")))
+        };
+        finite("positions", Box::new(self.positions.iter().flatten().copied()))?;
+        finite("forces", Box::new(self.forces.iter().flatten().copied()))?;
+        finite("torques", Box::new(self.torques.iter().flatten().copied()))?;
+        finite("stresslets", Box::new(self.stresslets.iter().flatten().copied()))?;
+        finite("background.velocity_gradient", Box::new(self.background.velocity_gradient.into_iter().flatten()))?;
+        if !(self.viscosity.is_finite() && self.viscosity > 0.0) {
+            return Err(format!("viscosity is {}; it needs to be positive and finite", self.viscosity));
+        }
+        let given = |list: &[[f64; 5]]| list.iter().flatten().any(|&s| s != 0.0);
+        if self.rigid && self.multipoles == Terms::Dipole && given(&self.stresslets) {
+            return Err("stresslets are given, but rigid particles have their own; set rigid to false".to_owned());
+        }
+        if self.lubrication && !(self.rigid && self.multipoles == Terms::Dipole) {
+            return Err("lubrication is true, but that is for rigid particles with dipoles; set rigid to true and \
+                        multipoles to \"dipole\", or lubrication to false"
+                .to_owned());
+        }
+        if self.multipoles == Terms::Monopole {
+            let twisted = self.torques.iter().flatten().any(|&t| t != 0.0);
+            if twisted || given(&self.stresslets) {
+                return Err(
+                    "torques or stresslets are given, but multipoles is \"monopole\"; use \"dipole\"".to_owned()
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Answer {
+    /// Writes the answer to a file, HDF5 if its name ends in `.h5` or `.hdf5`, else JSON.
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+        if is_hdf5(path) {
+            return self.write_hdf5(path).map_err(|e| FileError::write(path, &e));
+        }
+        std::fs::write(path, self.to_json()).map_err(|e| FileError::write(path, &e))
+    }
+
+    /// The answer as JSON.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string(self).expect("numbers and text can be written as JSON");
+        text.push('\n');
+        text
+    }
+
+    fn write_hdf5(&self, path: &Path) -> hdf5::Result<()> {
+        let file = File::create(path)?;
+        let table = |name: &str, width: usize, values: Vec<f64>| -> hdf5::Result<()> {
+            let rows = values.len() / width;
+            let values = ndarray::Array2::from_shape_vec((rows, width), values).expect("whole rows");
+            file.new_dataset_builder().with_data(&values).create(name).map(|_| ())
+        };
+        table("velocities", 3, self.velocities.concat())?;
+        if let Some(list) = &self.angular_velocities {
+            table("angular_velocities", 3, list.concat())?;
+        }
+        if let Some(list) = &self.strain_rates {
+            table("strain_rates", 5, list.concat())?;
+        }
+        if let Some(list) = &self.stresslets {
+            table("stresslets", 5, list.concat())?;
+        }
+        if let Some(list) = &self.stresslets_far {
+            table("stresslets_far", 5, list.concat())?;
+        }
+        file.new_dataset::<u64>().create("iterations")?.write_scalar(&(self.iterations as u64))?;
+        file.new_dataset::<f64>().create("residual")?.write_scalar(&self.residual)?;
+        file.new_dataset::<f64>().create("seconds")?.write_scalar(&self.seconds)?;
+        let plan: VarLenUnicode = self.plan.parse().map_err(|_| "the plan has a zero byte")?;
+        file.new_dataset::<VarLenUnicode>().create("plan")?.write_scalar(&plan)
+    }
+}
+
+fn is_hdf5(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "h5" || e == "hdf5")
+}
+
+/// The datasets, attributes and groups of a group as a JSON object.
+fn contents(group: &Group) -> hdf5::Result<Value> {
+    let mut object = Map::new();
+    for name in group.attr_names()? {
+        object.insert(name.clone(), value(&*group.attr(&name)?)?);
+    }
+    for name in group.member_names()? {
+        let value = match group.dataset(&name) {
+            Ok(dataset) => value(&dataset)?,
+            Err(_) => contents(&group.group(&name)?)?,
+        };
+        object.insert(name, value);
+    }
+    Ok(Value::Object(object))
+}
+
+fn value(container: &Container) -> hdf5::Result<Value> {
+    match container.dtype()?.to_descriptor()? {
+        TypeDescriptor::Boolean => return Ok(json!(container.read_scalar::<bool>()?)),
+        TypeDescriptor::VarLenUnicode => return Ok(json!(container.read_scalar::<VarLenUnicode>()?.as_str())),
+        TypeDescriptor::VarLenAscii => return Ok(json!(container.read_scalar::<VarLenAscii>()?.as_str())),
+        _ => {}
+    }
+    let numbers = container.read_dyn::<f64>()?;
+    Ok(nested(&numbers.view()))
+}
+
+fn nested(numbers: &ndarray::ArrayViewD<f64>) -> Value {
+    if numbers.ndim() == 0 {
+        return json!(numbers.first());
+    }
+    Value::Array(numbers.outer_iter().map(|inner| nested(&inner)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Case, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("case.json");
+        std::fs::write(&path, text).unwrap();
+        Case::read(&path).map_err(|e| e.to_string().replace(&path.display().to_string(), "case.json"))
+    }
+
+    #[test]
+    fn what_is_absent_is_zero_and_rigid() {
+        let case =
+            read(r#"{"box": [4, 5, 6], "viscosity": 1, "positions": [[1, 2, 3], [3, 2, 1]], "radii": 0.5}"#).unwrap();
+        assert_eq!((case.radii(), case.rigid, case.multipoles), (vec![0.5, 0.5], true, Terms::Dipole));
+        assert_eq!((case.strain, case.background.velocity_gradient), (0.0, [[0.0; 3]; 3]));
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let with = |more: &str| {
+            read(&format!(r#"{{"box": [4, 5, 6], "viscosity": 1, "positions": [[1, 2, 3]], "radii": [0.5]{more}}}"#))
+        };
+        let message = |more: &str| with(more).unwrap_err();
+        assert_eq!(
+            message(r#", "forces": [[1, 2, 3], [1, 2, 3]]"#),
+            "can't read case.json: forces has 2 entries, but there are 1 positions; it needs one for each"
+        );
+        assert!(message(r#", "force": []"#).contains("unknown field `force`, expected one of"));
+        assert!(message(r#", "stresslets": [[1, 0, 0, 0, 0]]"#).contains("set rigid to false"));
+        assert!(message(r#", "multipoles": "monopole", "torques": [[1, 0, 0]]"#).contains("use \"dipole\""));
+        assert!(message(r#", "lubrication": true, "rigid": false"#).contains("set rigid to true"));
+        assert!(message(r#", "multipoles": "quadrupole""#).contains("unknown variant"));
+        assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `box`"));
+    }
+
+    #[test]
+    fn hdf5_has_the_same_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("case.h5");
+        let file = File::create(&path).unwrap();
+        let table =
+            |name: &str, rows: ndarray::Array2<f64>| file.new_dataset_builder().with_data(&rows).create(name).unwrap();
+        file.new_dataset_builder().with_data(&[4.0, 5.0, 6.0]).create("box").unwrap();
+        table("positions", ndarray::array![[1.0, 2.0, 3.0], [3.0, 2.0, 1.0]]);
+        table("forces", ndarray::array![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
+        file.new_dataset::<f64>().create("viscosity").unwrap().write_scalar(&2.0).unwrap();
+        file.new_dataset::<f64>().create("radii").unwrap().write_scalar(&0.5).unwrap();
+        file.new_dataset::<bool>().create("rigid").unwrap().write_scalar(&false).unwrap();
+        let group = file.create_group("background").unwrap();
+        let gradient = ndarray::array![[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
+        group.new_dataset_builder().with_data(&gradient).create("velocity_gradient").unwrap();
+        drop(file);
+        let case = Case::read(&path).unwrap();
+        assert_eq!((case.edges, case.viscosity, case.rigid), ([4.0, 5.0, 6.0], 2.0, false));
+        assert_eq!(case.forces, vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
+        assert!((case.background.velocity_gradient[0][1] - 1.0).abs() < 1e-15);
+        let answer = Answer { velocities: vec![[1.0, 2.0, 3.0]; 2], plan: "a plan".to_owned(), ..Answer::default() };
+        let path = folder.path().join("answer.h5");
+        answer.write(&path).unwrap();
+        let found = File::open(&path).unwrap().dataset("velocities").unwrap().read_raw::<f64>().unwrap();
+        assert_eq!(found, [1.0, 2.0, 3.0, 1.0, 2.0, 3.0]);
+    }
+}

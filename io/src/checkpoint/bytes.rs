@@ -1,0 +1,81 @@
+//! A checkpoint as bytes: a line that names the format, the length of a JSON header, the header, the arrays one after
+//! another, all little-endian, and the XXH3 checksum of everything before it.
+
+use super::Checkpoint;
+use bytemuck::Pod;
+use domain::{Column, Particles};
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::xxh3_64;
+
+const MAGIC: &[u8] = b"fcm-solve checkpoint 1\n";
+
+#[derive(Serialize, Deserialize)]
+struct Header {
+    step: u64,
+    /// The bits of the number, which text would not keep.
+    strain: u64,
+    plan: String,
+    particles: usize,
+    columns: Vec<(String, usize)>,
+}
+
+impl Checkpoint {
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let p = &self.particles;
+        let header = Header {
+            step: self.step,
+            strain: self.strain.to_bits(),
+            plan: self.plan.clone(),
+            particles: p.len(),
+            columns: p.columns.iter().map(|c| (c.name.clone(), c.width)).collect(),
+        };
+        let header = serde_json::to_vec(&header).expect("a header is JSON");
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend((header.len() as u64).to_le_bytes());
+        bytes.extend(header);
+        bytes.extend(bytemuck::cast_slice::<_, u8>(&p.ids));
+        bytes.extend(bytemuck::cast_slice::<_, u8>(&p.positions));
+        bytes.extend(bytemuck::cast_slice::<_, u8>(&p.steps));
+        bytes.extend(bytemuck::cast_slice::<_, u8>(&p.radii));
+        bytes.extend(bytemuck::cast_slice::<_, u8>(&p.species));
+        for column in &p.columns {
+            bytes.extend(bytemuck::cast_slice::<_, u8>(&column.values));
+        }
+        bytes.extend(xxh3_64(&bytes).to_le_bytes());
+        bytes
+    }
+
+    pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+        let (content, sum) = bytes.split_last_chunk::<8>().map(|(c, s)| (c, *s)).ok_or("it is empty or cut short")?;
+        let rest = content.strip_prefix(MAGIC).ok_or("it does not start as a checkpoint of this version")?;
+        if xxh3_64(content) != u64::from_le_bytes(sum) {
+            return Err("its checksum does not fit its content".into());
+        }
+        let mut rest = Rest(rest);
+        let length = rest.take::<u64>(1)?[0] as usize;
+        let header: Header = serde_json::from_slice(&rest.take::<u8>(length)?).map_err(|e| e.to_string())?;
+        let count = header.particles;
+        let mut particles = Particles {
+            ids: rest.take(count)?,
+            positions: rest.take(count)?,
+            steps: rest.take(count)?,
+            radii: rest.take(count)?,
+            species: rest.take(count)?,
+            columns: Vec::new(),
+        };
+        for (name, width) in header.columns {
+            particles.columns.push(Column { name, width, values: rest.take(width * count)? });
+        }
+        Ok(Self { step: header.step, strain: f64::from_bits(header.strain), plan: header.plan, particles })
+    }
+}
+
+struct Rest<'a>(&'a [u8]);
+
+impl Rest<'_> {
+    fn take<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, String> {
+        let (values, rest) = self.0.split_at_checked(count * size_of::<T>()).ok_or("it is cut short")?;
+        self.0 = rest;
+        Ok(bytemuck::allocation::pod_collect_to_vec(values))
+    }
+}

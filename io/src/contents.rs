@@ -1,0 +1,102 @@
+//! What a result file holds, in words.
+
+use crate::{FileError, text};
+use hdf5::{Dataset, File, Group};
+use std::fmt::{Display, Formatter};
+use std::path::Path;
+
+/// What an HDF5 file of a run holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contents {
+    /// The program that wrote it.
+    pub program: String,
+    /// The scene that it comes from.
+    pub scene: String,
+    /// How the fluid was computed.
+    pub plan: String,
+    /// Steps and times of the first and the last frame and the number of frames, where the file has frames.
+    pub frames: Option<FrameSpan>,
+    /// Names and shapes of the datasets, with their units.
+    pub datasets: Vec<String>,
+}
+
+/// The frames of a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameSpan {
+    /// How many.
+    pub count: usize,
+    /// Steps of the first and of the last.
+    pub steps: [u64; 2],
+    /// Their times.
+    pub times: [f64; 2],
+}
+
+impl Contents {
+    /// Reads a file that this program wrote.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        if !path.is_file() {
+            return Err(FileError::read(path, &"there is no such file"));
+        }
+        let file = File::open(path).map_err(|e| FileError::damaged(path, &e))?;
+        if !file.link_exists("parameters") {
+            return Err(FileError::read(
+                path,
+                &"it is HDF5, but not a file of this program: it has no group `parameters`",
+            ));
+        }
+        Self::of(&file).map_err(|e| FileError::damaged(path, &e))
+    }
+
+    fn of(file: &File) -> hdf5::Result<Self> {
+        let parameters = file.group("parameters")?;
+        let program = parameters.attr("program")?.read_scalar::<hdf5::types::VarLenUnicode>()?.to_string();
+        let mut contents = Self {
+            program,
+            scene: text::read_dataset(&parameters, "scene")?,
+            plan: text::read_dataset(&parameters, "plan")?,
+            frames: None,
+            datasets: Vec::new(),
+        };
+        contents.walk(&file.as_group()?)?;
+        Ok(contents)
+    }
+
+    fn walk(&mut self, group: &Group) -> hdf5::Result<()> {
+        for dataset in group.datasets()? {
+            let name = dataset.name();
+            if name.ends_with("/step") && self.frames.is_none() {
+                self.frames = frames(&dataset, &group.dataset("time")?)?;
+            }
+            if !name.ends_with("/step") && !name.ends_with("/time") && !name.starts_with("/parameters") {
+                self.datasets.push(describe(&dataset));
+            }
+        }
+        group.groups()?.iter().try_for_each(|group| self.walk(group))
+    }
+}
+
+fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
+    let (steps, times): (Vec<u64>, Vec<f64>) = (steps.read_raw()?, times.read_raw()?);
+    let count = steps.len();
+    // Times are written before steps: there may be one more.
+    let ends = |last: usize| FrameSpan { count, steps: [steps[0], steps[last]], times: [times[0], times[last]] };
+    Ok(count.checked_sub(1).map(ends))
+}
+
+fn describe(dataset: &Dataset) -> String {
+    let shape: Vec<String> = dataset.shape().iter().map(ToString::to_string).collect();
+    let unit = dataset.attr("unit").and_then(|a| a.read_scalar::<hdf5::types::VarLenUnicode>());
+    let unit = unit.map(|u| u.to_string()).unwrap_or_default();
+    format!("{:<46} {:<16} {unit}", dataset.name(), shape.join(" x ")).trim_end().to_owned()
+}
+
+impl Display for Contents {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "written by {}", self.program)?;
+        if let Some(FrameSpan { count, steps: [first, last], times: [from, until] }) = self.frames {
+            writeln!(f, "frames     {count}, steps {first} to {last}, times {from} to {until}")?;
+        }
+        write!(f, "{}", self.plan)?;
+        self.datasets.iter().try_for_each(|dataset| writeln!(f, "  {dataset}"))
+    }
+}

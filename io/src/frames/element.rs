@@ -1,0 +1,160 @@
+//! One quantity of a file of frames.
+
+use crate::text;
+use hdf5::plist::dataset_create::{AllocTime, FillTime};
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, File, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
+use ndarray::{ArrayViewD, IxDyn};
+use std::borrow::Cow;
+
+/// What one quantity looks like.
+#[derive(Debug, Clone)]
+pub(crate) struct Element {
+    /// Its group in the file.
+    pub(crate) path: String,
+    /// Rows and columns of a frame's value, or one number.
+    pub(crate) shape: Option<[usize; 2]>,
+    /// Whether its numbers are integers.
+    pub(crate) whole: bool,
+    /// Its unit, in terms of length, time and force.
+    pub(crate) unit: &'static str,
+}
+
+/// The value of one quantity in one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Values<'a> {
+    Reals(Cow<'a, [f64]>),
+    Integers(Cow<'a, [i32]>),
+}
+
+impl<'a> From<&'a [f64]> for Values<'a> {
+    fn from(values: &'a [f64]) -> Self {
+        Self::Reals(Cow::Borrowed(values))
+    }
+}
+
+impl<'a> From<&'a [i32]> for Values<'a> {
+    fn from(values: &'a [i32]) -> Self {
+        Self::Integers(Cow::Borrowed(values))
+    }
+}
+
+impl From<f64> for Values<'_> {
+    fn from(value: f64) -> Self {
+        Self::Reals(Cow::Owned(vec![value]))
+    }
+}
+
+/// A quantity's dataset.
+pub(super) struct Stored {
+    values: Dataset,
+    shape: Option<[usize; 2]>,
+    whole: bool,
+}
+
+impl Stored {
+    /// Makes the quantity's group; its steps and times are those of the group `clock`.
+    pub(super) fn create(file: &File, element: &Element, (clock, capacity): (&str, usize)) -> hdf5::Result<Self> {
+        let group = group(file, &element.path)?;
+        let values = if element.whole {
+            reserve::<i32>(&group, "value", element.shape, capacity)?
+        } else {
+            reserve::<f64>(&group, "value", element.shape, capacity)?
+        };
+        values.new_attr::<VarLenUnicode>().create("unit")?.write_scalar(&text::scalar(element.unit))?;
+        if element.path != clock {
+            for name in ["step", "time"] {
+                file.link_hard(&format!("/{clock}/{name}"), &format!("/{}/{name}", element.path))?;
+            }
+        }
+        Ok(Self { values, shape: element.shape, whole: element.whole })
+    }
+
+    pub(super) fn open(file: &File, element: &Element) -> hdf5::Result<Self> {
+        let values = file.group(&element.path)?.dataset("value")?;
+        let found = values.shape().get(1..).map(<[usize]>::to_vec);
+        if found != Some(element.shape.map_or(vec![], |s| s.to_vec())) {
+            return Err(format!("{} has frames of shape {found:?}", element.path).into());
+        }
+        Ok(Self { values, shape: element.shape, whole: element.whole })
+    }
+
+    pub(super) fn write(&self, frame: usize, values: &Values) -> hdf5::Result<()> {
+        self.resize(frame + 1)?;
+        match values {
+            Values::Reals(values) => self.write_as::<f64>(frame, values),
+            Values::Integers(values) => self.write_as::<i32>(frame, values),
+        }
+    }
+
+    fn write_as<T: H5Type>(&self, frame: usize, values: &[T]) -> hdf5::Result<()> {
+        let mut shape = vec![1];
+        shape.extend(self.shape.iter().flatten());
+        let view = ArrayViewD::from_shape(IxDyn(&shape), values).expect("a frame's value has its element's shape");
+        self.values.write_slice(view, self.one(frame))
+    }
+
+    pub(super) fn read(&self, frame: usize) -> hdf5::Result<Values<'static>> {
+        if self.whole {
+            let values = self.values.read_slice::<i32, _, IxDyn>(self.one(frame))?;
+            return Ok(Values::Integers(Cow::Owned(values.into_raw_vec_and_offset().0)));
+        }
+        let values = self.values.read_slice::<f64, _, IxDyn>(self.one(frame))?;
+        Ok(Values::Reals(Cow::Owned(values.into_raw_vec_and_offset().0)))
+    }
+
+    pub(super) fn resize(&self, frames: usize) -> hdf5::Result<()> {
+        match self.shape {
+            Some([rows, columns]) => self.values.resize((frames, rows, columns)),
+            None => self.values.resize((frames,)),
+        }
+    }
+
+    /// A frame as a block of length 1.
+    fn one(&self, frame: usize) -> Selection {
+        one_of(frame, self.shape.map_or(1, |_| 3))
+    }
+}
+
+fn one_of(frame: usize, dimensions: usize) -> Selection {
+    let all = SliceOrIndex::Unlimited { start: 0, step: 1, block: 1 };
+    let mut slices = vec![all; dimensions];
+    slices[0] = SliceOrIndex::SliceCount { start: frame, step: 1, count: 1, block: 1 };
+    Selection::new(Hyperslab::from(slices))
+}
+
+pub(super) fn write_number<T: H5Type + Clone>(dataset: &Dataset, frame: usize, number: T) -> hdf5::Result<()> {
+    dataset.resize((frame + 1,))?;
+    dataset.write_slice(&ndarray::arr1(&[number]), one_of(frame, 1))
+}
+
+/// The group at a path, made with its parents where they are not there yet.
+pub(super) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
+    let mut group = file.as_group()?;
+    for name in path.split('/') {
+        group = if group.link_exists(name) { group.group(name)? } else { group.create_group(name)? };
+    }
+    Ok(group)
+}
+
+/// A dataset without frames that has its room for all of them already.
+pub(super) fn reserve<T: H5Type>(
+    group: &Group,
+    name: &str,
+    shape: Option<[usize; 2]>,
+    capacity: usize,
+) -> hdf5::Result<Dataset> {
+    let new = group.new_dataset::<T>();
+    let new = new.with_dcpl(|d| d.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never));
+    // The first frame makes the library reserve the room; the file then has none again.
+    if let Some([rows, columns]) = shape {
+        let dataset = new.chunk((1, rows, columns)).shape((0..=capacity, rows, columns)).create(name)?;
+        dataset.resize((1, rows, columns))?;
+        dataset.resize((0, rows, columns))?;
+        return Ok(dataset);
+    }
+    let dataset = new.chunk((capacity.min(512),)).shape((0..=capacity,)).create(name)?;
+    dataset.resize((1,))?;
+    dataset.resize((0,))?;
+    Ok(dataset)
+}

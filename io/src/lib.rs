@@ -1,0 +1,32 @@
+//! What goes in and out: scenes, and the files of a run.
+
+mod case;
+mod checkpoint;
+mod contents;
+mod durable;
+mod error;
+mod fields;
+mod frames;
+mod placed;
+mod provenance;
+mod scene;
+mod schedule;
+mod series;
+mod text;
+mod trajectory;
+
+pub use case::{Answer, Background, Case, OneOrAll, Terms};
+pub use checkpoint::Checkpoint;
+pub use contents::{Contents, FrameSpan};
+pub use durable::replace as replace_file;
+pub use error::FileError;
+pub use fields::{VelocityField, drop_fields_after};
+pub use placed::Placed;
+pub use provenance::Provenance;
+pub use scene::{
+    Evaluation, Flow, Hydrodynamics, Kind, Lattice, Multipoles, Output, Repulsion, Scene, SceneError, Species, Start,
+    SuspensionScene, Time,
+};
+pub use schedule::Schedule;
+pub use series::{Quantity, Series};
+pub use trajectory::Trajectory;

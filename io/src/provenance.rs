@@ -1,0 +1,49 @@
+//! Where results come from: kept in every file that holds some.
+
+use crate::text;
+use hdf5::{File, Group};
+
+/// The version of the layout of our files.
+const SCHEMA: &str = "1";
+
+/// What a file needs to say so that its numbers can be computed again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Provenance {
+    /// The scene, as TOML.
+    pub scene: String,
+    /// Name and version of the program.
+    pub program: String,
+    /// How the fluid was computed, in words.
+    pub plan: String,
+    /// Number of ranks that the run started with.
+    pub ranks: usize,
+    /// The scene's seed.
+    pub seed: u64,
+}
+
+impl Provenance {
+    /// Writes the groups `h5md` and `parameters`.
+    pub(crate) fn write(&self, file: &File) -> hdf5::Result<()> {
+        let h5md = file.create_group("h5md")?;
+        h5md.new_attr::<i32>().shape(2).create("version")?.write(&ndarray::arr1(&[1, 1]))?;
+        let (name, version) = self.program.split_once(' ').unwrap_or((&self.program, ""));
+        let creator = h5md.create_group("creator")?;
+        text::write_attribute(&creator, "name", name)?;
+        text::write_attribute(&creator, "version", version)?;
+        let author = h5md.create_group("author")?;
+        text::write_attribute(&author, "name", "unknown")?;
+        let units = h5md.create_group("modules")?.create_group("units")?;
+        units.new_attr::<i32>().shape(2).create("version")?.write(&ndarray::arr1(&[1, 0]))?;
+        self.write_parameters(&file.create_group("parameters")?)
+    }
+
+    fn write_parameters(&self, group: &Group) -> hdf5::Result<()> {
+        text::write_dataset(group, "scene", &self.scene)?;
+        text::write_dataset(group, "plan", &self.plan)?;
+        text::write_attribute(group, "program", &self.program)?;
+        text::write_attribute(group, "schema", SCHEMA)?;
+        text::write_attribute(group, "units", "those of the scene: any length, time and force that fit together")?;
+        group.new_attr::<u64>().create("ranks")?.write_scalar(&(self.ranks as u64))?;
+        group.new_attr::<u64>().create("seed")?.write_scalar(&self.seed)
+    }
+}

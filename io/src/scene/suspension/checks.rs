@@ -1,0 +1,49 @@
+//! Ranges that numbers have to be in.
+
+use super::Fault;
+use domain::Vector;
+
+/// The largest volume fraction that spheres of a scene may have together.
+pub(super) const DENSEST: f64 = 0.64;
+
+pub(super) fn volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
+pub(super) fn finite(key: &str, value: f64) -> Result<f64, Fault> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Fault::new(key, format!("is {value}; it needs to be a finite number")))
+    }
+}
+
+pub(super) fn positive(key: &str, value: f64) -> Result<f64, Fault> {
+    let fault = || Fault::new(key, format!("is {value}; it needs to be a finite number above 0"));
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(fault()) }
+}
+
+pub(super) fn between(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Fault> {
+    let fault = || Fault::new(key, format!("is {value:?}; it needs to be between {low:e} and {high}"));
+    if (low..=high).contains(&value) { Ok(value) } else { Err(fault()) }
+}
+
+pub(super) fn vector(key: &str, value: [f64; 3]) -> Result<Vector, Fault> {
+    for (i, component) in value.iter().enumerate() {
+        finite(&format!("{key}[{i}]"), *component)?;
+    }
+    Ok(Vector::from_array(value))
+}
+
+pub(super) fn grid_points(key: &str, points: usize) -> Result<(), Fault> {
+    let mut rest = points;
+    for prime in [2, 3, 5, 7] {
+        while rest > 0 && rest.is_multiple_of(prime) {
+            rest /= prime;
+        }
+    }
+    if rest == 1 && points.is_multiple_of(2) {
+        return Ok(());
+    }
+    Err(Fault::new(key, format!("is {points}; the transform takes even numbers whose prime factors are 2, 3, 5 and 7")))
+}

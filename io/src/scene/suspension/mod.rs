@@ -1,0 +1,243 @@
+//! Scenes of spheres in Stokes flow.
+
+mod checks;
+mod particles;
+mod raw;
+
+use super::Fault;
+use crate::Schedule;
+use checks::{positive, vector};
+use domain::{PeriodicBox, Vector};
+pub use particles::{Lattice, Species, Start};
+pub use raw::{Evaluation, Multipoles};
+use std::path::{Path, PathBuf};
+
+/// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct SuspensionScene {
+    /// What the scene is called in plots and files.
+    pub title: String,
+    /// Where random numbers start.
+    pub seed: u64,
+    /// The box, not sheared yet.
+    pub cell: PeriodicBox,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Acceleration of gravity.
+    pub gravity: Vector,
+    /// The kinds of spheres.
+    pub species: Vec<Species>,
+    /// Where the spheres are at first.
+    pub start: Start,
+    /// The background flow.
+    pub flow: Flow,
+    /// The barrier that keeps spheres apart.
+    pub repulsion: Option<Repulsion>,
+    /// How the fluid is computed.
+    pub hydrodynamics: Hydrodynamics,
+    /// Time step and number of steps.
+    pub time: Time,
+    /// What is written, where and when.
+    pub output: Output,
+}
+
+/// The flow that would be there without the spheres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Flow {
+    /// None.
+    None,
+    /// `u = rate y e_x`.
+    Shear {
+        /// One over time.
+        rate: f64,
+        /// Whether the box shears with the flow.
+        lees_edwards: bool,
+    },
+}
+
+/// The repulsion barrier.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Repulsion {
+    /// Force at contact.
+    pub strength: f64,
+    /// The gap where it starts over the mean radius of the two; the program's default where the scene has none.
+    pub range: Option<f64>,
+}
+
+/// How the fluid is computed; what is `None` is chosen from the tolerance.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Hydrodynamics {
+    /// Which multipoles the spheres have.
+    pub multipoles: Multipoles,
+    /// Relative error that the user wants.
+    pub tolerance: f64,
+    /// How the far field is evaluated.
+    pub method: Evaluation,
+    /// Grid points along x, y and z.
+    pub grid: Option<[usize; 3]>,
+    /// Grid points across an envelope.
+    pub support: Option<usize>,
+    /// Relative residual at which the stresslets are solved.
+    pub iteration_tolerance: Option<f64>,
+    /// Whether near pairs feel lubrication.
+    pub lubrication: bool,
+    /// The gap where lubrication ends over the mean radius of the two; the program's default where the scene has none.
+    pub lubrication_cutoff: Option<f64>,
+}
+
+/// Time step and number of steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Time {
+    /// The time step.
+    pub step: f64,
+    /// The last step.
+    pub steps: u64,
+}
+
+/// What is written, where and when.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Output {
+    /// The folder; the caller's choice where the scene has none.
+    pub folder: Option<PathBuf>,
+    /// Frames of the trajectory.
+    pub trajectory: Schedule,
+    /// Rows of the time series.
+    pub observables: Schedule,
+    /// Checkpoints.
+    pub checkpoints: Schedule,
+    /// Velocity fields.
+    pub fields: Schedule,
+}
+
+impl SuspensionScene {
+    pub(super) fn checked(raw: raw::Raw, folder: &Path) -> Result<Self, Fault> {
+        let cell = cell(&raw.cell)?;
+        let gravity =
+            raw.gravity.as_ref().map_or(Ok(Vector::ZERO), |g| vector("gravity.acceleration", g.acceleration))?;
+        let species = particles::species(&raw, &cell)?;
+        let time = time(&raw.time)?;
+        Ok(Self {
+            title: raw.title.unwrap_or_default(),
+            seed: raw.seed,
+            viscosity: positive("fluid.viscosity", raw.fluid.viscosity)?,
+            start: particles::start(&raw.particles, &species, folder)?,
+            flow: flow(raw.flow.as_ref(), &cell)?,
+            repulsion: raw.repulsion.as_ref().map(repulsion).transpose()?,
+            hydrodynamics: hydrodynamics(&raw.hydrodynamics)?,
+            output: output(raw.output, time.steps),
+            cell,
+            gravity,
+            species,
+            time,
+        })
+    }
+}
+
+fn cell(raw: &raw::Box) -> Result<PeriodicBox, Fault> {
+    for (axis, length) in raw.edges.iter().enumerate() {
+        positive(&format!("box.edges[{axis}]"), *length)?;
+    }
+    PeriodicBox::new(Vector::from_array(raw.edges)).map_err(|e| Fault::new("box.edges", e.to_string()))
+}
+
+fn flow(raw: Option<&raw::Flow>, cell: &PeriodicBox) -> Result<Flow, Fault> {
+    let Some(raw) = raw else { return Ok(Flow::None) };
+    match (raw.kind, raw.rate) {
+        (raw::FlowKind::None, None) => Ok(Flow::None),
+        (raw::FlowKind::None, Some(_)) => {
+            Err(Fault::new("flow.rate", "is set, but flow.kind is \"none\"; set flow.kind = \"shear\" or leave it out"))
+        }
+        (raw::FlowKind::Shear, None) => Err(Fault::new("flow.rate", "is missing; a shear flow u = rate y needs it")),
+        (raw::FlowKind::Shear, Some(rate)) => {
+            checks::finite("flow.rate", rate)?;
+            debug_assert!(cell.strain() == 0.0, "a run starts in a straight box");
+            Ok(Flow::Shear { rate, lees_edwards: raw.lees_edwards })
+        }
+    }
+}
+
+fn repulsion(raw: &raw::Repulsion) -> Result<Repulsion, Fault> {
+    if raw.strength < 0.0 || !raw.strength.is_finite() {
+        let message = format!("is {}; the force at contact needs to be 0 or more", raw.strength);
+        return Err(Fault::new("repulsion.strength", message));
+    }
+    if let Some(range) = raw.range.filter(|r| !(*r > 0.0 && *r <= 1.0)) {
+        let message = format!("is {range}; the gap where the barrier starts needs 0 < range <= 1, in mean radii");
+        return Err(Fault::new("repulsion.range", message));
+    }
+    Ok(Repulsion { strength: raw.strength, range: raw.range })
+}
+
+fn hydrodynamics(raw: &raw::Hydrodynamics) -> Result<Hydrodynamics, Fault> {
+    let key = |name: &str| format!("hydrodynamics.{name}");
+    checks::between(&key("tolerance"), raw.tolerance, [1e-12, 0.1])?;
+    if let Some(tolerance) = raw.iteration_tolerance {
+        checks::between(&key("iteration_tolerance"), tolerance, [1e-14, 0.1])?;
+    }
+    if let Some(support) = raw.support.filter(|s| !(2..=64).contains(s)) {
+        return Err(Fault::new(key("support"), format!("is {support}; an envelope covers 2 to 64 grid points")));
+    }
+    for (axis, points) in raw.grid.iter().flatten().enumerate() {
+        checks::grid_points(&key(&format!("grid[{axis}]")), *points)?;
+    }
+    lubrication(raw)?;
+    Ok(Hydrodynamics {
+        multipoles: raw.multipoles,
+        tolerance: raw.tolerance,
+        method: raw.method,
+        grid: raw.grid,
+        support: raw.support,
+        iteration_tolerance: raw.iteration_tolerance,
+        lubrication: raw.lubrication,
+        lubrication_cutoff: raw.lubrication_cutoff,
+    })
+}
+
+fn lubrication(raw: &raw::Hydrodynamics) -> Result<(), Fault> {
+    if raw.lubrication && raw.multipoles == Multipoles::Monopole {
+        let message = "is true, but hydrodynamics.multipoles is \"monopole\"; lubrication needs \"dipole\"";
+        return Err(Fault::new("hydrodynamics.lubrication", message));
+    }
+    match raw.lubrication_cutoff {
+        Some(_) if !raw.lubrication => {
+            let message = "is set, but there is no lubrication; write lubrication = true or leave it out";
+            Err(Fault::new("hydrodynamics.lubrication_cutoff", message))
+        }
+        Some(cutoff) if !(cutoff > 1e-3 && cutoff <= 8.0) => {
+            let message =
+                format!("is {cutoff}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in mean radii");
+            Err(Fault::new("hydrodynamics.lubrication_cutoff", message))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn time(raw: &raw::Time) -> Result<Time, Fault> {
+    let step = positive("time.step", raw.step)?;
+    let raw::Integrator::AdamsBashforth = raw.integrator;
+    let steps = match (raw.steps, raw.duration) {
+        (Some(steps), None) => steps,
+        // A duration that is a whole number of steps up to round-off is that number.
+        (None, Some(duration)) => (positive("time.duration", duration)? / step - 1e-9).ceil() as u64,
+        (None, None) => return Err(Fault::new("time", "has neither steps nor duration; set one of them")),
+        (Some(_), Some(_)) => return Err(Fault::new("time", "has both steps and duration; leave one of them out")),
+    };
+    Ok(Time { step, steps })
+}
+
+fn output(raw: raw::Output, steps: u64) -> Output {
+    let share = |parts: u64| steps.div_ceil(parts).max(1);
+    Output {
+        folder: raw.folder,
+        trajectory: Schedule::every(raw.trajectory_every.unwrap_or(share(100))),
+        observables: Schedule::every(raw.observables_every.unwrap_or(1)),
+        checkpoints: Schedule::every(raw.checkpoint_every.unwrap_or(share(10))),
+        fields: Schedule::every(raw.fields_every),
+    }
+}

@@ -1,0 +1,181 @@
+//! The file's keys, as serde finds them.
+
+use serde::Deserialize;
+use std::path::PathBuf;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::scene) struct Raw {
+    #[serde(rename = "kind")]
+    _kind: Option<String>,
+    pub(super) title: Option<String>,
+    #[serde(default)]
+    pub(super) seed: u64,
+    #[serde(rename = "box")]
+    pub(super) cell: Box,
+    pub(super) fluid: Fluid,
+    pub(super) species: Vec<Species>,
+    pub(super) gravity: Option<Gravity>,
+    #[serde(default)]
+    pub(super) particles: Particles,
+    pub(super) flow: Option<Flow>,
+    pub(super) repulsion: Option<Repulsion>,
+    #[serde(default)]
+    pub(super) hydrodynamics: Hydrodynamics,
+    pub(super) time: Time,
+    #[serde(default)]
+    pub(super) output: Output,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Box {
+    pub(super) edges: [f64; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Fluid {
+    pub(super) viscosity: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Species {
+    pub(super) name: Option<String>,
+    pub(super) radius: f64,
+    pub(super) count: Option<u64>,
+    pub(super) volume_fraction: Option<f64>,
+    pub(super) density_difference: Option<f64>,
+    #[serde(default)]
+    pub(super) force: [f64; 3],
+    #[serde(default)]
+    pub(super) torque: [f64; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Gravity {
+    pub(super) acceleration: [f64; 3],
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Particles {
+    #[serde(default)]
+    pub(super) initial: Initial,
+    pub(super) minimum_gap: Option<f64>,
+    pub(super) lattice: Option<super::Lattice>,
+    pub(super) path: Option<PathBuf>,
+    pub(super) positions: Option<Vec<[f64; 3]>>,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Initial {
+    #[default]
+    Random,
+    Lattice,
+    File,
+    Positions,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Flow {
+    pub(super) kind: FlowKind,
+    pub(super) rate: Option<f64>,
+    #[serde(default)]
+    pub(super) lees_edwards: bool,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum FlowKind {
+    None,
+    Shear,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Repulsion {
+    pub(super) strength: f64,
+    pub(super) range: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Hydrodynamics {
+    pub(super) multipoles: Multipoles,
+    pub(super) tolerance: f64,
+    pub(super) method: Evaluation,
+    pub(super) grid: Option<[usize; 3]>,
+    pub(super) support: Option<usize>,
+    pub(super) iteration_tolerance: Option<f64>,
+    pub(super) lubrication: bool,
+    pub(super) lubrication_cutoff: Option<f64>,
+}
+
+impl Default for Hydrodynamics {
+    fn default() -> Self {
+        Self {
+            multipoles: Multipoles::Dipole,
+            tolerance: 1e-3,
+            method: Evaluation::Auto,
+            grid: None,
+            support: None,
+            iteration_tolerance: None,
+            lubrication: false,
+            lubrication_cutoff: None,
+        }
+    }
+}
+
+/// Which multipoles the spheres have.
+#[derive(Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Multipoles {
+    /// Forces alone.
+    Monopole,
+    /// Forces, torques and the stresslets that keep spheres rigid.
+    Dipole,
+}
+
+/// How the far field is evaluated.
+#[derive(Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Evaluation {
+    /// Whichever takes less time.
+    Auto,
+    /// The envelopes themselves on the grid.
+    Direct,
+    /// Wider envelopes on a coarser grid, and the difference pair by pair.
+    Split,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Time {
+    pub(super) step: f64,
+    pub(super) steps: Option<u64>,
+    pub(super) duration: Option<f64>,
+    #[serde(default)]
+    pub(super) integrator: Integrator,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Integrator {
+    #[default]
+    AdamsBashforth,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Output {
+    pub(super) folder: Option<PathBuf>,
+    pub(super) trajectory_every: Option<u64>,
+    pub(super) observables_every: Option<u64>,
+    pub(super) checkpoint_every: Option<u64>,
+    pub(super) fields_every: u64,
+}

@@ -1,0 +1,39 @@
+//! When something is due.
+
+/// Every so many steps, counted from step 0; zero stands for never.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Schedule(u64);
+
+impl Schedule {
+    /// Never.
+    pub const NEVER: Self = Self(0);
+
+    /// Due at the steps `0, steps, 2 steps, ...`; never if `steps` is zero.
+    pub fn every(steps: u64) -> Self {
+        Self(steps)
+    }
+
+    /// Whether it is due at this step.
+    pub fn is_due(self, step: u64) -> bool {
+        self.0 != 0 && step.is_multiple_of(self.0)
+    }
+
+    /// How often it is due from step 0 to step `last`, both included.
+    pub fn count_until(self, last: u64) -> u64 {
+        last.checked_div(self.0).map_or(0, |times| times + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_due_is_counted() {
+        for (every, last) in [(0, 10), (1, 0), (3, 10), (5, 10), (20, 10)] {
+            let schedule = Schedule::every(every);
+            let due = (0..=last).filter(|&step| schedule.is_due(step)).count();
+            assert_eq!(schedule.count_until(last), due as u64);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
+
+use crate::frames::{Element, Frames, Values};
+use crate::{FileError, Provenance};
+use domain::{Particles, PeriodicBox};
+use std::path::Path;
+
+/// A trajectory that is being written: positions inside the box, images, and those of the columns `velocity`,
+/// `angular_velocity` and `stresslet` that the particles have, all in the order of the ids. A run that is cut short
+/// leaves a file that can be read up to its last whole frame.
+pub struct Trajectory {
+    frames: Frames,
+    elements: Vec<Element>,
+}
+
+/// The columns that are written, with their units.
+const COLUMNS: [(&str, &str, &str); 3] = [
+    ("velocity", "particles/all/velocity", "length/time"),
+    ("angular_velocity", "particles/all/angular_velocity", "1/time"),
+    ("stresslet", "particles/all/stresslet", "force*length"),
+];
+
+impl Trajectory {
+    /// A trajectory of up to `frames` frames. `particles` are all particles in the order of their ids: radii and species
+    /// are those that they have here, and the columns are those that they have here.
+    pub fn create(path: &Path, provenance: &Provenance, particles: &Particles, frames: u64) -> Result<Self, FileError> {
+        let elements = elements(particles);
+        let frames = Frames::create(path, &elements, frames)?;
+        let write = || {
+            provenance.write(frames.file())?;
+            write_fixed(frames.file(), particles)
+        };
+        write().and_then(|()| frames.file().flush()).map_err(|e: hdf5::Error| FileError::write(path, &e))?;
+        Ok(Self { frames, elements })
+    }
+
+    /// Goes on with the trajectory of a former run after step `last`: later frames are dropped. `frames` is the number
+    /// of frames at the end of the run.
+    pub fn resume(
+        path: &Path,
+        provenance: &Provenance,
+        particles: &Particles,
+        (last, frames): (u64, u64),
+    ) -> Result<Self, FileError> {
+        let elements = elements(particles);
+        let anew = |path: &Path| Ok(Self::create(path, provenance, particles, frames)?.frames);
+        Ok(Self { frames: Frames::resume(path, &elements, (last, frames), anew)?, elements })
+    }
+
+    /// The step of the last frame.
+    pub fn last_step(&self) -> Result<Option<u64>, FileError> {
+        Ok(self.frames.steps_written()?.last().copied())
+    }
+
+    /// Adds a frame: all particles in the order of their ids.
+    pub fn append(&mut self, clock: (u64, f64), cell: &PeriodicBox, particles: &Particles) -> Result<(), FileError> {
+        let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
+        let mut values: Vec<Values> = vec![
+            bytemuck::cast_slice::<_, f64>(&particles.positions).into(),
+            bytemuck::cast_slice::<_, i32>(&particles.steps).into(),
+            lattice.as_flattened().into(),
+            cell.strain().into(),
+        ];
+        for element in &self.elements[values.len()..] {
+            let named = COLUMNS.iter().find(|(_, path, _)| *path == element.path);
+            let column = particles.columns.iter().find(|c| named.is_some_and(|(name, ..)| c.name == *name));
+            values.push(column.expect("the columns of the first frame").values.as_slice().into());
+        }
+        self.frames.append(clock, &values)
+    }
+}
+
+fn elements(particles: &Particles) -> Vec<Element> {
+    let count = particles.len();
+    let element = |path: &str, shape, unit| Element { path: path.into(), shape, whole: false, unit };
+    let mut elements = vec![
+        element("particles/all/position", Some([count, 3]), "length"),
+        Element { whole: true, ..element("particles/all/image", Some([count, 3]), "") },
+        element("particles/all/box/edges", Some([3, 3]), "length"),
+        element("particles/all/box/strain", None, ""),
+    ];
+    for (name, path, unit) in COLUMNS {
+        if let Some(column) = particles.columns.iter().find(|c| c.name == name) {
+            elements.push(element(path, Some([count, column.width]), unit));
+        }
+    }
+    elements
+}
+
+/// What no frame changes.
+fn write_fixed(file: &hdf5::File, particles: &Particles) -> hdf5::Result<()> {
+    let group = file.group("particles/all")?;
+    group.new_dataset_builder().with_data(&particles.ids).create("id")?;
+    group.new_dataset_builder().with_data(&particles.species).create("species")?;
+    let radii = group.new_dataset_builder().with_data(&particles.radii).create("radius")?;
+    crate::text::write_attribute(&radii, "unit", "length")?;
+    let cell = group.group("box")?;
+    cell.new_attr::<i32>().create("dimension")?.write_scalar(&3)?;
+    let periodic = ndarray::arr1(&["periodic"; 3].map(crate::text::scalar));
+    cell.new_attr::<hdf5::types::VarLenUnicode>().shape(3).create("boundary")?.write(&periodic)
+}

@@ -1,0 +1,93 @@
+//! Scene files that must be read, and others that must be refused with exactly the message in their first line.
+
+#![allow(clippy::float_cmp, reason = "numbers of a file are those of the scene")]
+
+use io::{Kind, Scene, Schedule, Start, SuspensionScene};
+use std::path::{Path, PathBuf};
+
+fn files(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "toml"));
+    files.sort();
+    assert!(!files.is_empty());
+    files
+}
+
+fn suspension(scene: &Scene) -> &SuspensionScene {
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    scene
+}
+
+fn good(name: &str, overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good").join(name);
+    Scene::read(&path, &overrides).unwrap()
+}
+
+#[test]
+fn bad_scenes_are_refused_in_the_words_of_their_first_line() {
+    let mut wrong = String::new();
+    for path in files("tests/bad") {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let expected = text.lines().next().unwrap().strip_prefix("# error: ").unwrap();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let found = Scene::parse(&text, name, &[]).expect_err(name).to_string();
+        if found != expected {
+            wrong = format!("{wrong}{name}\n  expected: {expected}\n  found:    {found}\n");
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn good_scenes_are_read() {
+    for path in files("tests/good").into_iter().chain(files("../scenes")) {
+        Scene::read(&path, &[]).unwrap();
+    }
+}
+
+#[test]
+fn what_a_scene_leaves_out_has_its_default() {
+    let scene = good("least.toml", &[]);
+    let scene = suspension(&scene);
+    assert_eq!(scene.start, Start::Random { minimum_gap: 0.0 });
+    assert_eq!((scene.hydrodynamics.tolerance, scene.hydrodynamics.grid), (1e-3, None));
+    assert_eq!(scene.output.trajectory, Schedule::every(1));
+    assert_eq!(suspension(&good("duration.toml", &[])).time.steps, 10);
+}
+
+#[test]
+fn overrides_reach_the_scene_and_its_text() {
+    let scene = good("least.toml", &["time.steps=20", "species[0].radius=0.5", "gravity.acceleration=[0, 0, -2]"]);
+    assert_eq!(suspension(&scene).time.steps, 20);
+    let again = Scene::parse(scene.text(), "again.toml", &[]).unwrap();
+    assert_eq!(suspension(&again).species, suspension(&scene).species);
+    assert_eq!(suspension(&again).gravity.z, -2.0);
+}
+
+#[test]
+fn paths_start_from_the_folder_of_the_scene() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
+    for (overrides, path) in [(&[][..], "start.csv"), (&["particles.path=a/b.csv"], "a/b.csv")] {
+        assert_eq!(suspension(&good("from-file.toml", overrides)).start, Start::File(folder.join(path)));
+    }
+}
+
+#[test]
+fn an_override_that_is_wrong_is_named() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good/least.toml");
+    let message = |set: &str| Scene::read(&path, &[set.to_owned()]).unwrap_err().to_string();
+    assert!(
+        message("time.step=-1")
+            .ends_with("least.toml with --set time.step=-1: time.step is -1; it needs to be a finite number above 0")
+    );
+    assert!(message("time.stpe=1").contains("did you mean \"step\"?"));
+    assert_eq!(message("time"), "--set time: write key=value, as in time.step=0.01");
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let message = Scene::read(Path::new("nowhere.toml"), &[]).unwrap_err().to_string();
+    assert!(message.starts_with("can't read the scene nowhere.toml: "));
+}
