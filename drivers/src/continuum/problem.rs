@@ -1,0 +1,110 @@
+//! The input of the boundary value problem, checked.
+
+use super::{Grains, RadialDistribution, Roughness, Wall, WallShape, wall::Bumps};
+use crate::parameter::{ParameterError, positive, require};
+use std::f64::consts::FRAC_PI_2;
+
+/// Which of several solutions to look for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Start {
+    /// The densest that the solver finds.
+    #[default]
+    Densest,
+    /// The one that Newton's method reaches from this uniform solid fraction.
+    SolidFraction(f64),
+}
+
+/// What a scene gives. The default is Yu and Tichy's cell at `U` = 1.4 m/s and 5.5 kPa with the reading of the paper
+/// that follows it best: Sinclair and Jackson's radial distribution, half-disks where one grain just fits, no gradient
+/// term, all factors 0.5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Gap `H` between the planes of the walls' bumps.
+    pub gap: f64,
+    /// Speed `U` of the lower wall; the upper one rests.
+    pub speed: f64,
+    /// Normal stress `P` on the walls.
+    pub pressure: f64,
+    /// The grains.
+    pub grains: Grains,
+    /// Both walls.
+    pub wall: Wall,
+    /// Which solution to look for.
+    pub start: Start,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let diameter = 0.787e-3;
+        Self {
+            gap: 4e-3,
+            speed: 1.4,
+            pressure: 5500.0,
+            grains: Grains { diameter, density: 2550.0, restitution: 0.9, radial: RadialDistribution::SinclairJackson },
+            wall: Wall {
+                shape: WallShape::Disk,
+                theta: FRAC_PI_2,
+                gradient: false,
+                diameter,
+                restitution: 0.9,
+                roughness: Roughness { r5: 0.5, r6: 0.5, r7: 0.5, r8: 0.5 },
+            },
+            start: Start::Densest,
+        }
+    }
+}
+
+/// A boundary value problem that makes sense.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Problem {
+    parameters: Parameters,
+}
+
+impl Problem {
+    /// Checks the parameters.
+    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+        let Parameters { gap, speed, pressure, grains, wall, start } = parameters;
+        positive("gap", gap)?;
+        positive("speed", speed)?;
+        positive("pressure", pressure)?;
+        positive("grains.diameter", grains.diameter)?;
+        positive("grains.density", grains.density)?;
+        // Below e = 1/3 the theory of nearly elastic spheres has negative terms in its viscosity.
+        let e = grains.restitution;
+        require((1.0 / 3.0..1.0).contains(&e), "grains.restitution", &e, "1/3 <= restitution < 1")?;
+        positive("wall.diameter", wall.diameter)?;
+        let theta = wall.theta;
+        require(theta > 0.0 && theta <= FRAC_PI_2, "wall.theta", &theta, "0 < theta <= pi/2 (radians)")?;
+        let e = wall.restitution;
+        require((0.0..=1.0).contains(&e), "wall.restitution", &e, "0 <= restitution <= 1")?;
+        let Roughness { r5, r6, r7, r8 } = wall.roughness;
+        require(r5 > 0.0 && r5 <= 1.0, "wall.r5", &r5, "0 < r5 <= 1: a smooth wall drives no flow")?;
+        for (key, r) in [("wall.r6", r6), ("wall.r7", r7), ("wall.r8", r8)] {
+            require((0.0..=1.0).contains(&r), key, &r, "a factor from 0 (smooth) to 1 (rough)")?;
+        }
+        if let Start::SolidFraction(v) = start {
+            let packed = grains.radial.packed();
+            require(v > 0.0 && v < packed, "start", &v, format!("0 < solid fraction < {packed}"))?;
+        }
+        Ok(Self { parameters })
+    }
+
+    /// The checked parameters.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Half the gap in diameters.
+    pub(super) fn half_gap(&self) -> f64 {
+        0.5 * self.parameters.gap / self.parameters.grains.diameter
+    }
+
+    /// `P / (rho U^2)`: with the gap in diameters all that the solution depends on.
+    pub(super) fn load(&self) -> f64 {
+        self.parameters.pressure / (self.parameters.grains.density * self.parameters.speed.powi(2))
+    }
+
+    pub(super) fn bumps(&self, contact: super::jet::Jet) -> Bumps {
+        self.parameters.wall.bumps(&self.parameters.grains, contact)
+    }
+}

@@ -1,0 +1,66 @@
+//! Radial distribution of spheres at contact.
+
+use super::jet::Jet;
+
+/// Solid fraction at which the diverging forms end: the most that equal spheres pack at random (the paper's 0.65).
+const PACKED: f64 = 0.65;
+
+/// How often spheres touch compared with points: `g0(v)`. The paper doesn't name its own; these are the candidates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RadialDistribution {
+    /// `(2 - v) / (2 (1 - v)^3)` (Carnahan and Starling 1969); doesn't diverge at random packing.
+    CarnahanStarling,
+    /// `(1 - v/v0)^(-2.5 v0)` (Lun and Savage 1987).
+    LunSavage,
+    /// `1 / (1 - (v/v0)^(1/3))` (Johnson and Jackson 1987).
+    JohnsonJackson,
+    /// Three fifths of Johnson and Jackson's (Sinclair and Jackson 1989).
+    #[default]
+    SinclairJackson,
+    /// Ma and Ahmadi 1986, with its own packed fraction 0.64356.
+    MaAhmadi,
+    /// Carnahan and Starling's up to 0.49, then `g(0.49) (v0 - 0.49) / (v0 - v)` (Torquato 1995).
+    Torquato,
+}
+
+impl RadialDistribution {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::CarnahanStarling,
+        Self::LunSavage,
+        Self::JohnsonJackson,
+        Self::SinclairJackson,
+        Self::MaAhmadi,
+        Self::Torquato,
+    ];
+
+    /// The solid fraction where it diverges.
+    pub fn packed(self) -> f64 {
+        match self {
+            Self::CarnahanStarling => 1.0,
+            Self::MaAhmadi => 0.64356,
+            _ => PACKED,
+        }
+    }
+
+    /// Its value at a solid fraction in `(0, packed)`.
+    pub fn at(self, solid_fraction: f64) -> f64 {
+        self.jet(Jet::variable(solid_fraction)).value()
+    }
+
+    pub(super) fn jet(self, v: Jet) -> Jet {
+        let one = Jet::constant(1.0);
+        match self {
+            Self::CarnahanStarling => (-v + 2.0) * 0.5 / (-v + 1.0).power(3.0),
+            Self::LunSavage => (one - v * (1.0 / PACKED)).power(-2.5 * PACKED),
+            Self::JohnsonJackson => one / (one - (v * (1.0 / PACKED)).power(1.0 / 3.0)),
+            Self::SinclairJackson => Self::JohnsonJackson.jet(v) * 0.6,
+            Self::MaAhmadi => {
+                let series = v * 2.5 + v * v * 4.5904 + v * v * v * 4.515439 + 1.0;
+                series / (one - (v * (1.0 / 0.64356)).power(3.0)).power(0.67802)
+            }
+            Self::Torquato if v.value() < 0.49 => Self::CarnahanStarling.jet(v),
+            Self::Torquato => Jet::constant(Self::CarnahanStarling.at(0.49) * (PACKED - 0.49)) / (-v + PACKED),
+        }
+    }
+}

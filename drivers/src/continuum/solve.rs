@@ -1,0 +1,196 @@
+//! Newton's method with continuation in the energy that crosses the walls, on ever finer collocation points.
+
+use super::{Problem, Solution, Start, Uniform, collocation::Collocation, equations::WIDTH, linear};
+
+/// Intervals of the grids on which the continuation runs: the second, for the first start only, where the first
+/// is too coarse to converge on.
+const COARSE: [usize; 2] = [24, 96];
+/// Intervals beyond which the solver gives up.
+const FINEST: usize = 384;
+/// Newton steps on one problem.
+const STEPS: usize = 40;
+/// Smallest step of the continuation.
+const SMALLEST: f64 = 1.0 / 256.0;
+/// Change of the solution between two grids, and the residual between points, at which it counts as resolved.
+const RESOLVED: f64 = 1e-9;
+/// Residual that Newton's method aims at, and the largest that it may leave where round-off stops it: near packing
+/// `1 - v/v0` has lost digits.
+const SMALL: [f64; 2] = [1e-12, 1e-9];
+/// Solid fractions, over packed, of the last starts.
+const LAST: [f64; 4] = [0.75, 0.25, 0.05, 0.01];
+
+/// Why there is no solution.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SolveError {
+    /// Newton's method stopped short.
+    #[error(
+        "the shear cell's equations did not converge from a uniform solid fraction of {start:.4}: with {energy:.3} of \
+         the walls' energy terms the {equation} keeps a residual of {residual:.2e} at y = {y:.3e}, where the solid \
+         fraction is {solid_fraction:.4}; try another `start`, or more pressure"
+    )]
+    NoConvergence {
+        /// The solid fraction that it started from.
+        start: f64,
+        /// How far the continuation came: 0 no energy through the walls, 1 the problem itself.
+        energy: f64,
+        /// The equation with the largest residual.
+        equation: &'static str,
+        /// That residual.
+        residual: f64,
+        /// Where it is.
+        y: f64,
+        /// The solid fraction there.
+        solid_fraction: f64,
+    },
+    /// The finest grid is not fine enough.
+    #[error(
+        "the shear cell's solution is not resolved by {intervals} intervals: its residual between points is \
+         {residual:.2e} near y = {y:.3e}"
+    )]
+    Unresolved {
+        /// Intervals over half the gap.
+        intervals: usize,
+        /// Largest residual between the points.
+        residual: f64,
+        /// Where it is.
+        y: f64,
+    },
+}
+
+/// Where Newton's method stopped: the equation's index and its residual.
+struct Stall {
+    equation: usize,
+    residual: f64,
+    unknowns: Vec<f64>,
+}
+
+impl Problem {
+    /// Solves the problem: from each uniform flow in turn, densest first, first at once and else by letting the energy
+    /// through the walls bit by bit; then from thinner and
+    /// thinner guesses. Refines until the answer no longer depends on the grid. The error is that of the first start.
+    pub fn solve(&self) -> Result<Solution, SolveError> {
+        let mut failure = None;
+        let starts = self.starts();
+        let tries = starts.iter().map(|&start| (COARSE[0], start)).chain([(COARSE[1], starts[0])]);
+        for (intervals, start) in tries {
+            let grid = Collocation::new(intervals);
+            match self.follow(&grid, start).and_then(|unknowns| self.refine(grid, unknowns)) {
+                Ok(solution) => return Ok(solution),
+                Err(error) => failure = failure.or(Some(error)),
+            }
+        }
+        Err(failure.expect("there is always a start"))
+    }
+
+    fn starts(&self) -> Vec<Uniform> {
+        let at = |solid_fraction| Uniform { solid_fraction, slip: 0.1, stress_ratio: 0.3 };
+        let packed = self.parameters().grains.radial.packed();
+        match self.parameters().start {
+            Start::SolidFraction(v) => vec![at(v)],
+            Start::Densest => self.uniform().into_iter().chain(LAST.map(|part| at(part * packed))).collect(),
+        }
+    }
+
+    fn follow(&self, grid: &Collocation, start: Uniform) -> Result<Vec<f64>, SolveError> {
+        let mut unknowns = self.constant(grid, start);
+        let (mut energy, mut step) = (0.0, 1.0);
+        while energy < 1.0 {
+            let next = f64::min(energy + step, 1.0);
+            match self.newton(grid, unknowns.clone(), next) {
+                Ok(solved) => {
+                    (unknowns, energy) = (solved, next);
+                    step *= 2.0;
+                }
+                Err(_) if step > SMALLEST => step *= 0.5,
+                Err(stall) => return Err(self.explain(grid, &stall, start.solid_fraction, energy)),
+            }
+        }
+        Ok(unknowns)
+    }
+
+    fn constant(&self, grid: &Collocation, start: Uniform) -> Vec<f64> {
+        let z = self.logit(start.solid_fraction);
+        let speed = |x: f64| 1.0 - start.slip - (0.5 - start.slip) * x;
+        let mut unknowns: Vec<f64> = grid.points.iter().flat_map(|&x| [z, 0.0, speed(x)]).collect();
+        unknowns.push(start.stress_ratio);
+        unknowns
+    }
+
+    /// Damped Newton: the logit moves by at most 1 a step, and a step must lessen the residuals.
+    fn newton(&self, grid: &Collocation, mut unknowns: Vec<f64>, energy: f64) -> Result<Vec<f64>, Stall> {
+        let norm = |r: &[f64]| r.iter().map(|x| x * x).sum::<f64>();
+        let (mut residual, mut jacobian) = self.linearise(grid, &unknowns, energy);
+        for _ in 0..STEPS {
+            let Some(change) = linear::solve(&mut jacobian, residual.clone()) else { break };
+            let turn = change.chunks(WIDTH).map(|c| c[0].abs()).fold(0.0, f64::max);
+            let size = largest(&change);
+            let mut fraction = f64::min(1.0, 1.0 / turn);
+            loop {
+                let moved: Vec<f64> = unknowns.iter().zip(&change).map(|(u, c)| u - fraction * c).collect();
+                let (next, slopes) = self.linearise(grid, &moved, energy);
+                if norm(&next) < norm(&residual) || size < 1e-9 {
+                    (unknowns, residual, jacobian) = (moved, next, slopes);
+                    break;
+                }
+                fraction *= 0.5;
+                if fraction < 1e-3 {
+                    return if largest(&residual) < SMALL[1] { Ok(unknowns) } else { Err(stall(&residual, unknowns)) };
+                }
+            }
+            if size < 1e-9 && largest(&residual) < SMALL[0] {
+                return Ok(unknowns);
+            }
+        }
+        Err(stall(&residual, unknowns))
+    }
+
+    fn explain(&self, grid: &Collocation, stall: &Stall, start: f64, energy: f64) -> SolveError {
+        let (names, last) = (["solid fraction's flux law", "energy balance", "shear stress law"], grid.intervals());
+        let (equation, point) = match stall.equation.checked_sub(WIDTH * last) {
+            None => (names[stall.equation % WIDTH], stall.equation / WIDTH + 1),
+            Some(boundary) => (
+                ["wall's momentum", "wall's energy", "mid-plane's energy", "mid-plane's velocity"][boundary],
+                if boundary < 2 { 0 } else { last },
+            ),
+        };
+        SolveError::NoConvergence {
+            start,
+            energy,
+            equation,
+            residual: stall.residual,
+            y: 0.5 * self.parameters().gap * grid.points[point],
+            solid_fraction: self.solid_fraction(stall.unknowns[WIDTH * point]),
+        }
+    }
+
+    fn refine(&self, mut grid: Collocation, mut unknowns: Vec<f64>) -> Result<Solution, SolveError> {
+        let mut before = Solution::new(*self, grid, unknowns.clone());
+        loop {
+            let intervals = 2 * before.intervals();
+            if intervals > FINEST {
+                let (residual, y) = before.worst();
+                return Err(SolveError::Unresolved { intervals: before.intervals(), residual, y });
+            }
+            grid = Collocation::new(intervals);
+            unknowns = before.unknowns_at(&grid.points);
+            unknowns = self
+                .newton(&grid, unknowns, 1.0)
+                .map_err(|stall| self.explain(&grid, &stall, before.mean_solid_fraction(), 1.0))?;
+            let after = Solution::new(*self, grid, unknowns);
+            if after.difference(&before) < RESOLVED && after.residual() < RESOLVED {
+                return Ok(after);
+            }
+            before = after;
+        }
+    }
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().map(|x| x.abs()).fold(0.0, f64::max)
+}
+
+fn stall(residual: &[f64], unknowns: Vec<f64>) -> Stall {
+    let worst = |&(_, a): &(usize, &f64), &(_, b): &(usize, &f64)| a.abs().total_cmp(&b.abs());
+    let (equation, &residual) = residual.iter().enumerate().max_by(worst).expect("there are equations");
+    Stall { equation, residual, unknowns }
+}

@@ -1,0 +1,111 @@
+//! What a bumpy, frictionless wall does to the flow beside it (Jenkins and Richman 1986).
+
+use super::{Grains, constitutive::Functions, jet::Jet};
+use std::f64::consts::PI;
+
+/// What the wall is studded with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WallShape {
+    /// Half-disks (half-cylinders across the flow).
+    #[default]
+    Disk,
+    /// Hemispheres.
+    Sphere,
+}
+
+/// The paper's factors R5 to R8 on each term of the wall's laws: 0 smooth, 1 rough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Roughness {
+    /// On the slip law.
+    pub r5: f64,
+    /// On the energy that the wall's inelastic hits take.
+    pub r6: f64,
+    /// On the energy that slip feeds.
+    pub r7: f64,
+    /// On the energy that slip and the gradient feed together.
+    pub r8: f64,
+}
+
+/// A wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wall {
+    /// Disks or spheres.
+    pub shape: WallShape,
+    /// How far down a grain reaches between two bumps: `sin theta = (Dw + gap) / (Dw + D)`, in radians, at most pi/2.
+    pub theta: f64,
+    /// Whether the traction has the term in the velocity gradient.
+    pub gradient: bool,
+    /// Diameter of the bumps `Dw`.
+    pub diameter: f64,
+    /// Coefficient of restitution of a grain and the wall.
+    pub restitution: f64,
+    /// Factors on the terms.
+    pub roughness: Roughness,
+}
+
+/// The wall's coefficients, with `n` into the flow: `|u'| = R5 B5 u_slip` and
+/// `dv/dn = R7 B7 u_slip^2 + R8 B8 u_slip |u'| - R6 B6`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallCoefficients {
+    /// One over length.
+    pub b5: f64,
+    /// One over length.
+    pub b6: f64,
+    /// Length over velocity squared over length squared.
+    pub b7: f64,
+    /// One over velocity squared.
+    pub b8: f64,
+}
+
+/// The integrals over a bump, in units of the grains' density and diameter: traction
+/// `(P/sqrt T)(slip u_slip + gradient |u'|)`, dissipation `P sqrt(T) loss`.
+#[derive(Debug, Clone, Copy)]
+pub struct Bumps {
+    pub slip: f64,
+    pub gradient: Jet,
+    pub loss: f64,
+}
+
+impl Wall {
+    /// Traction and dissipation of a Maxwellian with the first correction for shear, `sigma = (D + Dw)/2`:
+    ///
+    /// ```text
+    /// M = (P/sqrt T) sqrt(8/pi) [a u_slip + b (1 + Bk) sigma |u'|],  loss = (1 - e_w) P sqrt(T) sqrt(2/pi) d
+    /// disks:   a = (theta/sin - cos)/2,          b = sin^2/3,  d = theta/sin,         Bk = pi/(8 sqrt 2)(1 + 1/(v g0)) D/sigma
+    /// spheres: a = [2(1 - cos)/sin^2 - cos]/3,   b = sin^2/4,  d = 2(1 - cos)/sin^2,  Bk = pi/(12 sqrt 2)(1 + 5/(8 v g0)) D/sigma
+    /// ```
+    pub(super) fn bumps(&self, grains: &Grains, contact: Jet) -> Bumps {
+        let (sin, cos) = self.theta.sin_cos();
+        let sigma = 0.5 * (1.0 + self.diameter / grains.diameter);
+        let (a, b, d, scale, dilute) = match self.shape {
+            WallShape::Disk => {
+                (0.5 * (self.theta / sin - cos), sin * sin / 3.0, self.theta / sin, PI / (8.0 * 2f64.sqrt()), 1.0)
+            }
+            WallShape::Sphere => {
+                let d = 2.0 * (1.0 - cos) / (sin * sin);
+                ((d - cos) / 3.0, sin * sin / 4.0, d, PI / (12.0 * 2f64.sqrt()), 0.625)
+            }
+        };
+        let correction = (Jet::constant(dilute) / contact + 1.0) * (scale / sigma);
+        let root = (8.0 / PI).sqrt();
+        Bumps {
+            slip: root * a,
+            gradient: (correction + 1.0) * if self.gradient { root * b * sigma } else { 0.0 },
+            loss: (1.0 - self.restitution) * (2.0 / PI).sqrt() * d,
+        }
+    }
+
+    /// B5 to B8 at a solid fraction in `(0, packed)` under the pressure given.
+    pub fn coefficients(&self, grains: &Grains, solid_fraction: f64, pressure: f64) -> WallCoefficients {
+        let Functions { c1, c2, conduction, contact, .. } = grains.functions(solid_fraction);
+        let bumps = self.bumps(grains, contact);
+        let (c1, c2, k, gradient) = (c1.value(), c2.value(), conduction.value(), bumps.gradient.value());
+        let energy = c2 * c2 / k * grains.density / pressure;
+        WallCoefficients {
+            b5: c2 * bumps.slip / (c1 - c2 * gradient) / grains.diameter,
+            b6: bumps.loss * c2 / k / grains.diameter,
+            b7: energy * bumps.slip / grains.diameter,
+            b8: energy * gradient,
+        }
+    }
+}

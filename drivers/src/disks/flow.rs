@@ -1,0 +1,110 @@
+//! The flow of the liquid, which the disks feel as drag and do not change.
+
+/// The liquid's velocity along x as a function of y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Flow {
+    /// At rest, in a periodic cell.
+    Still,
+    /// `rate (y - Ly/2)`, with Lees-Edwards images.
+    Shear {
+        /// Velocity gradient.
+        rate: f64,
+    },
+    /// `4 peak (y / Ly) (1 - y / Ly)`, repeated with the period `Ly`: driven through the liquid, without walls.
+    Poiseuille {
+        /// Velocity at mid-height.
+        peak: f64,
+    },
+}
+
+/// A flow in a cell of given height, written as one quadratic that is evaluated at `y` inside `[low, high)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Profile {
+    coefficients: [f64; 3],
+    low: f64,
+    high: f64,
+    height: f64,
+    /// The rate at which the lattice of images shears.
+    pub(super) lattice_rate: f64,
+    /// The largest velocity gradient anywhere.
+    pub(super) steepest: f64,
+}
+
+impl Flow {
+    pub(super) fn profile(&self, height: f64) -> Profile {
+        let whole = |coefficients, lattice_rate: f64| Profile {
+            coefficients,
+            low: f64::NEG_INFINITY,
+            high: f64::INFINITY,
+            height,
+            lattice_rate,
+            steepest: lattice_rate.abs(),
+        };
+        match *self {
+            Self::Still => whole([0.0; 3], 0.0),
+            Self::Shear { rate } => whole([-0.5 * rate * height, rate, 0.0], rate),
+            Self::Poiseuille { peak } => {
+                let slope = 4.0 * peak / height;
+                let coefficients = [0.0, slope, -slope / height];
+                Profile { low: 0.0, high: height, steepest: slope.abs(), ..whole(coefficients, 0.0) }
+            }
+        }
+    }
+
+    /// A rate of shear to measure strain with: the mean one, or that of the whole rise of a Poiseuille flow.
+    pub fn rate(&self, height: f64) -> f64 {
+        match *self {
+            Self::Still => 0.0,
+            Self::Shear { rate } => rate,
+            Self::Poiseuille { peak } => 2.0 * peak / height,
+        }
+    }
+}
+
+impl Profile {
+    /// The velocity along x at a height less than one period outside the cell.
+    #[inline(always)]
+    pub(super) fn speed(&self, y: f64) -> f64 {
+        let (y, [a, b, c]) = (self.inside(y), self.coefficients);
+        a + y * (b + y * c)
+    }
+
+    /// Its derivative.
+    #[inline(always)]
+    pub(super) fn slope(&self, y: f64) -> f64 {
+        let [_, b, c] = self.coefficients;
+        b + 2.0 * c * self.inside(y)
+    }
+
+    /// A height where the liquid is at rest.
+    pub(super) fn rest_height(&self) -> f64 {
+        if self.low.is_finite() { 0.0 } else { 0.5 * self.height }
+    }
+
+    /// Its second derivative.
+    pub(super) fn curvature(&self) -> f64 {
+        2.0 * self.coefficients[2]
+    }
+
+    #[inline(always)]
+    fn inside(&self, y: f64) -> f64 {
+        let up = if y < self.low { self.height } else { 0.0 };
+        let down = if y >= self.high { self.height } else { 0.0 };
+        y + up - down
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn profiles_are_what_they_say() {
+        let shear = Flow::Shear { rate: 0.5 }.profile(10.0);
+        assert_eq!((shear.speed(5.0), shear.speed(11.0), shear.slope(3.0)), (0.0, 3.0, 0.5));
+        let pipe = Flow::Poiseuille { peak: 2.0 }.profile(10.0);
+        assert_eq!((pipe.speed(0.0), pipe.speed(5.0)), (0.0, 2.0));
+        assert_eq!((pipe.speed(-2.0), pipe.speed(12.0)), (pipe.speed(8.0), pipe.speed(2.0)));
+        assert_eq!((pipe.slope(0.0), pipe.slope(5.0), pipe.steepest), (0.8, 0.0, 0.8));
+    }
+}

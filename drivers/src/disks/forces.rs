@@ -1,0 +1,156 @@
+//! Contact forces.
+
+use super::for_each_part;
+use super::law::Law;
+use super::list::{Batch, Chunk, Image, List, Pair};
+use super::state::{Body, CHUNK, Identity, State};
+use super::sums::ContactSums;
+use domain::Vector;
+use glam::DVec2;
+
+/// What pairs need to know of their disks.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    bodies: &'a [Body],
+    identities: &'a [Identity],
+    damping: f64,
+    floor: f64,
+    step: u32,
+}
+
+/// The work on a chunk.
+struct Part<'a> {
+    chunk: &'a mut Chunk,
+    /// Of the chunk's own rows.
+    forces: &'a mut [DVec2],
+    sums: ContactSums,
+}
+
+impl List {
+    /// Adds the contact forces at a step to the state's. Measures energies and stresses on request; the encounters that
+    /// begin are counted always.
+    pub(super) fn push_apart(&mut self, state: &mut State, law: &Law, step: u64, measure: bool) -> ContactSums {
+        self.move_images(law, step);
+        let view = View {
+            bodies: &state.bodies,
+            identities: &state.identities,
+            damping: 2.0 * law.contact.damping(),
+            floor: law.contact.floor(),
+            step: step as u32,
+        };
+        let chunks = self.chunks.iter_mut().zip(state.forces.chunks_mut(CHUNK));
+        let part = |(chunk, forces)| Part { chunk, forces, sums: ContactSums::default() };
+        let mut parts: Vec<Part> = chunks.map(part).collect();
+        for_each_part(&mut parts, |part| if measure { part.push::<true>(&view) } else { part.push::<false>(&view) });
+        let sums = parts.iter().fold(ContactSums::default(), |sum, part| sum + part.sums);
+        for chunk in &mut self.chunks {
+            for (pair, force) in chunk.pushes.drain(..) {
+                state.forces[pair.i as usize] -= force;
+                state.forces[pair.j as usize] += force;
+            }
+        }
+        sums
+    }
+
+    /// Marks the pairs that touch as having done so at a step.
+    pub(super) fn mark_touching(&mut self, state: &State, law: &Law, step: u64) {
+        self.move_images(law, step);
+        for batch in self.batches_mut() {
+            for (pair, touched) in batch.pairs.iter().zip(&mut batch.touched) {
+                let touches = pair.touches(&state.bodies, &batch.image);
+                *touched = (step as u32).wrapping_sub(u32::from(!touches));
+            }
+        }
+    }
+}
+
+impl Part<'_> {
+    fn push<const MEASURE: bool>(&mut self, view: &View) {
+        let Self { chunk, forces, sums } = self;
+        let Chunk { rows, inner, border, found, pushes } = chunk;
+        let start = rows.start as u32;
+        for batch in inner {
+            batch.push::<MEASURE>(view, found, sums, |pair, force| {
+                forces[(pair.i - start) as usize] -= force;
+                forces[(pair.j - start) as usize] += force;
+            });
+        }
+        for batch in border {
+            batch.push::<MEASURE>(view, found, sums, |pair, force| pushes.push((pair, force)));
+        }
+    }
+}
+
+impl Pair {
+    #[inline(always)]
+    fn touches(&self, bodies: &[Body], image: &Image) -> bool {
+        let d = bodies[self.j as usize].place - bodies[self.i as usize].place + image.shift;
+        d.length_squared() < self.reach * self.reach
+    }
+}
+
+impl Batch {
+    /// Finds the pairs that touch, without a branch, and writes their places.
+    #[inline(always)]
+    fn find<'a>(&self, bodies: &[Body], found: &'a mut [u32]) -> &'a [u32] {
+        let (image, mut count) = (self.image, 0);
+        for (p, pair) in self.pairs.iter().enumerate() {
+            found[count] = p as u32;
+            count += usize::from(pair.touches(bodies, &image));
+        }
+        &found[..count]
+    }
+
+    /// Hands over the force on the second disk of each pair that touches, `mu (xi + 2 kappa dxi/dt) n`.
+    #[inline(always)]
+    fn push<const MEASURE: bool>(
+        &mut self,
+        view: &View,
+        found: &mut [u32],
+        sums: &mut ContactSums,
+        mut apply: impl FnMut(Pair, DVec2),
+    ) {
+        for &p in self.find(view.bodies, found) {
+            let pair = self.pairs[p as usize];
+            let (first, second) = (&view.bodies[pair.i as usize], &view.bodies[pair.j as usize]);
+            let d = second.place - first.place + self.image.shift;
+            let mut u = second.velocity - first.velocity;
+            u.x += self.image.jump;
+            let square = larger(d.length_squared(), f64::MIN_POSITIVE);
+            let distance = square.sqrt();
+            let parting = d.dot(u);
+            // Times distance over reduced mass.
+            let push = larger((pair.reach - distance) * distance - view.damping * parting, view.floor);
+            let force = d * (push / (square * pair.lightness));
+            apply(pair, force);
+            let last = std::mem::replace(&mut self.touched[p as usize], view.step);
+            if last != view.step.wrapping_sub(1) {
+                let large = [pair.i, pair.j].map(|row| usize::from(view.identities[row as usize].is_large));
+                sums.encounters[large[0] + large[1]] += 1;
+            }
+            if MEASURE {
+                sums.contacts += 1;
+                sums.jump_work += force.x * self.image.jump;
+                sums.measure(&pair, d, parting / distance, force);
+            }
+        }
+    }
+}
+
+impl ContactSums {
+    /// Adds a pair of given separation, speed of parting and force.
+    fn measure(&mut self, pair: &Pair, d: DVec2, parting: f64, force: DVec2) {
+        let distance = d.length();
+        let overlap = pair.reach - distance;
+        let tension = overlap / pair.lightness;
+        self.spring += 0.5 * tension * overlap;
+        self.loss -= (force.dot(d) / distance - tension) * parting;
+        self.virial += Vector::new(d.x * force.x, d.x * force.y, d.y * force.y);
+    }
+}
+
+/// The larger of two numbers, neither of them NaN.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}

@@ -1,0 +1,62 @@
+//! The three stages of a run and what governs the motion in each.
+
+use super::flow::Profile;
+use super::gear::Corrector;
+use super::{Contact, Gear};
+use std::f64::consts::PI;
+
+/// A stage of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Overlaps of a random start are taken out by almost plastic contacts.
+    Settle,
+    /// Elastic contacts bring the disks near equilibrium.
+    Mix,
+    /// The run itself: flow, drag and the contacts asked for.
+    Flow,
+}
+
+impl Stage {
+    /// The stage after this one.
+    pub(super) fn next(self) -> Option<Self> {
+        match self {
+            Self::Settle => Some(Self::Mix),
+            Self::Mix => Some(Self::Flow),
+            Self::Flow => None,
+        }
+    }
+}
+
+/// What governs the motion in a stage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Law {
+    pub(super) contact: Contact,
+    pub(super) viscosity: f64,
+    pub(super) profile: Profile,
+    pub(super) gear: Gear,
+    pub(super) dt: f64,
+    /// How long the stage lasts; the last has no end.
+    pub(super) steps: Option<u64>,
+}
+
+impl Law {
+    pub(super) fn corrector(&self) -> Corrector {
+        self.gear.corrector(self.dt)
+    }
+
+    /// Stokes' drag on a disk for a unit of velocity.
+    pub(super) fn drag(&self, radius: f64) -> f64 {
+        6.0 * PI * radius * self.viscosity
+    }
+
+    /// What turns force and excess velocity of a disk into `dt^2 a / 2 = force * kick - excess * drag`.
+    pub(super) fn response(&self, radius: f64, mass: f64) -> (f64, f64) {
+        let kick = 0.5 * self.dt * self.dt / mass;
+        (kick, self.drag(radius) * kick)
+    }
+
+    /// Strain of the lattice after so many steps.
+    pub(super) fn strain(&self, step: u64) -> f64 {
+        self.profile.lattice_rate * self.dt * step as f64
+    }
+}

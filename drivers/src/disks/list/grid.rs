@@ -1,0 +1,119 @@
+//! Disks sorted into cells of the sheared lattice.
+
+use crate::disks::for_each_part;
+use crate::disks::state::{CHUNK, Identity, State};
+use domain::PeriodicBox;
+use glam::DVec2;
+use std::ops::Range;
+
+/// What the search needs of a disk, next to its neighbours in memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Entry {
+    pub(super) place: DVec2,
+    pub(super) radius: f64,
+    pub(super) row: u32,
+    /// Its place among all disks by radius.
+    pub(super) rank: u32,
+}
+
+impl Entry {
+    pub(super) fn of(state: &State, row: usize) -> Self {
+        let Identity { radius, rank, .. } = state.identities[row];
+        Self { place: state.reference(row), radius, row: row as u32, rank }
+    }
+}
+
+/// Cells in lattice coordinates `(x - s y, y)`, row by row, so that the cells beside each other in x are one range of
+/// entries.
+#[derive(Debug)]
+pub(super) struct Grid {
+    counts: [i64; 2],
+    starts: Vec<u32>,
+    entries: Vec<Entry>,
+    edges: DVec2,
+    strain: f64,
+}
+
+impl Grid {
+    /// Sorts the places that drift counts from, which are inside the box, into cells of about the edges given.
+    pub(super) fn sort(cell: &PeriodicBox, state: &State, about: DVec2) -> Self {
+        let edges = cell.edges().truncate();
+        let counts = (edges / about).floor().max(DVec2::ONE).to_array().map(|c| c as i64);
+        let none = Entry { place: DVec2::ZERO, radius: 0.0, row: 0, rank: 0 };
+        let starts = vec![0; (counts[0] * counts[1]) as usize + 1];
+        let mut grid = Self { counts, starts, entries: vec![none; state.len()], edges, strain: cell.strain() };
+        let mut homes = vec![0_u32; state.len()];
+        let mut parts: Vec<_> = homes.chunks_mut(CHUNK).enumerate().collect();
+        for_each_part(&mut parts, |(chunk, homes)| {
+            for (row, home) in homes.iter_mut().enumerate() {
+                *home = grid.home(state.reference(*chunk * CHUNK + row));
+            }
+        });
+        for &home in &homes {
+            grid.starts[home as usize + 1] += 1;
+        }
+        for c in 1..grid.starts.len() {
+            grid.starts[c] += grid.starts[c - 1];
+        }
+        let mut next = grid.starts.clone();
+        for (row, &home) in homes.iter().enumerate() {
+            let place = &mut next[home as usize];
+            grid.entries[*place as usize] = Entry::of(state, row);
+            *place += 1;
+        }
+        grid
+    }
+
+    /// The disks in the order of their cells.
+    pub(super) fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The rows in the order of their cells.
+    pub(super) fn order(&self) -> Vec<u32> {
+        self.entries.iter().map(|e| e.row).collect()
+    }
+
+    /// Hands over, range by range, the entries that may be within a distance, less than an edge, of a place, each range
+    /// with the lattice steps to the image meant.
+    pub(super) fn for_each_near(&self, place: DVec2, distance: f64, mut visit: impl FnMut([i32; 2], Range<usize>)) {
+        let per_cell = DVec2::new(self.counts[0] as f64, self.counts[1] as f64) / self.edges;
+        let xi = place.x - self.strain * place.y;
+        // Within the distance, the first lattice coordinate differs by up to sqrt(1 + s^2) of it.
+        let spread = distance * (1.0 + self.strain * self.strain).sqrt();
+        // Numbers from one box further left or below, so that they are positive and the conversion rounds down.
+        let [columns, rows] = self.counts;
+        let cell = |x: f64, edge: f64, per_cell: f64, count: i64| ((x + edge) * per_cell) as i64 - count;
+        let [left, right] = [xi - spread, xi + spread].map(|x| cell(x, self.edges.x, per_cell.x, columns));
+        let [low, high] = [place.y - distance, place.y + distance].map(|y| cell(y, self.edges.y, per_cell.y, rows));
+        for row in low..=high {
+            let (up, row) = split(row, rows);
+            let mut column = left;
+            while column <= right {
+                let (along, first) = split(column, columns);
+                let last = (first + right - column).min(columns - 1);
+                let bounds =
+                    [row * columns + first, row * columns + last + 1].map(|c| self.starts[c as usize] as usize);
+                visit([along, up], bounds[0]..bounds[1]);
+                column += last + 1 - first;
+            }
+        }
+    }
+
+    fn home(&self, place: DVec2) -> u32 {
+        let inside = DVec2::new(place.x - self.strain * place.y, place.y) / self.edges;
+        let index = |fraction: f64, count: i64| ((fraction * count as f64) as i64).clamp(0, count - 1);
+        (index(inside.y, self.counts[1]) * self.counts[0] + index(inside.x, self.counts[0])) as u32
+    }
+}
+
+/// A cell of the endless lattice as a lattice step, -1, 0 or 1, and a cell of the box.
+fn split(cell: i64, count: i64) -> (i32, i64) {
+    if cell < 0 {
+        (-1, cell + count)
+    } else if cell >= count {
+        (1, cell - count)
+    } else {
+        (0, cell)
+    }
+}

@@ -1,0 +1,116 @@
+//! The pairs of disks that may touch before the list is made anew (Verlet's list), each cut to its own reach.
+
+mod build;
+mod grid;
+mod slack;
+#[cfg(test)]
+mod tests;
+mod touching;
+
+use super::law::Law;
+use glam::DVec2;
+use std::ops::Range;
+
+pub(super) use slack::Slack;
+
+/// Two disks that may touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pair {
+    pub(super) i: u32,
+    pub(super) j: u32,
+    /// Sum of the radii.
+    pub(super) reach: f64,
+    /// Sum of the inverse masses.
+    pub(super) lightness: f64,
+}
+
+/// Pairs whose second disk is meant in the same image.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Batch {
+    /// Lattice steps added to the second.
+    pub(super) steps: [i32; 2],
+    pub(super) pairs: Vec<Pair>,
+    /// Where those images are now.
+    pub(super) image: Image,
+    /// The last step, modulo 2^32, at which each pair touched.
+    pub(super) touched: Vec<u32>,
+}
+
+/// Where the images of a batch are and how fast they move past.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Image {
+    pub(super) shift: DVec2,
+    pub(super) jump: f64,
+}
+
+/// The lattice of images at a moment.
+#[derive(Debug, Clone, Copy)]
+struct Images {
+    edges: DVec2,
+    strain: f64,
+    rate: f64,
+}
+
+impl Images {
+    fn of(&self, steps: [i32; 2]) -> Image {
+        let [along, up] = steps.map(f64::from);
+        let height = up * self.edges.y;
+        Image { shift: DVec2::new(along * self.edges.x + self.strain * height, height), jump: self.rate * height }
+    }
+}
+
+/// The pairs that one thread works on: those whose first disk is in a range of rows. The second disk of the inner ones
+/// is in that range too.
+#[derive(Debug, Clone)]
+pub(super) struct Chunk {
+    pub(super) rows: Range<usize>,
+    pub(super) inner: Vec<Batch>,
+    pub(super) border: Vec<Batch>,
+    /// Room for the places of the pairs that touch.
+    pub(super) found: Vec<u32>,
+    /// Forces on pairs across the border.
+    pub(super) pushes: Vec<(Pair, DVec2)>,
+}
+
+/// All pairs, when they were found, and for how long they do.
+#[derive(Debug, Clone)]
+pub(super) struct List {
+    /// The step at which it was made.
+    pub(super) born: u64,
+    /// The strain of the lattice then, in its range.
+    strain: f64,
+    edges: DVec2,
+    slack: Slack,
+    pub(super) chunks: Vec<Chunk>,
+}
+
+impl List {
+    /// Where images are at a step.
+    fn images(&self, law: &Law, step: u64) -> Images {
+        let strain = self.strain + law.strain(step - self.born);
+        Images { edges: self.edges, strain, rate: law.profile.lattice_rate }
+    }
+
+    /// Moves the images of all batches to where they are at a step.
+    pub(super) fn move_images(&mut self, law: &Law, step: u64) {
+        let images = self.images(law, step);
+        for batch in self.batches_mut() {
+            batch.image = images.of(batch.steps);
+        }
+    }
+
+    /// Whether a pair that is not listed may touch at a step, when no disk has left the liquid by more than `drift`.
+    pub(super) fn is_stale(&self, law: &Law, step: u64, drift: f64) -> bool {
+        self.slack.is_used_up(law.profile.steepest * law.dt * (step - self.born) as f64, drift)
+    }
+
+    /// All batches, to be changed.
+    pub(super) fn batches_mut(&mut self) -> impl Iterator<Item = &mut Batch> {
+        self.chunks.iter_mut().flat_map(|c| c.inner.iter_mut().chain(&mut c.border))
+    }
+
+    /// All batches.
+    pub(super) fn batches(&self) -> impl Iterator<Item = &Batch> {
+        self.chunks.iter().flat_map(|c| c.inner.iter().chain(&c.border))
+    }
+}

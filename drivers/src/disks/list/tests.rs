@@ -1,0 +1,84 @@
+//! The list against brute force over all images.
+
+use super::List;
+use crate::disks::{Disks, Flow, Model, Parameters, Sizes};
+
+/// Overlapping pairs as (id, id, overlap), by brute force.
+fn all_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
+    let seen = disks.snapshot();
+    let cell = disks.model().cell(disks.law.strain(disks.step));
+    let mut all = Vec::new();
+    for (i, a) in seen.disks.iter().enumerate() {
+        for b in &seen.disks[..i] {
+            for steps in (-2..=2).flat_map(|x| (-2..=2).map(move |y| [x, y, 0])) {
+                let d = (b.position - a.position) + cell.lattice(steps).truncate();
+                if d.length() < a.radius + b.radius {
+                    all.push((b.id, a.id, a.radius + b.radius - d.length()));
+                }
+            }
+        }
+    }
+    all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    all
+}
+
+/// The same from the list.
+fn listed_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
+    let (state, list) = (&disks.state, &disks.list);
+    let mut all = Vec::new();
+    for batch in list.batches() {
+        let image = list.images(&disks.law, disks.step).of(batch.steps);
+        for pair in &batch.pairs {
+            let (i, j) = (pair.i as usize, pair.j as usize);
+            let distance = (state.bodies[j].place - state.bodies[i].place + image.shift).length();
+            if distance < pair.reach {
+                let (a, b) = (state.identities[i].id, state.identities[j].id);
+                all.push((a.min(b), a.max(b), pair.reach - distance));
+            }
+        }
+    }
+    all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    all
+}
+
+fn compare(parameters: Parameters, steps: u64, times: usize) {
+    let mut disks = Disks::prepared(&Model::new(parameters).unwrap());
+    for _ in 0..times {
+        disks.advance(steps);
+        let (listed, all) = (listed_overlaps(&disks), all_overlaps(&disks));
+        assert!(!all.is_empty() && listed.len() == all.len(), "step {}", disks.step);
+        for (l, a) in listed.iter().zip(&all) {
+            assert!((l.0, l.1) == (a.0, a.1) && (l.2 - a.2).abs() < 1e-11);
+        }
+    }
+}
+
+#[test]
+fn every_overlap_is_listed() {
+    // 25 looks, 37 steps apart, at offsets of 0.28 L each: all over the cell, also close below L.
+    let shear = Flow::Shear { rate: 0.05 };
+    compare(Parameters { edges: [40.0; 2], flow: shear, ..Parameters::default() }, 37, 25);
+    let still = Parameters { edges: [70.0, 30.0], flow: Flow::Shear { rate: -0.01 }, ..Parameters::default() };
+    compare(Parameters { viscosity: 0.001, ..still }, 41, 25);
+}
+
+#[test]
+fn so_it_is_for_a_spread_of_sizes_in_a_parabola() {
+    let sizes = Sizes::Spread { smallest: 1.0, largest: 8.0, exponent: -3.0 };
+    let flow = Flow::Poiseuille { peak: 0.4 };
+    compare(Parameters { edges: [50.0; 2], sizes, flow, ..Parameters::default() }, 23, 15);
+}
+
+#[test]
+fn a_new_list_remembers_who_touched() {
+    let mut disks = Disks::prepared(&Model::new(Parameters { edges: [40.0; 2], ..Parameters::default() }).unwrap());
+    disks.advance(500);
+    let marked = |disks: &Disks, step: u64| {
+        let touched = disks.list.batches().flat_map(|b| &b.touched);
+        touched.filter(|&&last| last == step as u32).count()
+    };
+    let before = marked(&disks, disks.step);
+    let list = List::make(&mut disks.state, &disks.model, &disks.law, disks.step + 1, Some(&disks.list));
+    disks.list = list;
+    assert!(before > 50 && marked(&disks, disks.step) == before);
+}

@@ -1,0 +1,56 @@
+//! Who was in touch when the list was made anew.
+
+use super::List;
+
+/// The pairs of disks that touched, each in one of the slots of its earlier row, or behind them.
+#[derive(Debug)]
+pub(super) struct Touching {
+    /// Two rows, the earlier first, or nothing.
+    slots: Vec<u64>,
+}
+
+const NOTHING: u64 = u64::MAX;
+
+impl Default for Touching {
+    fn default() -> Self {
+        Self { slots: vec![NOTHING; 2] }
+    }
+}
+
+impl Touching {
+    /// The pairs of a list that touched at a step; `rows` gives each disk's row in the new order.
+    pub(super) fn at(list: &List, step: u32, rows: &[u32]) -> Self {
+        let mut table = Self { slots: vec![NOTHING; (4 * rows.len()).next_power_of_two()] };
+        for batch in list.batches() {
+            for (pair, &last) in batch.pairs.iter().zip(&batch.touched) {
+                if last == step {
+                    let key = key(rows[pair.i as usize], rows[pair.j as usize]);
+                    let slot = table.slot(key);
+                    table.slots[slot] = key;
+                }
+            }
+        }
+        table
+    }
+
+    /// Whether two disks touched.
+    pub(super) fn holds(&self, i: u32, j: u32) -> bool {
+        let key = key(i, j);
+        self.slots[self.slot(key)] == key
+    }
+
+    /// Where a pair is or would be.
+    fn slot(&self, key: u64) -> usize {
+        let last = self.slots.len() - 1;
+        // Four slots for each row: pairs are looked up row by row, which finds them in cache.
+        let mut slot = ((key >> 30) | (key & 3)) as usize & last;
+        while self.slots[slot] != key && self.slots[slot] != NOTHING {
+            slot = (slot + 1) & last;
+        }
+        slot
+    }
+}
+
+fn key(i: u32, j: u32) -> u64 {
+    (u64::from(i.min(j)) << 32) | u64::from(i.max(j))
+}

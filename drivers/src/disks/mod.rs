@@ -1,0 +1,41 @@
+//! Disks in a plane that collide in a sheared liquid: Santra, Schwarzer & Herrmann, Fluid-induced particle-size
+//! segregation in sheared granular assemblies, Phys. Rev. E 54, 5066 (1996).
+
+mod contact;
+mod flow;
+mod forces;
+mod gear;
+mod lane_sums;
+mod law;
+mod list;
+mod motion;
+mod observe;
+mod parameters;
+mod simulation;
+mod sizes;
+mod state;
+mod store;
+mod sums;
+mod sweep;
+mod tally;
+mod widest;
+
+use rayon::prelude::*;
+
+pub use contact::Contact;
+pub use flow::Flow;
+pub use gear::Gear;
+use law::Law;
+pub use law::Stage;
+pub use observe::{Disk, Lanes, Snapshot, Stripe, Strips, estimated_free_path, segment, viscous_length};
+pub use parameters::{Model, Parameters, Preparation};
+pub use simulation::Disks;
+pub use sizes::{LengthUnit, Size, Sizes, Species};
+pub use store::Progress;
+pub use sweep::{Branch, Case, Estimate, Record, Sweep};
+pub use tally::{Measurement, Tally};
+
+/// Works on parts one by one, on several threads if there are several parts.
+fn for_each_part<T: Send>(parts: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
+    if let [only] = parts { work(only) } else { parts.par_iter_mut().for_each(work) }
+}

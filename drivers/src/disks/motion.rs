@@ -1,0 +1,175 @@
+//! Moving the disks: one pass over all of them corrects one step and predicts the next.
+
+use super::flow::Profile;
+use super::for_each_part;
+use super::gear::{Coordinate, Corrector};
+use super::lane_sums::LaneSums;
+use super::law::Law;
+use super::state::{Block, Body, CHUNK, LANES, State};
+use super::sums::MotionSums;
+use super::widest::{self, Kernel};
+use glam::DVec2;
+
+/// What a pass does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Task {
+    /// Predicts the first step.
+    Predict,
+    /// Corrects the last step.
+    Correct,
+    /// Corrects a step and predicts the next.
+    Both,
+}
+
+/// What is the same for all disks.
+#[derive(Clone, Copy)]
+struct Pass {
+    corrector: Corrector,
+    profile: Profile,
+    /// Time from the making of the list to the step predicted.
+    age: f64,
+    dt: f64,
+}
+
+/// Disks that one thread works on.
+struct Rows<'a> {
+    bodies: &'a mut [Body],
+    blocks: &'a mut [Block],
+    forces: &'a mut [DVec2],
+    sums: LaneSums,
+}
+
+/// A pass over them.
+struct PassOver<'p, 'r, 's, const CORRECT: bool, const MEASURE: bool, const PREDICT: bool> {
+    pass: &'p Pass,
+    rows: &'r mut Rows<'s>,
+}
+
+impl State {
+    /// Does a task. `age` is the number of steps from the making of the list to the step predicted. Measures in the
+    /// state that is corrected, on request.
+    pub(super) fn advance(&mut self, law: &Law, task: Task, age: u64, measure: bool) -> MotionSums {
+        let pass = Pass { corrector: law.corrector(), profile: law.profile, age: age as f64 * law.dt, dt: law.dt };
+        let mut parts = self.parts();
+        for_each_part(&mut parts, |rows| match (task, measure) {
+            (Task::Predict, _) => widest::run(PassOver::<false, false, true> { pass: &pass, rows }),
+            (Task::Correct, false) => widest::run(PassOver::<true, false, false> { pass: &pass, rows }),
+            (Task::Correct, true) => widest::run(PassOver::<true, true, false> { pass: &pass, rows }),
+            (Task::Both, false) => widest::run(PassOver::<true, false, true> { pass: &pass, rows }),
+            (Task::Both, true) => widest::run(PassOver::<true, true, true> { pass: &pass, rows }),
+        });
+        parts.iter().fold(MotionSums::default(), |sum, rows| sum + rows.sums.total())
+    }
+
+    /// Measures in the present state, with its forces.
+    pub(super) fn measure(&mut self, law: &Law) -> MotionSums {
+        let pass = Pass { corrector: law.corrector(), profile: law.profile, age: 0.0, dt: law.dt };
+        let mut parts = self.parts();
+        for rows in &mut parts {
+            PassOver::<false, true, false> { pass: &pass, rows }.run();
+        }
+        parts.iter().fold(MotionSums::default(), |sum, rows| sum + rows.sums.total())
+    }
+
+    fn parts(&mut self) -> Vec<Rows<'_>> {
+        let bodies = self.bodies.chunks_mut(CHUNK).zip(self.forces.chunks_mut(CHUNK));
+        let rows = bodies.zip(self.blocks.chunks_mut(CHUNK / LANES));
+        rows.map(|((bodies, forces), blocks)| Rows { bodies, blocks, forces, sums: LaneSums::default() }).collect()
+    }
+
+    /// Sets the higher derivatives from the forces, which are used up: the acceleration is exact, the next two are
+    /// those of the drag.
+    pub(super) fn start(&mut self, law: &Law, masses: impl Fn(f64) -> f64) {
+        for row in 0..self.len() {
+            let mut motion = self.motion(row);
+            let (radius, force) = (self.identities[row].radius, std::mem::take(&mut self.forces[row]));
+            let (y, v, mass) = (motion.body.place.y, motion.body.velocity, masses(radius));
+            let rate = law.drag(radius) / mass;
+            let along = |x: f64| DVec2::new(x, 0.0);
+            let a = force / mass - (v - along(law.profile.speed(y))) * rate;
+            let slope = law.profile.slope(y);
+            let jerk = (a - along(slope * v.y)) * -rate;
+            let snap = (jerk - along(slope * a.y + law.profile.curvature() * v.y * v.y)) * -rate;
+            let snap = if law.gear.derivatives() > 2 { snap } else { DVec2::ZERO };
+            let dt = law.dt;
+            motion.higher = [a * (dt * dt / 2.0), jerk * (dt.powi(3) / 6.0), snap * (dt.powi(4) / 24.0)];
+            self.set_motion(row, &motion);
+        }
+    }
+}
+
+impl<const CORRECT: bool, const MEASURE: bool, const PREDICT: bool> Kernel
+    for PassOver<'_, '_, '_, CORRECT, MEASURE, PREDICT>
+{
+    #[inline(always)]
+    fn run(self) {
+        // Copies of its own tell the compiler that nothing else writes to them.
+        let (pass, mut sums) = (*self.pass, LaneSums::default());
+        let Rows { bodies, blocks, forces, .. } = self.rows;
+        let disks = bodies.as_chunks_mut::<LANES>().0.iter_mut().zip(forces.as_chunks_mut::<LANES>().0);
+        for ((bodies, forces), block) in disks.zip(blocks.iter_mut()) {
+            if MEASURE {
+                pass.measure(bodies, block, forces, &mut sums);
+            }
+            pass.advance::<CORRECT, PREDICT>(bodies, block, forces, &mut sums);
+            if CORRECT {
+                forces.fill(DVec2::ZERO);
+            }
+        }
+        self.rows.sums = sums;
+    }
+}
+
+impl Pass {
+    #[inline(always)]
+    fn advance<const CORRECT: bool, const PREDICT: bool>(
+        &self,
+        bodies: &mut [Body; LANES],
+        block: &mut Block,
+        forces: &[DVec2; LANES],
+        sums: &mut LaneSums,
+    ) {
+        for k in 0..LANES {
+            let Body { place, velocity } = bodies[k];
+            let mut x = Coordinate { x: place.x, v: velocity.x, q: [block.qx[0][k], block.qx[1][k], block.qx[2][k]] };
+            let mut y = Coordinate { x: place.y, v: velocity.y, q: [block.qy[0][k], block.qy[1][k], block.qy[2][k]] };
+            if CORRECT {
+                let (kick, drag) = (block.kick[k], block.drag[k]);
+                let excess = x.v - self.profile.speed(y.x);
+                let half_kick = [forces[k].x * kick - excess * drag, forces[k].y * kick - y.v * drag];
+                self.corrector.correct(&mut x, half_kick[0]);
+                self.corrector.correct(&mut y, half_kick[1]);
+            }
+            if PREDICT {
+                self.corrector.predict(&mut x);
+                self.corrector.predict(&mut y);
+                let carried = self.profile.speed(block.y0[k]) * self.age;
+                let drift = [x.x - block.x0[k] - carried, y.x - block.y0[k]];
+                let squared = drift[0] * drift[0] + drift[1] * drift[1];
+                sums.drift_squared[k] = if squared > sums.drift_squared[k] { squared } else { sums.drift_squared[k] };
+            }
+            bodies[k] = Body { place: DVec2::new(x.x, y.x), velocity: DVec2::new(x.v, y.v) };
+            for d in 0..3 {
+                (block.qx[d][k], block.qy[d][k]) = (x.q[d], y.q[d]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn measure(&self, bodies: &[Body; LANES], block: &Block, forces: &[DVec2; LANES], sums: &mut LaneSums) {
+        for k in 0..LANES {
+            let Body { place, velocity } = bodies[k];
+            let (liquid, slope) = (self.profile.speed(place.y), self.profile.slope(place.y));
+            let excess = [velocity.x - liquid, velocity.y];
+            let mass = 0.5 * self.dt * self.dt / block.kick[k];
+            let square = excess[0] * excess[0] + excess[1] * excess[1];
+            sums.kinetic[k] += 0.5 * mass * square;
+            sums.flux[0][k] += mass * excess[0] * excess[0];
+            sums.flux[1][k] += mass * excess[0] * excess[1];
+            sums.flux[2][k] += mass * excess[1] * excess[1];
+            sums.excess[k] += square.sqrt();
+            sums.drag[k] += block.drag[k] / block.kick[k] * square;
+            sums.flow_work[k] += mass * slope * excess[0] * excess[1] + forces[k].x * liquid;
+        }
+    }
+}

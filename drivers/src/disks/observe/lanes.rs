@@ -1,0 +1,46 @@
+//! Lanes of disks along the flow.
+
+use super::Snapshot;
+use std::f64::consts::TAU;
+
+/// The strongest period in the disks' heights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lanes {
+    /// `|sum exp(i k y)|^2 / N^2` there: 1 for perfect lanes, about `1/N` for none.
+    pub peak: f64,
+    /// Distance of two lanes, `2 pi / k`.
+    pub spacing: f64,
+}
+
+impl Snapshot {
+    /// The strongest period that fits into the height, no shorter than the mean radius.
+    pub fn lanes(&self) -> Lanes {
+        let count = self.disks.len() as f64;
+        let radius = self.disks.iter().map(|d| d.radius).sum::<f64>() / count;
+        let height = self.edges[1];
+        let peak = |periods: u32| {
+            let wave = |y: f64| (TAU * f64::from(periods) * y / height).sin_cos();
+            let (s, c) =
+                self.disks.iter().map(|d| wave(d.position.y)).fold((0.0, 0.0), |(a, b), (s, c)| (a + s, b + c));
+            (s * s + c * c) / (count * count)
+        };
+        let all = (1..=(height / radius) as u32).map(|n| Lanes { peak: peak(n), spacing: height / f64::from(n) });
+        all.fold(Lanes { peak: 0.0, spacing: height }, |best, lanes| if lanes.peak > best.peak { lanes } else { best })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Disk;
+    use super::*;
+
+    #[test]
+    fn lanes_are_found_at_their_spacing() {
+        let disk = |y: f64| Disk { position: glam::DVec2::new(0.0, y), radius: 1.0, ..Disk::default() };
+        let disks = (0..400).map(|i| disk(f64::from(i % 50) * 2.0 + 0.1 * (f64::from(i) * 0.7).sin())).collect();
+        let lanes = Snapshot { edges: [100.0; 2], disks, ..Snapshot::default() }.lanes();
+        assert!((lanes.spacing - 2.0).abs() < 1e-12);
+        // Debye-Waller: exp(-k^2 <u^2>), <u^2> = 0.005, k = pi, to the next order in k^2 u^2.
+        assert!((lanes.peak - (-0.005 * std::f64::consts::PI.powi(2)).exp()).abs() < 2e-3);
+    }
+}

@@ -1,0 +1,13 @@
+//! What there is to see in a system of disks.
+
+mod lanes;
+mod lengths;
+mod profile;
+mod snapshot;
+mod strips;
+
+pub use lanes::Lanes;
+pub use lengths::{estimated_free_path, viscous_length};
+pub use profile::Stripe;
+pub use snapshot::{Disk, Snapshot};
+pub use strips::{Strips, segment};

@@ -1,0 +1,67 @@
+//! A picture's worth of disks.
+
+use crate::disks::Disks;
+use glam::DVec2;
+
+/// One disk.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Disk {
+    /// Its name for life.
+    pub id: u64,
+    /// Centre, in the cell: `0 <= y < Ly` and `x` less the strain times `y` likewise.
+    pub position: DVec2,
+    /// Velocity.
+    pub velocity: DVec2,
+    /// Velocity in excess of the liquid's.
+    pub excess: DVec2,
+    /// Radius.
+    pub radius: f64,
+    /// Mass.
+    pub mass: f64,
+    /// Species.
+    pub species: u32,
+    /// Whether the radius is above the geometric mean of the smallest and the largest.
+    pub is_large: bool,
+}
+
+/// All disks at a moment, in the order of their ids.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Snapshot {
+    /// Time since the stage began.
+    pub time: f64,
+    /// Strain since then.
+    pub strain: f64,
+    /// The strain of the lattice of images, in its range.
+    pub lattice_strain: f64,
+    /// Edges of the cell.
+    pub edges: [f64; 2],
+    /// The disks.
+    pub disks: Vec<Disk>,
+}
+
+impl Disks {
+    /// All disks now.
+    pub fn snapshot(&self) -> Snapshot {
+        let (law, model) = (&self.law, &self.model);
+        let cell = model.cell(law.strain(self.step));
+        let state = self.wrapped();
+        let disk = |row: usize| {
+            let (identity, body) = (&state.identities[row], &state.bodies[row]);
+            let (position, velocity) = (body.place, body.velocity);
+            Disk {
+                id: identity.id,
+                position,
+                velocity,
+                excess: velocity - DVec2::new(law.profile.speed(position.y), 0.0),
+                radius: identity.radius,
+                mass: model.mass(identity.radius),
+                species: identity.species,
+                is_large: identity.is_large,
+            }
+        };
+        let mut disks: Vec<Disk> = (0..state.len()).map(disk).collect();
+        disks.sort_by_key(|d| d.id);
+        let (edges, lattice_strain) = (model.parameters().edges, cell.strain());
+        Snapshot { time: self.time(), strain: self.strain(), lattice_strain, edges, disks }
+    }
+}

@@ -1,0 +1,248 @@
+//! The input of a system of disks, checked.
+
+use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
+use crate::parameter::{ParameterError, positive, require};
+use domain::{Particles, PeriodicBox, Vector};
+use std::f64::consts::PI;
+
+/// How a random start is made ready for the shear: overlaps are taken out by almost plastic contacts, then elastic ones
+/// bring the disks near the equilibrium of hard disks. No drag, no flow. Times are counted from the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preparation {
+    /// Restitution while overlaps are taken out.
+    pub restitution: f64,
+    /// When that ends.
+    pub settled: f64,
+    /// When the elastic stage ends.
+    pub mixed: f64,
+    /// Integrator of both. With many contacts of restitution 0.1 five values are unstable at a time step of 0.15.
+    pub gear: Gear,
+    /// Time step of both.
+    pub time_step: f64,
+}
+
+/// What a scene gives. The default is the system of Santra, Schwarzer & Herrmann, PRE 54, 5066 (1996), Fig. 4. Units:
+/// a length after `length_unit`, the mass of a disk of radius 1, and a time in which an undamped contact lasts `pi`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// Periods along the flow (x) and the gradient (y).
+    pub edges: [f64; 2],
+    /// Fraction of the area that disks cover.
+    pub area_fraction: f64,
+    /// The distribution of radii.
+    pub sizes: Sizes,
+    /// Which radius is 1.
+    pub length_unit: LengthUnit,
+    /// Power of the radius that mass is proportional to: 2 for disks, 3 for spheres.
+    pub mass_exponent: i32,
+    /// Fraction of the normal velocity that a contact leaves.
+    pub restitution: f64,
+    /// Whether a contact that is about to end may not pull.
+    pub clip_attraction: bool,
+    /// Viscosity of the liquid in Stokes' drag `6 pi r viscosity`.
+    pub viscosity: f64,
+    /// The liquid's flow.
+    pub flow: Flow,
+    /// The integrator.
+    pub gear: Gear,
+    /// Its time step.
+    pub time_step: f64,
+    /// How a random start is made ready.
+    pub preparation: Preparation,
+    /// Names the random start.
+    pub seed: u64,
+    /// Steps from one measurement of energies and stresses to the next.
+    pub measure_every: u64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let preparation =
+            Preparation { restitution: 0.1, settled: 20.0, mixed: 100.0, gear: Gear::FourValue, time_step: 0.15 };
+        Self {
+            edges: [100.0; 2],
+            area_fraction: 0.6,
+            sizes: Sizes::bidisperse(4.0, 0.05),
+            length_unit: LengthUnit::Mean,
+            mass_exponent: 2,
+            restitution: 0.8,
+            clip_attraction: false,
+            viscosity: 0.01,
+            flow: Flow::Shear { rate: 0.01 },
+            gear: Gear::FiveValue,
+            time_step: 0.15,
+            preparation,
+            seed: 1,
+            measure_every: 5,
+        }
+    }
+}
+
+impl Parameters {
+    /// The units that reproduce the viscous lengths which the paper quotes with its Fig. 6: the smallest radius is 1.
+    #[must_use]
+    pub fn santra1996_zeta() -> Self {
+        Self { length_unit: LengthUnit::Smallest, ..Self::default() }
+    }
+}
+
+/// A system of disks that makes sense.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    parameters: Parameters,
+    sizes: Vec<Size>,
+    smallest: f64,
+    largest: f64,
+}
+
+impl Model {
+    /// The disks that the parameters ask for.
+    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+        let p = &parameters;
+        p.edges.iter().try_for_each(|&edge| positive("edges", edge))?;
+        let covers = p.area_fraction > 0.0 && p.area_fraction <= 0.84;
+        require(covers, "area_fraction", &p.area_fraction, "0 < area_fraction <= 0.84: disks at random jam there")?;
+        p.sizes.check()?;
+        let sizes = p.sizes.cover(p.area_fraction * p.edges[0] * p.edges[1], p.length_unit);
+        Self::of(parameters, sizes)
+    }
+
+    /// The disks of a store, whatever sizes and area fraction the parameters ask for.
+    pub fn with_particles(parameters: Parameters, particles: &Particles) -> Result<Self, ParameterError> {
+        particles.radii.iter().try_for_each(|&r| positive("particles.radius", r))?;
+        let of_row = |(&radius, &species): (&f64, &u32)| Size { radius, species };
+        let sizes = particles.radii.iter().zip(&particles.species).map(of_row).collect();
+        Self::of(parameters, sizes)
+    }
+
+    fn of(parameters: Parameters, sizes: Vec<Size>) -> Result<Self, ParameterError> {
+        let p = &parameters;
+        p.edges.iter().try_for_each(|&edge| positive("edges", edge))?;
+        require(!sizes.is_empty(), "area_fraction", &p.area_fraction, "enough for one disk")?;
+        require((1..=3).contains(&p.mass_exponent), "mass_exponent", &p.mass_exponent, "1, 2 or 3")?;
+        check_restitution("restitution", p.restitution)?;
+        check_restitution("preparation.restitution", p.preparation.restitution)?;
+        check_step("time_step", p.time_step)?;
+        check_step("preparation.time_step", p.preparation.time_step)?;
+        let (settled, mixed) = (p.preparation.settled, p.preparation.mixed);
+        require(settled >= 0.0 && settled.is_finite(), "preparation.settled", &settled, "a time, not negative")?;
+        let ordered = mixed >= settled && mixed.is_finite();
+        require(ordered, "preparation.mixed", &mixed, "a time that is not before preparation.settled")?;
+        require(p.measure_every > 0, "measure_every", &p.measure_every, "at least one step")?;
+        let radii = || sizes.iter().map(|s| s.radius);
+        let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+        let model = Self { parameters, sizes, smallest, largest };
+        model.check_box()?;
+        model.check_flow()?;
+        Ok(model)
+    }
+
+    fn check_box(&self) -> Result<(), ParameterError> {
+        let least = 6.0 * self.largest();
+        self.parameters.edges.iter().try_for_each(|edge| {
+            require(*edge >= least, "edges", edge, format!("at least three of the largest diameters, {least}"))
+        })
+    }
+
+    fn check_flow(&self) -> Result<(), ParameterError> {
+        let p = &self.parameters;
+        match p.flow {
+            Flow::Still => {}
+            Flow::Shear { rate } => require(rate.is_finite(), "flow.rate", &rate, "a finite number")?,
+            Flow::Poiseuille { peak } => require(peak.is_finite(), "flow.peak", &peak, "a finite number")?,
+        }
+        let turn = p.flow.profile(p.edges[1]).steepest * p.time_step;
+        require(turn <= 0.1, "flow", &format!("{:?}", p.flow), "a velocity gradient of at most 0.1 / time_step")?;
+        let bound = if p.gear == Gear::FourValue { 0.5 } else { 0.3 };
+        let most = bound / (self.fastest_drag() * p.time_step);
+        let stable = p.viscosity >= 0.0 && p.viscosity <= most;
+        require(
+            stable,
+            "viscosity",
+            &p.viscosity,
+            format!("0 <= viscosity <= {most:.3}, where the integrator is stable"),
+        )
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Radius and species of each disk.
+    pub fn sizes(&self) -> &[Size] {
+        &self.sizes
+    }
+
+    /// Mass of a disk of given radius.
+    pub fn mass(&self, radius: f64) -> f64 {
+        radius.powi(self.parameters.mass_exponent)
+    }
+
+    /// The smallest radius.
+    pub fn smallest(&self) -> f64 {
+        self.smallest
+    }
+
+    /// The largest radius.
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Whether a radius is above the geometric mean of the smallest and the largest.
+    pub fn is_large(&self, radius: f64) -> bool {
+        radius * radius > self.smallest() * self.largest() * (1.0 + 1e-9)
+    }
+
+    /// Fraction of the area that the disks cover.
+    pub fn area_fraction(&self) -> f64 {
+        let [length, height] = self.parameters.edges;
+        PI * self.sizes.iter().map(|s| s.radius * s.radius).sum::<f64>() / (length * height)
+    }
+
+    /// The lattice of images at a strain. It is one largest diameter deep.
+    pub fn cell(&self, strain: f64) -> PeriodicBox {
+        let [length, height] = self.parameters.edges;
+        PeriodicBox::sheared(Vector::new(length, height, 2.0 * self.largest()), strain).expect("edges were checked")
+    }
+
+    /// The shortest time in which drag slows a disk, inverted, for a viscosity of 1.
+    fn fastest_drag(&self) -> f64 {
+        self.sizes.iter().map(|s| 6.0 * PI * s.radius / self.mass(s.radius)).fold(0.0, f64::max)
+    }
+
+    /// What governs the motion during a stage.
+    pub(super) fn law(&self, stage: Stage) -> Law {
+        let p = &self.parameters;
+        let height = p.edges[1];
+        let prepare = |restitution, steps| Law {
+            contact: Contact::new(restitution, p.clip_attraction),
+            viscosity: 0.0,
+            profile: Flow::Still.profile(height),
+            gear: p.preparation.gear,
+            dt: p.preparation.time_step,
+            steps,
+        };
+        let until = |time: f64| (time / p.preparation.time_step).round() as u64;
+        match stage {
+            Stage::Settle => prepare(p.preparation.restitution, Some(until(p.preparation.settled))),
+            Stage::Mix => prepare(1.0, Some(until(p.preparation.mixed).saturating_sub(until(p.preparation.settled)))),
+            Stage::Flow => Law {
+                contact: Contact::new(p.restitution, p.clip_attraction),
+                viscosity: p.viscosity,
+                profile: p.flow.profile(height),
+                gear: p.gear,
+                dt: p.time_step,
+                steps: None,
+            },
+        }
+    }
+}
+
+fn check_restitution(key: &'static str, found: f64) -> Result<(), ParameterError> {
+    require(found > 0.0 && found <= 1.0, key, &found, "0 < restitution <= 1")
+}
+
+fn check_step(key: &'static str, found: f64) -> Result<(), ParameterError> {
+    require(found > 0.0 && found <= 0.5, key, &found, "0 < time_step <= 0.5: a contact lasts pi")
+}

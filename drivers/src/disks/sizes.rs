@@ -1,0 +1,170 @@
+//! How big the disks are.
+
+use crate::parameter::{ParameterError, positive, require};
+
+/// Disks of one radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Species {
+    /// Radius, relative to the other species'.
+    pub radius: f64,
+    /// How many there are, relative to the other species.
+    pub share: f64,
+}
+
+/// The distribution of radii by number. Its scale is fixed by the unit of length.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sizes {
+    /// Any number of species; one species makes a monodisperse system.
+    Species(Vec<Species>),
+    /// All radii between two limits, with a density proportional to a power of the radius: 0 makes them uniform.
+    Spread {
+        /// The smallest radius, relative to the largest.
+        smallest: f64,
+        /// The largest radius, relative to the smallest.
+        largest: f64,
+        /// The power.
+        exponent: f64,
+    },
+}
+
+/// Which radius is 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LengthUnit {
+    /// The mean by number.
+    #[default]
+    Mean,
+    /// The smallest.
+    Smallest,
+}
+
+/// Radius and species of a disk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Size {
+    /// Radius.
+    pub radius: f64,
+    /// The place of its species in the list; for a spread of sizes 0 is the lower part and 1 the upper.
+    pub species: u32,
+}
+
+impl Sizes {
+    /// Small disks of relative radius 1 and big ones, so many for each small one.
+    pub fn bidisperse(ratio: f64, share: f64) -> Self {
+        Self::Species(vec![Species { radius: 1.0, share: 1.0 }, Species { radius: ratio, share }])
+    }
+
+    /// Disks that are all alike.
+    pub fn monodisperse() -> Self {
+        Self::Species(vec![Species { radius: 1.0, share: 1.0 }])
+    }
+
+    /// Refuses radii and shares that are not positive.
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        match self {
+            Self::Species(list) => {
+                require(!list.is_empty(), "sizes.species", &"an empty list", "at least one species")?;
+                list.iter().try_for_each(|s| {
+                    positive("sizes.species.radius", s.radius)?;
+                    positive("sizes.species.share", s.share)
+                })
+            }
+            &Self::Spread { smallest, largest, exponent } => {
+                positive("sizes.smallest", smallest)?;
+                let above = largest >= smallest && largest.is_finite();
+                require(above, "sizes.largest", &largest, "a finite number, at least sizes.smallest")?;
+                require(exponent.is_finite(), "sizes.exponent", &exponent, "a finite number")
+            }
+        }
+    }
+
+    /// The disks that cover an area as nearly as whole numbers can. Species other than the most frequent one are as
+    /// many as their shares say; the most frequent one fills what is left.
+    pub(super) fn cover(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
+        let list = match self {
+            Self::Species(list) => list.clone(),
+            Self::Spread { .. } => return self.cover_by_spread(area, unit),
+        };
+        let shares: f64 = list.iter().map(|s| s.share).sum();
+        let length = match unit {
+            LengthUnit::Mean => list.iter().map(|s| s.share * s.radius).sum::<f64>() / shares,
+            LengthUnit::Smallest => list.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min),
+        };
+        let covers: Vec<f64> = list.iter().map(|s| disk_area(s.radius / length)).collect();
+        let frequent = (1..list.len()).fold(0, |best, s| if list[s].share > list[best].share { s } else { best });
+        let each = area / list.iter().zip(&covers).map(|(s, cover)| s.share * cover).sum::<f64>();
+        let mut counts: Vec<usize> = list.iter().map(|s| (s.share * each).round() as usize).collect();
+        counts[frequent] = 0;
+        let covered: f64 = counts.iter().zip(&covers).map(|(&n, cover)| n as f64 * cover).sum();
+        counts[frequent] = ((area - covered) / covers[frequent]).round().max(0.0) as usize;
+        let of_species = |(s, &n): (usize, &usize)| {
+            std::iter::repeat_n(Size { radius: list[s].radius / length, species: s as u32 }, n)
+        };
+        counts.iter().enumerate().flat_map(of_species).collect()
+    }
+
+    fn cover_by_spread(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
+        let mean = |radii: &[f64], of: fn(f64) -> f64| radii.iter().map(|&r| of(r)).sum::<f64>() / radii.len() as f64;
+        let scaled = |count: usize| {
+            let radii: Vec<f64> = (0..count).map(|i| self.quantile((i as f64 + 0.5) / count as f64)).collect();
+            let length = match unit {
+                LengthUnit::Mean => mean(&radii, |r| r),
+                LengthUnit::Smallest => self.quantile(0.0),
+            };
+            radii.into_iter().map(|r| r / length).collect::<Vec<f64>>()
+        };
+        let count = (area / mean(&scaled(4096), disk_area)).round().max(1.0) as usize;
+        let radii = scaled(count);
+        let divide = (radii[0] * radii[count - 1]).sqrt();
+        radii.into_iter().map(|radius| Size { radius, species: u32::from(radius > divide) }).collect()
+    }
+
+    /// The radius that a fraction of all disks is below, in closed form for a spread.
+    fn quantile(&self, fraction: f64) -> f64 {
+        let &Self::Spread { smallest, largest, exponent } = self else { return 1.0 };
+        let power = exponent + 1.0;
+        if power == 0.0 {
+            return smallest * (largest / smallest).powf(fraction);
+        }
+        let [low, high] = [smallest, largest].map(|r| r.powf(power));
+        (low + fraction * (high - low)).powf(1.0 / power)
+    }
+}
+
+fn disk_area(radius: f64) -> f64 {
+    std::f64::consts::PI * radius * radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fraction(sizes: &[Size]) -> f64 {
+        sizes.iter().map(|s| disk_area(s.radius)).sum::<f64>() / 1e4
+    }
+
+    #[test]
+    fn the_papers_mixture_has_1460_disks() {
+        let sizes = Sizes::bidisperse(4.0, 0.05).cover(6000.0, LengthUnit::Mean);
+        let big: Vec<&Size> = sizes.iter().filter(|s| s.species == 1).collect();
+        assert_eq!((sizes.len(), big.len()), (1460, 69));
+        assert!((big[0].radius - 3.5).abs() < 1e-15 && (sizes[0].radius - 0.875).abs() < 1e-15);
+        assert!((fraction(&sizes) - 0.60012).abs() < 1e-5);
+        let small_unit = Sizes::bidisperse(4.0, 0.05).cover(6000.0, LengthUnit::Smallest);
+        assert_eq!(small_unit.iter().filter(|s| s.species == 1).count(), 53);
+        assert_eq!(small_unit.len(), 1115);
+    }
+
+    #[test]
+    fn spreads_and_many_species_cover_what_they_should() {
+        for exponent in [-3.0, -1.0, 0.0, 2.0] {
+            let sizes = Sizes::Spread { smallest: 1.0, largest: 3.0, exponent }.cover(6000.0, LengthUnit::Mean);
+            let mean = sizes.iter().map(|s| s.radius).sum::<f64>() / sizes.len() as f64;
+            // To half a disk.
+            assert!((fraction(&sizes) - 0.6).abs() < 5e-4 && (mean - 1.0).abs() < 1e-12, "{exponent}");
+        }
+        let three = [(1.0, 6.0), (2.0, 3.0), (3.0, 1.0)].map(|(radius, share)| Species { radius, share });
+        let sizes = Sizes::Species(three.to_vec()).cover(6000.0, LengthUnit::Smallest);
+        let count = |species| sizes.iter().filter(|s| s.species == species).count() as f64;
+        assert!((fraction(&sizes) - 0.6).abs() < 5e-4);
+        assert!((count(0) / count(1) - 2.0).abs() < 0.05 && (count(1) / count(2) - 3.0).abs() < 0.1);
+    }
+}

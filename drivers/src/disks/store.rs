@@ -1,0 +1,138 @@
+//! The disks as rows of the particle store, from which a run goes on bit for bit.
+
+use super::law::Law;
+use super::list::List;
+use super::state::{Body, Identity, Motion, State};
+use super::{Disks, Model, Stage, Tally};
+use crate::parameter::{ParameterError, require};
+use domain::{Particles, Vector};
+use glam::DVec2;
+
+/// The columns besides velocity: `dt^k x^(k) / k!` for k = 2, 3, 4, and what fixes the list of neighbours: row, place,
+/// velocity, place when the list was made and lattice steps, as the time step has them, before wrapping.
+const GEAR: (&str, usize) = ("gear", 6);
+const LIST: (&str, usize) = ("list", 9);
+
+/// What a run needs besides the particles to go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// The stage.
+    pub stage: Stage,
+    /// Steps done in it.
+    pub step: u64,
+    /// Step at which the list of neighbours was made.
+    pub list_made: u64,
+    /// What was counted so far.
+    pub tally: Tally,
+}
+
+impl Disks {
+    /// The state: particles in the order of their ids, positions inside the box, and how far the run is.
+    pub fn store(&self) -> (Particles, Progress) {
+        let state = &self.state;
+        let mut order: Vec<usize> = (0..state.len()).collect();
+        order.sort_by_key(|&row| state.identities[row].id);
+        let wrapped = self.wrapped();
+        let mut particles = Particles::default();
+        for &row in &order {
+            let disk = &state.identities[row];
+            particles.push(disk.id, wrapped.bodies[row].place.extend(0.0), disk.radius, disk.species);
+        }
+        let kept = |row: &usize| [wrapped.steps[*row][0], wrapped.steps[*row][1], 0];
+        particles.steps = order.iter().map(kept).collect();
+        let velocity = |&row: &usize| wrapped.bodies[row].velocity.extend(0.0).to_array();
+        particles.column("velocity", 3).values = order.iter().flat_map(velocity).collect();
+        let motions: Vec<Motion> = order.iter().map(|&row| state.motion(row)).collect();
+        particles.column(GEAR.0, GEAR.1).values = motions.iter().flat_map(gear_row).collect();
+        let list = order.iter().zip(&motions).flat_map(|(&row, motion)| list_row(row, motion));
+        particles.column(LIST.0, LIST.1).values = list.collect();
+        (particles, Progress { stage: self.stage, step: self.step, list_made: self.list.born, tally: self.tally })
+    }
+
+    /// The state with all places inside the cell.
+    pub(super) fn wrapped(&self) -> State {
+        let mut state = self.state.clone();
+        state.wrap(&self.model.cell(self.law.strain(self.step)), &self.law, self.turns_since_list());
+        state
+    }
+
+    /// Goes on from a stored state. The parameters may differ from those of the stored run where that makes sense.
+    pub fn resume(model: &Model, particles: &Particles, progress: &Progress) -> Result<Self, ParameterError> {
+        let law = model.law(progress.stage);
+        let mut state = State::stored(particles, model)?;
+        state.obey(&law, model);
+        let mut list = List::remake(&state, model, &law, progress.list_made);
+        list.mark_touching(&state, &law, progress.step);
+        let (model, stage, step) = (model.clone(), progress.stage, progress.step);
+        Ok(Self { model, stage, law, step, state, list, tally: progress.tally })
+    }
+}
+
+fn gear_row(motion: &Motion) -> [f64; GEAR.1] {
+    let [a, b, c] = motion.higher;
+    [a.x, a.y, b.x, b.y, c.x, c.y]
+}
+
+fn list_row(row: usize, motion: &Motion) -> [f64; LIST.1] {
+    let (Body { place, velocity }, reference) = (motion.body, motion.reference);
+    let [along, up] = motion.steps.map(f64::from);
+    [row as f64, place.x, place.y, velocity.x, velocity.y, reference.x, reference.y, along, up]
+}
+
+fn motion_of(gear: &[f64], list: &[f64]) -> Motion {
+    let pair = |row: &[f64], k: usize| DVec2::new(row[k], row[k + 1]);
+    Motion {
+        body: Body { place: pair(list, 1), velocity: pair(list, 3) },
+        higher: [0, 2, 4].map(|k| pair(gear, k)),
+        reference: pair(list, 5),
+        steps: [list[7] as i32, list[8] as i32],
+    }
+}
+
+impl State {
+    /// The disks of a store that was not made by this driver, in its order. Without a column `velocity` they move with
+    /// the liquid.
+    pub(super) fn given(particles: &Particles, law: &Law, model: &Model) -> Result<Self, ParameterError> {
+        let velocities = rows_of(particles, ("velocity", 3));
+        let height = model.parameters().edges[1];
+        let motion = |row: usize| {
+            let place = particles.positions[row].truncate();
+            let liquid = DVec2::new(law.profile.speed(place.y.rem_euclid(height)), 0.0);
+            let velocity = velocities.as_ref().map_or(liquid, |rows| Vector::from_slice(rows[row]).truncate());
+            let [along, up, _] = particles.steps[row];
+            Motion { body: Body { place, velocity }, steps: [along, up], ..Motion::default() }
+        };
+        let motions: Vec<Motion> = (0..particles.len()).map(motion).collect();
+        for Motion { body, .. } in &motions {
+            require(body.place.is_finite(), "particles.position", &body.place, "finite numbers")?;
+            require(body.velocity.is_finite(), "particles.velocity", &body.velocity, "finite numbers")?;
+        }
+        Ok(Self::new(identities(particles, model), &motions))
+    }
+
+    fn stored(particles: &Particles, model: &Model) -> Result<Self, ParameterError> {
+        let needed = |column: (&'static str, usize)| {
+            rows_of(particles, column).ok_or_else(|| ParameterError {
+                key: column.0,
+                found: "missing from the particles".to_owned(),
+                allowed: "the columns that a checkpoint of disks has".to_owned(),
+            })
+        };
+        let (gear, list) = (needed(GEAR)?, needed(LIST)?);
+        let mut order: Vec<usize> = (0..particles.len()).collect();
+        order.sort_by(|&a, &b| list[a][0].total_cmp(&list[b][0]));
+        let motions: Vec<Motion> = order.iter().map(|&row| motion_of(gear[row], list[row])).collect();
+        Ok(Self::new(identities(&particles.selected(&order), model), &motions))
+    }
+}
+
+fn identities(particles: &Particles, model: &Model) -> Vec<Identity> {
+    let rows = particles.ids.iter().zip(&particles.species).zip(&particles.radii);
+    Identity::all(rows.map(|((&id, &species), &radius)| (id, species, radius)), model)
+}
+
+/// The rows of a column, if there is one of this name and width.
+fn rows_of<'a>(particles: &'a Particles, (name, width): (&str, usize)) -> Option<Vec<&'a [f64]>> {
+    let column = particles.columns.iter().find(|c| c.name == name && c.width == width)?;
+    (column.values.len() == width * particles.len()).then(|| column.values.chunks_exact(width).collect())
+}

@@ -1,0 +1,123 @@
+//! What a run keeps count of.
+
+use super::sums::{ContactSums, MotionSums};
+use domain::Vector;
+
+/// Energies, stresses and powers at a step. Velocities are those in excess of the liquid's.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measurement {
+    /// Time since the stage began.
+    pub time: f64,
+    /// Kinetic energy of all disks.
+    pub kinetic: f64,
+    /// Elastic energy of all contacts.
+    pub elastic: f64,
+    /// xx, xy and yy of the stress that moving disks carry, `sum m w w / area`. Pressure is positive.
+    pub kinetic_stress: Vector,
+    /// xx, xy and yy of the stress that contacts carry, `sum r f / area`.
+    pub contact_stress: Vector,
+    /// Mean magnitude of the velocity.
+    pub mean_speed: f64,
+    /// Pairs that touch.
+    pub contacts: u64,
+    /// Power from the flow.
+    pub input: f64,
+    /// Power taken by drag.
+    pub drag: f64,
+    /// Power taken by the contacts' damping.
+    pub damping: f64,
+}
+
+impl Measurement {
+    pub(super) fn of(time: f64, area: f64, count: usize, motion: &MotionSums, contact: &ContactSums) -> Self {
+        Self {
+            time,
+            kinetic: motion.kinetic,
+            elastic: contact.spring,
+            kinetic_stress: motion.flux / area,
+            contact_stress: contact.virial / area,
+            mean_speed: motion.excess / count as f64,
+            contacts: contact.contacts,
+            input: -motion.flow_work - contact.jump_work,
+            drag: motion.drag,
+            damping: contact.loss,
+        }
+    }
+
+    /// xx, xy and yy of the whole stress.
+    pub fn stress(&self) -> Vector {
+        self.kinetic_stress + self.contact_stress
+    }
+
+    /// Half the trace of the stress.
+    pub fn pressure(&self) -> f64 {
+        0.5 * (self.stress().x + self.stress().z)
+    }
+
+    /// Kinetic and elastic energy.
+    pub fn energy(&self) -> f64 {
+        self.kinetic + self.elastic
+    }
+}
+
+/// Sums over time since the count began.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tally {
+    /// The measurement that the count began with.
+    pub first: Measurement,
+    /// The latest measurement.
+    pub latest: Measurement,
+    /// Work of the flow.
+    pub input: f64,
+    /// Work that drag took.
+    pub drag: f64,
+    /// Work that the contacts' damping took.
+    pub damping: f64,
+    /// Length of a disk's path through the liquid, on average.
+    pub path: f64,
+    /// Integrals over time of xx, xy and yy of the stress.
+    pub stress: Vector,
+    /// Collisions that began: of two small disks, a small and a large, two large. A pair that touches when a run is
+    /// resumed counts as met already.
+    pub collisions: [u64; 3],
+}
+
+impl Tally {
+    /// Starts counting at a measurement.
+    pub(super) fn begin(first: Measurement) -> Self {
+        Self { first, latest: first, ..Self::default() }
+    }
+
+    /// Adds the time up to a measurement, by the trapezoidal rule.
+    pub(super) fn add(&mut self, now: Measurement) {
+        let last = std::mem::replace(&mut self.latest, now);
+        let half = 0.5 * (now.time - last.time);
+        self.input += half * (last.input + now.input);
+        self.drag += half * (last.drag + now.drag);
+        self.damping += half * (last.damping + now.damping);
+        self.path += half * (last.mean_speed + now.mean_speed);
+        self.stress += (last.stress() + now.stress()) * half;
+    }
+
+    /// Time counted.
+    pub fn time(&self) -> f64 {
+        self.latest.time - self.first.time
+    }
+
+    /// Energy that appeared or was lost without a cause, over the work of the flow and the energy at the start.
+    pub fn imbalance(&self) -> f64 {
+        let gained = self.latest.energy() - self.first.energy();
+        (gained - self.input + self.drag + self.damping)
+            / (self.input.abs() + self.first.energy()).max(f64::MIN_POSITIVE)
+    }
+
+    /// xx, xy and yy of the stress, averaged over time.
+    pub fn mean_stress(&self) -> Vector {
+        self.stress / self.time()
+    }
+
+    /// How far one of so many disks goes through the liquid between two collisions, on average.
+    pub fn mean_free_path(&self, disks: usize) -> f64 {
+        self.path * disks as f64 / (2.0 * self.collisions.iter().sum::<u64>() as f64)
+    }
+}

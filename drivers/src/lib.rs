@@ -1,0 +1,8 @@
+//! Granular drivers on the particle store of the suspension code, without a fluid grid.
+
+pub mod continuum;
+pub mod disks;
+mod parameter;
+pub mod shear_cell;
+
+pub use parameter::ParameterError;

@@ -1,0 +1,119 @@
+//! The two engines behind one door.
+
+use super::{EventDriven, Grains, Lid, Model, Tally, TimeStepped};
+use crate::parameter::{ParameterError, require};
+use domain::Vector;
+
+/// How hits are found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Collisions {
+    /// On a fixed time step, as the paper does.
+    TimeStepped {
+        /// The step; the paper's is 0.5 us.
+        step: f64,
+    },
+    /// At their exact times.
+    EventDriven,
+}
+
+/// Where a run is: all that it needs to go on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// The grains.
+    pub grains: Grains,
+    /// The top wall.
+    pub lid: Lid,
+    /// Sums so far.
+    pub tally: Tally,
+}
+
+impl State {
+    /// Grains at the start of a run.
+    pub fn new(model: &Model, grains: &Grains) -> Self {
+        Self { grains: grains.clone(), lid: Lid::new(model), tally: Tally::default() }
+    }
+
+    /// Refuses grains that are not inside the cell or don't move at a finite speed.
+    pub(super) fn check(&self, model: &Model) -> Result<(), ParameterError> {
+        let (positions, motions) = (&self.grains.positions, &self.grains.motions);
+        let found = format!("{} values", motions.len());
+        require(positions.len() == motions.len(), "velocity", &found, format!("one for each of {}", positions.len()))?;
+        let edges = Vector { y: self.lid.height, ..model.edges() };
+        // A grain may touch a wall, with an overlap of half its radius at most.
+        let margin = Vector::from(std::array::from_fn(|k| if model.is_walled(k) { 0.5 * model.radius() } else { 0.0 }));
+        for (x, motion) in positions.iter().zip(motions) {
+            let inside = x.cmpge(margin).all() && x.cmple(edges - margin).all();
+            require(inside, "position", x, "a centre inside the cell, a radius from its walls")?;
+            let finite = motion.velocity.is_finite() && motion.spin.is_finite();
+            require(finite, "velocity", &motion.velocity, "finite numbers")?;
+        }
+        Ok(())
+    }
+}
+
+/// One of the two engines.
+pub enum Engine {
+    /// On a fixed time step.
+    TimeStepped(Box<TimeStepped>),
+    /// From event to event.
+    EventDriven(Box<EventDriven>),
+}
+
+impl Engine {
+    /// Starts from grains inside the cell; the event-driven engine needs them apart.
+    pub fn new(model: &Model, grains: &Grains, collisions: Collisions) -> Result<Self, ParameterError> {
+        Self::resume(model, &State::new(model, grains), collisions)
+    }
+
+    /// Goes on from a state.
+    pub fn resume(model: &Model, state: &State, collisions: Collisions) -> Result<Self, ParameterError> {
+        Ok(match collisions {
+            Collisions::TimeStepped { step } => Self::TimeStepped(Box::new(TimeStepped::new(model, state, step)?)),
+            Collisions::EventDriven => Self::EventDriven(Box::new(EventDriven::new(model, state)?)),
+        })
+    }
+
+    /// The state now. The engine starts anew from it, as one that resumes from it does: both then go the same way to the
+    /// last bit.
+    pub fn checkpoint(&mut self, model: &Model) -> Result<State, ParameterError> {
+        let state = State { grains: self.grains(), lid: self.lid(), tally: *self.tally() };
+        let collisions = match self {
+            Self::TimeStepped(engine) => Collisions::TimeStepped { step: engine.step() },
+            Self::EventDriven(_) => Collisions::EventDriven,
+        };
+        *self = Self::resume(model, &state, collisions)?;
+        Ok(state)
+    }
+
+    /// Runs for a time, on a time step for the nearest whole number of steps.
+    pub fn advance(&mut self, duration: f64) {
+        match self {
+            Self::TimeStepped(engine) => engine.advance((duration / engine.step()).round() as u64),
+            Self::EventDriven(engine) => engine.advance(duration),
+        }
+    }
+
+    /// The grains now.
+    pub fn grains(&self) -> Grains {
+        match self {
+            Self::TimeStepped(engine) => engine.grains(),
+            Self::EventDriven(engine) => engine.grains(),
+        }
+    }
+
+    /// Sums so far.
+    pub fn tally(&self) -> &Tally {
+        match self {
+            Self::TimeStepped(engine) => engine.tally(),
+            Self::EventDriven(engine) => engine.tally(),
+        }
+    }
+
+    /// The top wall.
+    pub fn lid(&self) -> Lid {
+        match self {
+            Self::TimeStepped(engine) => engine.lid(),
+            Self::EventDriven(engine) => engine.lid(),
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Which grains are near: cells of a diameter or more, each with a short list of its grains.
+
+use domain::Vector;
+
+/// Grains that a cell can hold to begin with; all cells are given twice as many when one is full.
+const ROOM: usize = 8;
+/// Most grains that are looked at together.
+pub const NEAR: usize = 512;
+
+/// A grid of cells over the box. A walled axis begins and ends at its walls; the last cell along y reaches up to the top
+/// wall wherever that is.
+pub struct Cells {
+    pub counts: [usize; 3],
+    pub edges: Vector,
+    pub walled: [bool; 3],
+    room: usize,
+    filled: Vec<u32>,
+    /// `room` places for each cell.
+    slots: Vec<u32>,
+}
+
+/// The grains in a block of cells.
+pub struct Near {
+    list: [u32; NEAR],
+    count: usize,
+    /// Whether the block reaches across a periodic face.
+    pub wraps: bool,
+}
+
+impl Near {
+    pub fn new() -> Self {
+        Self { list: [0; NEAR], count: 0, wraps: false }
+    }
+
+    pub fn list(&self) -> &[u32] {
+        &self.list[..self.count]
+    }
+}
+
+impl Cells {
+    /// Cells no smaller than `least` along each edge of the box, near `aim` if that is more.
+    pub fn new(extent: Vector, walled: [bool; 3], least: f64, aim: f64) -> Self {
+        let fit = |k: usize| {
+            let most = (extent[k] / least).floor().max(1.0);
+            let wanted = (extent[k] / aim.max(least)).floor();
+            // A periodic axis needs three cells, or a grain would meet its neighbours twice.
+            wanted.clamp(if walled[k] { 1.0 } else { f64::min(3.0, most) }, most) as usize
+        };
+        let counts = [fit(0), fit(1), fit(2)];
+        let edges = extent / Vector::from(counts.map(|n| n as f64));
+        let total: usize = counts.iter().product();
+        Self { counts, edges, walled, room: ROOM, filled: vec![0; total], slots: vec![0; ROOM * total] }
+    }
+
+    /// Coordinates of the cell with this index.
+    #[inline]
+    pub fn coordinates(&self, cell: u32) -> [usize; 3] {
+        let (cell, [nx, ny, _]) = (cell as usize, self.counts);
+        [cell % nx, cell / nx % ny, cell / (nx * ny)]
+    }
+
+    /// Index of the cell at these coordinates.
+    #[inline]
+    pub fn index(&self, [x, y, z]: [usize; 3]) -> u32 {
+        ((z * self.counts[1] + y) * self.counts[0] + x) as u32
+    }
+
+    /// Index of the cell that holds a position.
+    pub fn at(&self, position: Vector) -> u32 {
+        let place = |k: usize| ((position[k] / self.edges[k]).max(0.0) as usize).min(self.counts[k] - 1);
+        self.index([place(0), place(1), place(2)])
+    }
+
+    /// The grains of a cell.
+    pub fn grains(&self, cell: u32) -> &[u32] {
+        let first = cell as usize * self.room;
+        &self.slots[first..first + self.filled[cell as usize] as usize]
+    }
+
+    /// Puts a grain into a cell.
+    pub fn enter(&mut self, i: u32, cell: u32) {
+        let filled = self.filled[cell as usize] as usize;
+        if filled == self.room {
+            self.widen();
+        }
+        self.slots[cell as usize * self.room + filled] = i;
+        self.filled[cell as usize] += 1;
+    }
+
+    /// Takes a grain out of a cell that it is in.
+    pub fn leave(&mut self, i: u32, cell: u32) {
+        let place = self.grains(cell).iter().position(|&j| j == i).expect("a grain is in its cell");
+        let first = cell as usize * self.room;
+        self.filled[cell as usize] -= 1;
+        self.slots[first + place] = self.slots[first + self.filled[cell as usize] as usize];
+    }
+
+    fn widen(&mut self) {
+        let wider =
+            self.slots.chunks_exact(self.room).flat_map(|c| c.iter().copied().chain(std::iter::repeat_n(0, self.room)));
+        self.slots = wider.collect();
+        self.room *= 2;
+    }
+
+    /// Lists the grains in the cells that are `reach` away from `home` along each axis: across periodic faces, not across
+    /// walls.
+    #[inline]
+    pub fn near(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut Near) {
+        // The usual room as a constant: the copies become two moves.
+        if self.room == ROOM { self.copy(home, reach, near, ROOM) } else { self.copy(home, reach, near, self.room) }
+    }
+
+    #[inline(always)]
+    fn copy(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut Near, room: usize) {
+        let [xs, ys, zs]: [Row; 3] = std::array::from_fn(|k| self.row(k, home[k], reach[k]));
+        near.count = 0;
+        near.wraps = xs.wraps || ys.wraps || zs.wraps;
+        for &z in &zs.places[..zs.count] {
+            for &y in &ys.places[..ys.count] {
+                for &x in &xs.places[..xs.count] {
+                    let cell = self.index([x, y, z]) as usize;
+                    let slots = &self.slots[cell * room..(cell + 1) * room];
+                    // All slots are copied and only the filled ones kept: no branch that depends on their number.
+                    near.list[near.count..near.count + room].copy_from_slice(slots);
+                    near.count += self.filled[cell] as usize;
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn row(&self, axis: usize, place: usize, [from, to]: [isize; 2]) -> Row {
+        let n = self.counts[axis] as isize;
+        let mut row = Row { places: [0; 3], count: 0, wraps: false };
+        for step in from..=to {
+            let c = place as isize + step;
+            let outside = c < 0 || c >= n;
+            if outside && self.walled[axis] {
+                continue;
+            }
+            row.wraps |= outside;
+            row.places[row.count] = (if c < 0 {
+                c + n
+            } else if c >= n {
+                c - n
+            } else {
+                c
+            }) as usize;
+            row.count += 1;
+        }
+        row
+    }
+}
+
+/// The cells around one along an axis.
+struct Row {
+    places: [usize; 3],
+    count: usize,
+    wraps: bool,
+}

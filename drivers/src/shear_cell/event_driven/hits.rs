@@ -1,0 +1,115 @@
+//! What happens when a plan comes due.
+
+use super::{
+    super::{Contact, Side},
+    EventDriven,
+};
+use domain::Vector;
+
+impl EventDriven {
+    /// Two grains touch.
+    pub(super) fn pair_event(&mut self, i: usize, j: usize) {
+        self.bring(i);
+        self.bring(j);
+        let (model, diameter) = (self.model, self.diameter());
+        let radius = 0.5 * diameter;
+        let separation = self.nearest(self.grains[j].position - self.grains[i].position);
+        let distance = separation.length();
+        let n = separation / distance;
+        let rule = self.rule(model.parameters().grain_contact, &[i, j]);
+        let (mut a, mut b) = (self.motion(i), self.motion(j));
+        let before = a.energy(radius) + b.energy(radius);
+        let pressed = (self.accelerations[i] - self.accelerations[j]).dot(n);
+        rule.strike_pair([&mut a, &mut b], n, radius, [self.size[1], self.least(pressed)]);
+        self.set_motion(i, a);
+        self.set_motion(j, b);
+        let tally = &mut self.tally;
+        tally.dissipated += (before - a.energy(radius) - b.energy(radius)) * model.mass();
+        tally.pair_hits += 1;
+        let overlap = f64::max(1.0 - distance / diameter, 0.0);
+        tally.overlaps += overlap;
+        tally.largest_overlap = tally.largest_overlap.max(overlap);
+        self.events.hits += 1;
+        for k in [i, j] {
+            self.rest[k].last_hit = self.now;
+            self.turn(k);
+        }
+        self.plan(i);
+        self.plan(j);
+    }
+
+    /// A grain comes to a face of its cell: a wall, or the way into the next cell.
+    pub(super) fn face_event(&mut self, i: usize, axis: usize, up: bool) {
+        self.bring(i);
+        let (cells, grain) = (&mut self.cells, &mut self.grains[i]);
+        let (mut home, n) = (cells.coordinates(grain.cell), cells.counts[axis]);
+        let outermost = home[axis] == if up { n - 1 } else { 0 };
+        if outermost && cells.walled[axis] {
+            return self.wall_event(i, Side::of(axis, !up));
+        }
+        cells.leave(i as u32, grain.cell);
+        let length = cells.edges[axis] * n as f64;
+        if outermost {
+            grain.position[axis] += if up { -length } else { length };
+        }
+        home[axis] = (home[axis] + if up { 1 } else { n - 1 }) % n;
+        grain.cell = cells.index(home);
+        cells.enter(i as u32, grain.cell);
+        self.events.passages += 1;
+        self.plan_after_passage(i, axis, up);
+    }
+
+    /// A grain that has been brought to the present hits a wall.
+    pub(super) fn wall_event(&mut self, i: usize, side: Side) {
+        let (model, radius) = (self.model, 0.5 * self.diameter());
+        let mut lid = self.lid.at(self.now);
+        let face = model.face(side, lid.velocity);
+        let rule = self.rule(model.parameters().wall_contact, &[i]);
+        let mut motion = self.motion(i);
+        let before = motion.energy(radius);
+        let mut pressed = -self.accelerations[i].dot(face.normal());
+        if face.mass_ratio > 0.0 {
+            pressed += model.lid_fall();
+        }
+        let impulse = rule.strike_wall(&mut motion, &face, radius, [0.5 * self.size[1], self.least(pressed)]);
+        self.set_motion(i, motion);
+        self.tally.strike_wall(&model, (side, &face), impulse, motion.energy(radius) - before, &mut lid);
+        self.events.hits += 1;
+        self.rest[i].last_hit = self.now;
+        self.turn(i);
+        if face.mass_ratio > 0.0 {
+            self.lid.set(lid, self.now);
+        }
+        self.plan(i);
+    }
+
+    /// The rule for a hit now: elastic if one of the grains was hit within the contact time.
+    fn rule(&mut self, rule: Contact, grains: &[usize]) -> Contact {
+        let since = |&i: &usize| self.now - self.rest[i].last_hit;
+        if grains.iter().map(since).fold(f64::INFINITY, f64::min) >= self.model.parameters().contact_time {
+            return rule;
+        }
+        self.tally.elastic_hits += 1;
+        Contact { restitution: 1.0, ..rule }
+    }
+
+    /// The speed of rebound that keeps two bodies apart for the contact time under an acceleration that presses them
+    /// together.
+    fn least(&self, pressed: f64) -> f64 {
+        0.5 * self.model.parameters().contact_time * f64::max(pressed, 0.0)
+    }
+
+    /// The shortest image of a separation of two grains in neighbouring cells.
+    #[inline]
+    pub(super) fn nearest(&self, mut separation: Vector) -> Vector {
+        for k in (0..3).filter(|&k| !self.cells.walled[k]) {
+            let length = self.cells.edges[k] * self.cells.counts[k] as f64;
+            if separation[k] > 0.5 * length {
+                separation[k] -= length;
+            } else if separation[k] < -0.5 * length {
+                separation[k] += length;
+            }
+        }
+        separation
+    }
+}

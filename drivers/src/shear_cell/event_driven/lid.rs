@@ -1,0 +1,115 @@
+//! A free top wall among the events. It has one entry in the queue: its next hit, or the end of its time without one.
+//! Grains in the top layer of cells tell it when they would reach it.
+
+use super::super::{Lid, Side};
+use super::{EventDriven, NONE, contact_time::reach};
+
+/// The top wall on its way, and its next hit.
+pub struct Moving {
+    start: Lid,
+    /// When it was there.
+    since: f64,
+    acceleration: f64,
+    next: f64,
+    grain: u32,
+    stamp: u32,
+}
+
+/// Layers of the top cell by which the wall may leave its place before the cells are laid anew.
+const LOWEST: f64 = 0.25;
+const HIGHEST: f64 = 2.25;
+
+impl Moving {
+    pub fn new(start: Lid, acceleration: f64) -> Self {
+        Self { start, since: 0.0, acceleration, next: f64::INFINITY, grain: NONE, stamp: 0 }
+    }
+
+    pub fn is_free(&self) -> bool {
+        self.acceleration < 0.0
+    }
+
+    /// Where it is at a time.
+    pub fn at(&self, time: f64) -> Lid {
+        let t = time - self.since;
+        Lid {
+            height: self.start.height + (self.start.velocity + 0.5 * self.acceleration * t) * t,
+            velocity: self.start.velocity + self.acceleration * t,
+        }
+    }
+
+    /// Sets its state at a time.
+    pub fn set(&mut self, lid: Lid, time: f64) {
+        (self.start, self.since) = (lid, time);
+    }
+
+    pub fn rebase(&mut self, origin: f64) {
+        self.since -= origin;
+        self.next -= origin;
+    }
+}
+
+impl EventDriven {
+    /// The wall's time has come: a hit, a hit that was planned with a course since left, or none for a while.
+    pub(super) fn lid_event(&mut self) {
+        self.book_load();
+        let Moving { grain, stamp, .. } = self.lid;
+        if grain != NONE && self.grains[grain as usize].stamp == stamp {
+            self.bring(grain as usize);
+            self.wall_event(grain as usize, Side::Top);
+        } else {
+            self.events.renewals += 1;
+        }
+        self.plan_lid();
+    }
+
+    /// Plans the wall's next hit from all grains in the top layer; lays the cells anew if the wall has left its place.
+    pub(super) fn plan_lid(&mut self) {
+        if !self.lid.is_free() {
+            return;
+        }
+        let layers = self.cells.counts[1] - 1;
+        let above = self.lid.at(self.now).height - 0.5 * self.diameter() - layers as f64 * self.cells.edges.y;
+        let misplaced = (layers > 0 && above < LOWEST * self.cells.edges.y) || above > HIGHEST * self.cells.edges.y;
+        if misplaced {
+            self.gather();
+            return self.sort_and_plan();
+        }
+        (self.lid.next, self.lid.grain) = (self.now + self.horizon, NONE);
+        for z in 0..self.cells.counts[2] {
+            for x in 0..self.cells.counts[0] {
+                let cell = self.cells.index([x, layers, z]);
+                for k in 0..self.cells.grains(cell).len() {
+                    self.offer_lid(self.cells.grains(cell)[k] as usize);
+                }
+            }
+        }
+        self.queue.set(self.grains.len(), self.lid.next);
+    }
+
+    /// Lets the wall know of a grain's new course.
+    pub(super) fn plan_lid_hit(&mut self, i: usize) {
+        if self.lid.is_free() && self.cells.coordinates(self.grains[i].cell)[1] + 1 == self.cells.counts[1] {
+            self.offer_lid(i);
+            self.queue.set(self.grains.len(), self.lid.next);
+        }
+    }
+
+    fn offer_lid(&mut self, i: usize) {
+        let (lid, grain) = (self.lid.at(self.now), &self.grains[i]);
+        let fall = self.accelerations[i];
+        let (position, velocity) = grain.at(self.now, Some(fall));
+        let gap = lid.height - 0.5 * self.diameter() - position.y;
+        let time = self.now + reach(gap, velocity.y - lid.velocity, fall.y - self.lid.acceleration);
+        if time < self.lid.next {
+            (self.lid.next, self.lid.grain, self.lid.stamp) = (time, i as u32, grain.stamp);
+        }
+    }
+
+    /// Books the work that the load has done since the wall was last set, and sets the wall to the present.
+    pub(super) fn book_load(&mut self) {
+        let lid = self.lid.at(self.now);
+        let fallen = self.lid.start.height - lid.height;
+        self.tally.load_work += self.model.lid_mass().unwrap_or(0.0) * self.model.lid_fall() * fallen;
+        self.lid.set(lid, self.now);
+    }
+}

@@ -1,0 +1,303 @@
+//! The event-driven engine: grains fly freely from one hit to the next, and every hit happens at its exact time.
+//!
+//! Each grain keeps one plan: its next contact and its next exit from its cell. A plan made void by the partner's other
+//! hits is noticed when its time comes, and the grain plans anew; what the partner does next is in the partner's plan.
+//! Gravity is common to all grains and drops out of their relative motion. The acceleration in a curved trough differs
+//! from grain to grain: each keeps the one that it had at its last hit, renewed after a short time, and the relative
+//! motion of two grains is an exact quartic in time.
+//!
+//! Two hits of a grain within the contact time count as one: the second is elastic (Luding and `McNamara` 1998). A grain
+//! pressed onto another or a wall by its acceleration rebounds fast enough to be away for the contact time. Both keep
+//! the number of events in any time finite.
+
+mod cells;
+mod contact_time;
+mod grain;
+mod hits;
+mod lid;
+mod plan;
+mod queue;
+
+use super::{Grains, Lid, Model, Motion, State, Tally};
+use crate::parameter::ParameterError;
+use cells::{Cells, NEAR, Near};
+use contact_time::{Approach, Straight};
+use domain::Vector;
+use grain::{Exit, Grain, Plan, Rest};
+use queue::Queue;
+
+/// Way, over the diameter, by which two grains' relative acceleration may turn their courses before it is renewed.
+const TURN: f64 = 0.01;
+/// Events for each grain between two moments at which all are brought to the same time.
+const LAPS: u64 = 16;
+
+/// No grain.
+const NONE: u32 = u32::MAX;
+
+/// Grains that move from event to event.
+pub struct EventDriven {
+    model: Model,
+    grains: Vec<Grain>,
+    accelerations: Vec<Vector>,
+    rest: Vec<Rest>,
+    plans: Vec<Plan>,
+    /// A grain each, and last the top wall.
+    queue: Queue,
+    cells: Cells,
+    near: Box<Near>,
+    /// Room for those of the grains near that a grain may meet.
+    chosen: Vec<(u32, Straight)>,
+    curving: Vec<(u32, Approach)>,
+    /// Time since the grains were last brought together; plans and grains count from there.
+    now: f64,
+    /// Diameter then, and the speed at which it grows (packing only).
+    size: [f64; 2],
+    /// How long an acceleration serves.
+    horizon: f64,
+    accelerated: bool,
+    lid: lid::Moving,
+    tally: Tally,
+    events: Events,
+}
+
+/// What the engine did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Events {
+    /// Hits between grains and on walls.
+    pub hits: u64,
+    /// Passages from cell to cell.
+    pub passages: u64,
+    /// Plans made anew because the partner had been hit first, or because their acceleration had served its time.
+    pub renewals: u64,
+}
+
+impl EventDriven {
+    /// Starts from grains inside the cell that overlap by round-off at most.
+    pub fn new(model: &Model, state: &State) -> Result<Self, ParameterError> {
+        state.check(model)?;
+        let deepest = state.grains.deepest_overlap(model);
+        let apart = "grains apart: the event-driven engine can't start from overlaps";
+        crate::parameter::require(deepest < 1e-9, "overlap", &format!("{deepest:.2e} diameters"), apart)?;
+        Ok(Self::growing(model, state, [model.parameters().diameter, 0.0]))
+    }
+
+    /// The same with a diameter that grows to the model's.
+    pub(super) fn growing(model: &Model, state: &State, size: [f64; 2]) -> Self {
+        let grains = &state.grains;
+        let accelerated = model.has_body_force();
+        let p = model.parameters();
+        let fly = |(&position, motion): (&Vector, &Motion)| Grain {
+            position,
+            velocity: motion.velocity,
+            time: 0.0,
+            cell: 0,
+            stamp: 0,
+        };
+        let pull = |(&position, motion): (&Vector, &Motion)| {
+            if accelerated { model.acceleration(position, motion.velocity) } else { Vector::ZERO }
+        };
+        let states = || grains.positions.iter().zip(&grains.motions);
+        let never = Plan {
+            contact: f64::INFINITY,
+            partner: NONE,
+            stamp: 0,
+            renewal: f64::INFINITY,
+            exit: f64::INFINITY,
+            exit_by: Exit::Renewal,
+        };
+        let mut engine = Self {
+            model: *model,
+            grains: states().map(fly).collect(),
+            accelerations: states().map(pull).collect(),
+            rest: grains.motions.iter().map(|m| Rest { spin: m.spin, last_hit: f64::NEG_INFINITY }).collect(),
+            plans: vec![never; grains.len()],
+            queue: Queue::new(grains.len() + 1),
+            cells: Cells::new(Vector::ONE, [false; 3], 1.0, 1.0),
+            near: Box::new(Near::new()),
+            chosen: vec![(NONE, Straight::default()); NEAR],
+            curving: vec![(NONE, Approach::default()); NEAR],
+            now: 0.0,
+            size,
+            horizon: if accelerated { (2.0 * TURN * p.diameter / model.turning()).sqrt() } else { f64::INFINITY },
+            accelerated,
+            lid: lid::Moving::new(state.lid, -model.lid_fall()),
+            tally: state.tally,
+            events: Events::default(),
+        };
+        engine.sort_and_plan();
+        engine
+    }
+
+    /// Runs for a time.
+    pub fn advance(&mut self, duration: f64) {
+        self.run(duration, u64::MAX);
+    }
+
+    /// Runs until this many more hits have happened; stops early if none is left to come.
+    pub fn advance_hits(&mut self, hits: u64) {
+        self.run(f64::INFINITY, hits);
+    }
+
+    /// Runs for a time or a number of hits, whichever ends first.
+    pub(super) fn run(&mut self, duration: f64, hits: u64) {
+        let enough = self.events.hits.saturating_add(hits);
+        let mut left = duration;
+        loop {
+            let lap = self.events.total() + LAPS * self.grains.len() as u64;
+            let limit = f64::min(left, f64::MAX);
+            let mut next = self.queue.earliest();
+            while next.1 <= limit && self.events.hits < enough && self.events.total() < lap {
+                self.happen(next);
+                next = self.queue.earliest();
+            }
+            let (idle, enough) = (next.1 > limit, self.events.hits >= enough);
+            if idle && left.is_finite() {
+                self.now = f64::max(self.now, left);
+            }
+            left -= self.now;
+            self.gather();
+            if idle || enough {
+                return;
+            }
+        }
+    }
+
+    /// Sums so far.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// What the engine did so far.
+    pub fn events(&self) -> Events {
+        self.events
+    }
+
+    /// The top wall.
+    pub fn lid(&self) -> Lid {
+        self.lid.at(self.now)
+    }
+
+    /// The grains now.
+    pub fn grains(&self) -> Grains {
+        let mut grains = Grains {
+            positions: self.grains.iter().map(|g| g.position).collect(),
+            motions: (0..self.grains.len()).map(|i| self.motion(i)).collect(),
+        };
+        super::grains::wrap(&self.model, &mut grains.positions);
+        grains
+    }
+
+    /// The diameter now.
+    pub(super) fn diameter(&self) -> f64 {
+        self.size[0] + self.size[1] * self.now
+    }
+
+    /// Multiplies all velocities, and plans anew.
+    pub(super) fn scale_velocities(&mut self, factor: f64) {
+        for grain in &mut self.grains {
+            grain.velocity *= factor;
+        }
+        self.sort_and_plan();
+    }
+
+    /// An entry's time has come.
+    fn happen(&mut self, (i, time): (usize, f64)) {
+        self.now = f64::max(self.now, time);
+        if i == self.grains.len() {
+            return self.lid_event();
+        }
+        let plan = self.plans[i];
+        if plan.contact <= plan.exit {
+            let j = plan.partner as usize;
+            if self.grains[j].stamp == plan.stamp { self.pair_event(i, j) } else { self.renew(i) }
+        } else {
+            match plan.exit_by {
+                Exit::Renewal => {
+                    self.bring(i);
+                    self.turn(i);
+                    self.renew(i);
+                }
+                Exit::Face { axis, up } => self.face_event(i, axis as usize, up),
+            }
+        }
+    }
+
+    /// Brings a grain to the present.
+    fn bring(&mut self, i: usize) {
+        let pull = self.accelerated.then_some(self.accelerations[i]);
+        let grain = &mut self.grains[i];
+        let (position, velocity) = grain.at(self.now, pull);
+        if let Some(pull) = pull {
+            let mass = self.model.mass();
+            self.tally.body_work += mass * pull.dot(position - grain.position);
+            self.tally.body_impulse += (velocity - grain.velocity) * mass;
+        }
+        (grain.position, grain.velocity, grain.time) = (position, velocity, self.now);
+    }
+
+    fn motion(&self, i: usize) -> Motion {
+        Motion { velocity: self.grains[i].velocity, spin: self.rest[i].spin }
+    }
+
+    fn set_motion(&mut self, i: usize, motion: Motion) {
+        (self.grains[i].velocity, self.rest[i].spin) = (motion.velocity, motion.spin);
+    }
+
+    /// Plans anew what a grain on its course will meet.
+    fn renew(&mut self, i: usize) {
+        self.events.renewals += 1;
+        self.bring(i);
+        self.plan(i);
+    }
+
+    /// Notes that a grain's course has changed.
+    fn turn(&mut self, i: usize) {
+        let grain = &mut self.grains[i];
+        grain.stamp = grain.stamp.wrapping_add(1);
+        if self.accelerated {
+            self.accelerations[i] = self.model.acceleration(grain.position, grain.velocity);
+        }
+    }
+
+    /// Brings everything to the present and makes it the origin of time, so that times stay exact.
+    fn gather(&mut self) {
+        self.book_load();
+        for i in 0..self.grains.len() {
+            self.bring(i);
+            self.grains[i].time = 0.0;
+            self.rest[i].last_hit -= self.now;
+            let plan = &mut self.plans[i];
+            for time in [&mut plan.contact, &mut plan.exit, &mut plan.renewal] {
+                *time -= self.now;
+            }
+        }
+        self.lid.rebase(self.now);
+        self.queue.rebase(self.now);
+        self.tally.time += self.now;
+        self.size[0] = self.diameter();
+        self.now = 0.0;
+    }
+
+    /// Sorts all grains, at the same time, into cells that fit the box as it is, and plans every course.
+    fn sort_and_plan(&mut self) {
+        let p = self.model.parameters();
+        let walled = std::array::from_fn(|k| self.model.is_walled(k));
+        let extent = Vector { y: if walled[1] { self.lid().height } else { p.height }, ..self.model.edges() };
+        let aim = (extent.element_product() / self.grains.len().max(1) as f64).cbrt();
+        self.cells = Cells::new(extent, walled, p.diameter, aim);
+        for i in 0..self.grains.len() {
+            let cell = self.cells.at(self.grains[i].position);
+            self.cells.enter(i as u32, cell);
+            self.grains[i].cell = cell;
+        }
+        (0..self.grains.len()).for_each(|i| self.plan(i));
+        self.plan_lid();
+    }
+}
+
+impl Events {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.hits + self.passages + self.renewals
+    }
+}

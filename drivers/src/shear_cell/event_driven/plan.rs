@@ -1,0 +1,141 @@
+//! Where a grain goes next.
+
+use super::{
+    EventDriven, NONE,
+    contact_time::{Approach, Straight, curved, reach},
+    grain::{Exit, Plan},
+};
+
+impl EventDriven {
+    /// Plans the course of a grain that has been brought to the present.
+    pub(super) fn plan(&mut self, i: usize) {
+        let renewal = self.now + self.horizon;
+        let (exit, exit_by) = self.exit(i, renewal);
+        self.plans[i] = Plan { contact: f64::INFINITY, partner: NONE, stamp: 0, renewal, exit, exit_by };
+        self.plan_contacts(i, [[-1, 1]; 3]);
+        self.plan_lid_hit(i);
+    }
+
+    /// The same for a grain that has come from the next cell: what it had planned stays, and what is in the layer of
+    /// cells that are new to it is added.
+    pub(super) fn plan_after_passage(&mut self, i: usize, axis: usize, up: bool) {
+        let (exit, exit_by) = self.exit(i, self.plans[i].renewal);
+        let plan = &mut self.plans[i];
+        (plan.exit, plan.exit_by) = (exit, exit_by);
+        let mut reach = [[-1, 1]; 3];
+        reach[axis] = if up { [1, 1] } else { [-1, -1] };
+        self.plan_contacts(i, reach);
+        self.plan_lid_hit(i);
+    }
+
+    fn plan_contacts(&mut self, i: usize, reach: [[isize; 2]; 3]) {
+        let best = if self.accelerated { self.contact::<true>(i, reach) } else { self.contact::<false>(i, reach) };
+        let plan = &mut self.plans[i];
+        if let Some((contact, partner)) = best {
+            (plan.contact, plan.partner, plan.stamp) = (contact, partner, self.grains[partner as usize].stamp);
+        }
+        self.queue.set(i, f64::min(plan.contact, plan.exit));
+    }
+
+    /// The earliest contact with a grain in the cells that far away, if it is earlier than the one planned.
+    fn contact<const ACCELERATED: bool>(&mut self, i: usize, reach: [[isize; 2]; 3]) -> Option<(f64, u32)> {
+        let Self { grains, cells, near, .. } = self;
+        let grain = &grains[i];
+        cells.near(cells.coordinates(grain.cell), reach, near);
+        let best = (self.plans[i].contact - self.now, NONE);
+        let (t, partner) = match (ACCELERATED, self.near.wraps) {
+            (true, _) => self.first_curved(i, best),
+            (false, true) => self.first_straight::<true>(i, best),
+            (false, false) => self.first_straight::<false>(i, best),
+        };
+        (partner != NONE).then_some((self.now + t, partner))
+    }
+
+    /// Of the grains near, the first that is met earlier than the best so far, all in straight flight.
+    #[inline]
+    fn first_straight<const WRAPS: bool>(&mut self, i: usize, mut best: (f64, u32)) -> (f64, u32) {
+        let (position, velocity) = (self.grains[i].position, self.grains[i].velocity);
+        let size = [self.diameter(), self.size[1]];
+        let mut chosen = std::mem::take(&mut self.chosen);
+        let mut count = 0;
+        for &j in self.near.list() {
+            let (there, speed) = self.grains[j as usize].at(self.now, None);
+            let separation = there - position;
+            let separation = if WRAPS { self.nearest(separation) } else { separation };
+            let pair = Straight::new(separation, speed - velocity, size);
+            // Most pairs pass or part: they are dropped without a branch.
+            chosen[count] = (j, pair);
+            count += usize::from(pair.may_meet()) & usize::from(j as usize != i);
+        }
+        for (j, pair) in &chosen[..count] {
+            if let Some(t) = pair.time()
+                && t < best.0
+            {
+                best = (t, *j);
+            }
+        }
+        self.chosen = chosen;
+        best
+    }
+
+    /// The same for flights that curve each in its own way.
+    fn first_curved(&mut self, i: usize, mut best: (f64, u32)) -> (f64, u32) {
+        let (position, velocity) = (self.grains[i].position, self.grains[i].velocity);
+        let acceleration = self.accelerations[i];
+        let (diameter, limit) = (self.diameter(), self.plans[i].renewal - self.now);
+        let mut chosen = std::mem::take(&mut self.curving);
+        let mut count = 0;
+        for &j in self.near.list() {
+            let pull = self.accelerations[j as usize];
+            let (there, speed) = self.grains[j as usize].at(self.now, Some(pull));
+            let start = Approach {
+                separation: self.nearest(there - position),
+                velocity: speed - velocity,
+                acceleration: pull - acceleration,
+            };
+            chosen[count] = (j, start);
+            count += usize::from(start.may_meet(diameter, limit)) & usize::from(j as usize != i);
+        }
+        for (j, start) in &chosen[..count] {
+            if let Some(t) = curved(start, diameter, f64::min(best.0, limit))
+                && t < best.0
+            {
+                best = (t, *j);
+            }
+        }
+        self.curving = chosen;
+        best
+    }
+
+    /// When and how a grain leaves its cell: through a face, against a wall, or by the end of its acceleration's time.
+    fn exit(&self, i: usize, renewal: f64) -> (f64, Exit) {
+        let grain = &self.grains[i];
+        let (mut first, mut by) = (renewal - self.now, Exit::Renewal);
+        let home = self.cells.coordinates(grain.cell);
+        for axis in 0..3 {
+            let (x, v) = (grain.position[axis], grain.velocity[axis]);
+            let a = if self.accelerated { self.accelerations[i][axis] } else { 0.0 };
+            let edge = self.cells.edges[axis];
+            let low = home[axis] as f64 * edge;
+            let walled = self.cells.walled[axis];
+            let (radius, growth) = (0.5 * self.diameter(), 0.5 * self.size[1]);
+            let down =
+                if walled && home[axis] == 0 { reach(x - radius, growth - v, -a) } else { reach(x - low, -v, -a) };
+            let up = if walled && home[axis] + 1 == self.cells.counts[axis] {
+                if axis == 1 && self.lid.is_free() {
+                    f64::INFINITY
+                } else {
+                    reach(edge * self.cells.counts[axis] as f64 - radius - x, growth + v, a)
+                }
+            } else {
+                reach(low + edge - x, v, a)
+            };
+            for (time, up) in [(down, false), (up, true)] {
+                if time < first {
+                    (first, by) = (time, Exit::Face { axis: axis as u8, up });
+                }
+            }
+        }
+        (self.now + first, by)
+    }
+}

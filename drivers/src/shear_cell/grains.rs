@@ -1,0 +1,124 @@
+//! The grains of a shear cell, to and from the particle store.
+
+use super::{Model, Motion};
+use crate::parameter::{ParameterError, require};
+use domain::{Particles, PeriodicBox, Random, Vector};
+
+/// Positions and motions of all grains, in the order of their ids.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Grains {
+    /// Centres. Those along a periodic axis are inside the box.
+    pub positions: Vec<Vector>,
+    /// Velocities and angular velocities.
+    pub motions: Vec<Motion>,
+}
+
+impl Grains {
+    /// The grains of a store, whose columns `velocity` and `angular_velocity` count as zero where they are missing.
+    /// Refuses radii that aren't the model's.
+    pub fn from_particles(model: &Model, particles: &Particles) -> Result<Self, ParameterError> {
+        let vectors = |name: &str| -> Vec<Vector> {
+            let column = particles.columns.iter().find(|c| c.name == name && c.width == 3);
+            let found = column.map(|c| c.values.chunks_exact(3).map(Vector::from_slice).collect());
+            found.unwrap_or_else(|| vec![Vector::ZERO; particles.len()])
+        };
+        let motions = vectors("velocity").into_iter().zip(vectors("angular_velocity"));
+        let grains = Self {
+            positions: particles.positions.clone(),
+            motions: motions.map(|(velocity, spin)| Motion { velocity, spin }).collect(),
+        };
+        let radius = model.radius();
+        for r in &particles.radii {
+            require((r / radius - 1.0).abs() < 1e-12, "radius", r, format!("half the cell's diameter, {radius}"))?;
+        }
+        Ok(grains)
+    }
+
+    /// The grains as a store with the columns `velocity` and `angular_velocity`.
+    pub fn to_particles(&self, model: &Model) -> Particles {
+        let mut particles = Particles::default();
+        for (id, &position) in self.positions.iter().enumerate() {
+            particles.push(id as u64, position, model.radius(), 0);
+        }
+        particles.vectors("velocity").iter_mut().zip(&self.motions).for_each(|(v, m)| *v = m.velocity);
+        particles.vectors("angular_velocity").iter_mut().zip(&self.motions).for_each(|(w, m)| *w = m.spin);
+        particles
+    }
+
+    /// Sets the grains moving: the linear profile between the walls and, on each component, a normal deviate of
+    /// standard deviation `agitation`; no spin.
+    pub fn stir(&mut self, model: &Model, agitation: f64, seed: u64) {
+        let p = model.parameters();
+        for (i, (position, motion)) in self.positions.iter().zip(&mut self.motions).enumerate() {
+            let mut random = Random::new(seed, i as u64);
+            let noise = Vector::from(std::array::from_fn(|_| normal(&mut random)));
+            let along = Vector::X * p.speed * (1.0 - position.y / p.height);
+            *motion = Motion { velocity: along + noise * agitation, spin: Vector::ZERO };
+        }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Kinetic energy.
+    pub fn energy(&self, model: &Model) -> f64 {
+        model.mass() * self.motions.iter().map(|m| m.energy(model.radius())).sum::<f64>()
+    }
+
+    /// Momentum.
+    pub fn momentum(&self, model: &Model) -> Vector {
+        model.mass() * self.motions.iter().map(|m| m.velocity).sum::<Vector>()
+    }
+
+    /// A third of the mean squared velocity relative to the mean: the granular temperature of a gas at rest.
+    pub fn temperature(&self) -> f64 {
+        let count = self.len() as f64;
+        let mean = self.motions.iter().map(|m| m.velocity).sum::<Vector>() / count;
+        self.motions.iter().map(|m| (m.velocity - mean).length_squared()).sum::<f64>() / (3.0 * count)
+    }
+
+    /// The deepest overlap of two grains, over the diameter; negative if all keep a distance (then only pairs nearer
+    /// than a quarter diameter are seen).
+    pub fn deepest_overlap(&self, model: &Model) -> f64 {
+        let diameter = model.parameters().diameter;
+        let ids: Vec<u64> = (0..self.len() as u64).collect();
+        let cell = periodic_box(model, 1.25 * diameter, model.parameters().height);
+        let pairs = domain::Pairs::find(&cell, &self.positions, &ids, self.len(), 1.25 * diameter);
+        let gap = |p: &domain::Pair| p.separation(&cell, &self.positions).length() / diameter - 1.0;
+        -pairs.list().iter().map(gap).fold(0.25, f64::min)
+    }
+}
+
+/// The cell as a periodic box in which nothing reaches across a wall: walled axes have `margin` to spare.
+pub(super) fn periodic_box(model: &Model, margin: f64, height: f64) -> PeriodicBox {
+    let mut edges = Vector { y: height, ..model.edges() };
+    for k in 0..3 {
+        edges[k] += if model.is_walled(k) { margin } else { 0.0 };
+    }
+    PeriodicBox::new(edges).expect("a model's edges are positive")
+}
+
+/// Brings positions back into the box along its periodic axes.
+pub(super) fn wrap(model: &Model, positions: &mut [Vector]) {
+    let edges = model.edges();
+    for k in (0..3).filter(|&k| !model.is_walled(k)) {
+        for x in &mut *positions {
+            x[k] = x[k].rem_euclid(edges[k]);
+            // Just below zero, rem_euclid rounds to the edge itself.
+            x[k] = if x[k] >= edges[k] { 0.0 } else { x[k] };
+        }
+    }
+}
+
+/// A normal deviate (Box and Muller).
+fn normal(random: &mut Random) -> f64 {
+    let (a, b) = (1.0 - random.uniform(), random.uniform());
+    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}

@@ -1,0 +1,24 @@
+//! The top wall: at its height, or free to move up and down under its load.
+
+use super::Model;
+
+/// Height and velocity of the top wall, and what they cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lid {
+    /// Height above the bottom.
+    pub height: f64,
+    /// Upward velocity.
+    pub velocity: f64,
+}
+
+impl Lid {
+    /// At the model's height, at rest.
+    pub fn new(model: &Model) -> Self {
+        Self { height: model.parameters().height, velocity: 0.0 }
+    }
+
+    /// Kinetic energy of a free top wall.
+    pub fn energy(&self, model: &Model) -> f64 {
+        0.5 * model.lid_mass().unwrap_or(0.0) * self.velocity * self.velocity
+    }
+}

@@ -1,0 +1,42 @@
+//! Whether what a run booked explains how it changed.
+
+use super::super::{Engine, Model};
+use domain::Vector;
+
+/// What is left over of the balances, over what went through them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Balance {
+    /// Change of energy less the work of walls, load, gravity and curved path, plus the losses in hits.
+    pub energy: f64,
+    /// Change of momentum less the impulses of walls, gravity and curved path.
+    pub momentum: f64,
+}
+
+/// Energy and momentum at the start.
+#[derive(Debug, Clone, Copy)]
+pub struct Start {
+    energy: f64,
+    momentum: Vector,
+}
+
+impl Start {
+    pub fn new(model: &Model, engine: &Engine) -> Self {
+        let grains = engine.grains();
+        Self { energy: grains.energy(model) + engine.lid().energy(model), momentum: grains.momentum(model) }
+    }
+
+    /// The balance from the start of the engine's tally until now.
+    pub fn balance(&self, model: &Model, engine: &Engine) -> Balance {
+        let (now, tally) = (Self::new(model, engine), engine.tally());
+        let work = tally.walls.map(|w| w.work).into_iter().chain([tally.body_work, tally.load_work, -tally.dissipated]);
+        let (given, handled) = work.fold((0.0, self.energy), |(sum, size), w| (sum + w, size + w.abs()));
+        let impulses = tally.walls.map(|w| -w.impulse).into_iter().chain([tally.body_impulse]);
+        let speed = model.mass() * engine.grains().motions.iter().map(|m| m.velocity.length()).sum::<f64>();
+        let (pushed, moved) = impulses.fold((Vector::ZERO, speed), |(sum, size), p| (sum + p, size + p.length()));
+        let relative = |left: f64, size: f64| if size > 0.0 { left / size } else { left };
+        Balance {
+            energy: relative((now.energy - self.energy - given).abs(), handled),
+            momentum: relative((now.momentum - self.momentum - pushed).length(), moved),
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Frictional, inelastic spheres in a shear cell: flow along x (periodic), walls below and above (y) and at both sides
+//! (z). Bottom and side walls move along x, the top rests.
+
+mod contact;
+mod engine;
+mod event_driven;
+mod grains;
+mod lid;
+mod measure;
+mod packing;
+mod parameters;
+mod run;
+mod tally;
+mod time_stepped;
+
+pub use contact::{Contact, Face, FrictionLaw, INERTIA, Motion};
+pub use engine::{Collisions, Engine, State};
+pub use event_driven::{EventDriven, Events};
+pub use grains::Grains;
+pub use lid::Lid;
+pub use measure::{Balance, DensityMap, Estimate, Layer, Profile, WallStress};
+pub use packing::PackingError;
+pub use parameters::{Model, Parameters, Top};
+pub use run::{Report, Run, Sampling};
+pub use tally::{Side, Tally, WallTally};
+pub use time_stepped::TimeStepped;

@@ -1,0 +1,247 @@
+//! The shear cell's input, checked.
+
+use super::{Contact, Face, FrictionLaw, Side};
+use crate::parameter::{ParameterError, positive, require};
+use domain::Vector;
+use std::f64::consts::PI;
+
+/// How the top wall is held.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Top {
+    /// At its height.
+    #[default]
+    Fixed,
+    /// Free to move up and down under a load.
+    Free {
+        /// Normal stress that presses it down, its own weight included.
+        pressure: f64,
+        /// Its mass over its area. A dead weight has `pressure / gravity`; less makes it answer faster.
+        mass_per_area: f64,
+    },
+}
+
+/// What a scene gives. The default is Yu and Tichy's cell at `U` = 1.4 m/s; they don't state the grains' friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Period along the flow (x).
+    pub length: f64,
+    /// Gap between bottom and top (y).
+    pub height: f64,
+    /// Width between the side walls (z).
+    pub width: f64,
+    /// Diameter of the grains.
+    pub diameter: f64,
+    /// Density of their material.
+    pub density: f64,
+    /// Between grains.
+    pub grain_contact: Contact,
+    /// Between a grain and a wall.
+    pub wall_contact: Contact,
+    /// Speed of bottom and side walls along x.
+    pub speed: f64,
+    /// How the top wall is held.
+    pub top: Top,
+    /// Acceleration of gravity along -y.
+    pub gravity: f64,
+    /// Circumference of the trough at mid-width, `None` for a straight one.
+    pub circumference: Option<f64>,
+    /// Whether the curved path also turns velocity along z into velocity along x, `a_x = v_x v_z / r`.
+    pub coriolis: bool,
+    /// Two hits of a grain within this time count as one contact; the second is elastic (event-driven engine).
+    pub contact_time: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let contact = Contact { restitution: 0.9, friction: 0.3, law: FrictionLaw::Box };
+        Self {
+            length: 0.03,
+            height: 4e-3,
+            width: 0.019,
+            diameter: 0.787e-3,
+            density: 2550.0,
+            grain_contact: contact,
+            wall_contact: contact,
+            speed: 1.4,
+            top: Top::Fixed,
+            gravity: 9.81,
+            circumference: Some(0.479),
+            coriolis: false,
+            contact_time: 1e-7,
+        }
+    }
+}
+
+/// A shear cell, or a periodic box of its grains, that makes sense.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Model {
+    parameters: Parameters,
+    walled: bool,
+    /// Radius of the trough at mid-width; infinite for a straight one.
+    mid_radius: f64,
+}
+
+impl Model {
+    /// The cell with its walls.
+    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+        let p = &parameters;
+        let edges = [("length", p.length), ("height", p.height), ("width", p.width)];
+        for (key, value) in edges.into_iter().chain([("diameter", p.diameter), ("density", p.density)]) {
+            positive(key, value)?;
+        }
+        for (key, value) in &edges[1..] {
+            require(*value > p.diameter, key, value, "more than a diameter")?;
+        }
+        require(p.length > 3.0 * p.diameter, "length", &p.length, "more than three diameters")?;
+        check_contact("grain_contact.restitution", "grain_contact.friction", &p.grain_contact)?;
+        check_contact("wall_contact.restitution", "wall_contact.friction", &p.wall_contact)?;
+        not_negative("speed", p.speed)?;
+        not_negative("gravity", p.gravity)?;
+        positive("contact_time", p.contact_time)?;
+        if let Some(around) = p.circumference {
+            let wide = around.is_finite() && around > PI * p.width;
+            require(wide, "circumference", &around, "more than pi times the width: the inner wall has a radius")?;
+        }
+        if let Top::Free { pressure, mass_per_area } = p.top {
+            positive("top.pressure", pressure)?;
+            positive("top.mass_per_area", mass_per_area)?;
+        }
+        Ok(Self { parameters, walled: true, mid_radius: 0.0 }.with(parameters))
+    }
+
+    /// A box that is periodic along all three axes, without walls, weight or curvature: a granular gas.
+    pub fn gas(edges: Vector, diameter: f64, density: f64, contact: Contact) -> Result<Self, ParameterError> {
+        let [length, height, width] = edges.to_array();
+        for (key, value) in [("length", length), ("height", height), ("width", width)] {
+            require(value > 3.0 * diameter, key, &value, "more than three diameters")?;
+        }
+        let gas = Parameters {
+            length,
+            height,
+            width,
+            diameter,
+            density,
+            grain_contact: contact,
+            wall_contact: contact,
+            speed: 0.0,
+            gravity: 0.0,
+            circumference: None,
+            // Short against the time in which a gas of speed 1 crosses a diameter.
+            contact_time: 1e-9 * diameter,
+            ..Parameters::default()
+        };
+        Ok(Self { walled: false, ..Self::new(gas)? })
+    }
+
+    /// The same walls or none with other parameters, which need no check.
+    pub(super) fn with(&self, parameters: Parameters) -> Self {
+        let mid_radius = parameters.circumference.map_or(f64::INFINITY, |around| around / (2.0 * PI));
+        Self { parameters, walled: self.walled, mid_radius }
+    }
+
+    /// The checked parameters.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Length, height and width; the height as given, wherever a free top wall may be.
+    pub fn edges(&self) -> Vector {
+        Vector::new(self.parameters.length, self.parameters.height, self.parameters.width)
+    }
+
+    /// Radius of a grain.
+    pub fn radius(&self) -> f64 {
+        0.5 * self.parameters.diameter
+    }
+
+    /// Mass of a grain.
+    pub fn mass(&self) -> f64 {
+        self.parameters.density * PI / 6.0 * self.parameters.diameter.powi(3)
+    }
+
+    /// The number of grains that comes nearest to a mean solid fraction.
+    pub fn count(&self, solid_fraction: f64) -> Result<usize, ParameterError> {
+        require(
+            solid_fraction > 0.0 && solid_fraction <= 0.62,
+            "solid_fraction",
+            &solid_fraction,
+            "0 < solid_fraction <= 0.62: more can't be packed at random",
+        )?;
+        let volume = self.edges().element_product();
+        Ok((solid_fraction * volume / (PI / 6.0 * self.parameters.diameter.powi(3))).round() as usize)
+    }
+
+    /// Whether an axis ends at walls instead of being periodic.
+    pub fn is_walled(&self, axis: usize) -> bool {
+        self.walled && axis > 0
+    }
+
+    /// The walls there are.
+    pub fn sides(&self) -> &'static [Side] {
+        if self.walled { &Side::ALL } else { &[] }
+    }
+
+    /// Area of a wall.
+    pub fn area(&self, side: Side) -> f64 {
+        self.parameters.length * if side.axis() == 1 { self.parameters.width } else { self.parameters.height }
+    }
+
+    /// A wall as a grain meets it, if a free top wall moves at the speed given.
+    pub(super) fn face(&self, side: Side, lid: f64) -> Face {
+        let (p, top) = (&self.parameters, side == Side::Top);
+        let velocity = if top { Vector::Y * lid } else { Vector::X * p.speed };
+        let mass_ratio = if top { self.lid_mass().map_or(0.0, |mass| self.mass() / mass) } else { 0.0 };
+        Face { axis: side.axis(), below: side.is_below(), velocity, mass_ratio }
+    }
+
+    /// Whether the top wall is free to move.
+    pub fn is_lid_free(&self) -> bool {
+        self.lid_mass().is_some()
+    }
+
+    /// Mass of a free top wall.
+    pub(super) fn lid_mass(&self) -> Option<f64> {
+        match self.parameters.top {
+            Top::Free { mass_per_area, .. } if self.walled => Some(mass_per_area * self.area(Side::Top)),
+            _ => None,
+        }
+    }
+
+    /// Downward acceleration of a free top wall by its load.
+    pub(super) fn lid_fall(&self) -> f64 {
+        match self.parameters.top {
+            Top::Free { pressure, mass_per_area } if self.walled => pressure / mass_per_area,
+            _ => 0.0,
+        }
+    }
+
+    /// A bound on the usual difference of two neighbours' accelerations: gravity and the path's curvature.
+    pub(super) fn turning(&self) -> f64 {
+        self.parameters.gravity + self.parameters.speed.powi(2) / self.mid_radius + self.lid_fall()
+    }
+
+    /// Whether grains or the top wall accelerate between hits.
+    pub(super) fn has_body_force(&self) -> bool {
+        self.parameters.gravity > 0.0 || self.mid_radius.is_finite() || self.lid_mass().is_some()
+    }
+
+    /// Gravity along -y; in a curved trough of mid radius `r_m` also `a_z = -v_x^2/r` toward the outer wall at z = 0,
+    /// `r = r_m - (z - W/2)`, and on request its partner `a_x = v_x v_z/r`.
+    #[inline]
+    pub(super) fn acceleration(&self, position: Vector, velocity: Vector) -> Vector {
+        let p = &self.parameters;
+        let curvature = 1.0 / (self.mid_radius - (position.z - 0.5 * p.width));
+        let along = if p.coriolis { velocity.x * velocity.z * curvature } else { 0.0 };
+        Vector::new(along, -p.gravity, -velocity.x * velocity.x * curvature)
+    }
+}
+
+fn check_contact(restitution: &'static str, friction: &'static str, contact: &Contact) -> Result<(), ParameterError> {
+    let e = contact.restitution;
+    require((0.0..=1.0).contains(&e), restitution, &e, "0 <= restitution <= 1")?;
+    not_negative(friction, contact.friction)
+}
+
+fn not_negative(key: &'static str, found: f64) -> Result<(), ParameterError> {
+    require(found >= 0.0 && found.is_finite(), key, &found, "a finite number, not negative")
+}

@@ -1,0 +1,176 @@
+//! The paper's engine: grains fly for a fixed step, then every overlap that still closes is a hit.
+
+mod neighbours;
+
+use super::{Grains, Lid, Model, Motion, Side, State, Tally, contact::Face, grains::wrap};
+use crate::parameter::{ParameterError, positive};
+use domain::Vector;
+use neighbours::Neighbours;
+
+/// Grains on a fixed time step. Each step: `v += a dt`, `x += v dt`; then the operator of every wall that a grain
+/// penetrates and approaches; then that of every pair that overlaps and approaches, in a fixed order.
+pub struct TimeStepped {
+    model: Model,
+    step: f64,
+    /// Not wrapped between two searches for neighbours.
+    positions: Vec<Vector>,
+    velocities: Vec<Vector>,
+    spins: Vec<Vector>,
+    lid: Lid,
+    near: Neighbours,
+    tally: Tally,
+}
+
+impl TimeStepped {
+    /// Starts from grains inside the cell.
+    pub fn new(model: &Model, state: &State, step: f64) -> Result<Self, ParameterError> {
+        let grains = &state.grains;
+        positive("time_step", step)?;
+        state.check(model)?;
+        let mut engine = Self {
+            model: *model,
+            step,
+            positions: grains.positions.clone(),
+            velocities: grains.motions.iter().map(|m| m.velocity).collect(),
+            spins: grains.motions.iter().map(|m| m.spin).collect(),
+            lid: state.lid,
+            near: Neighbours::default(),
+            tally: state.tally,
+        };
+        engine.near.search(model, &mut engine.positions, &engine.velocities, engine.lid.height);
+        Ok(engine)
+    }
+
+    /// The step.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Takes a number of steps.
+    pub fn advance(&mut self, steps: u64) {
+        for _ in 0..steps {
+            self.drift();
+            self.lower_lid();
+            self.strike_walls();
+            self.near.refresh(&self.model, &mut self.positions, &self.velocities, self.lid.height);
+            self.strike_pairs();
+            self.tally.time += self.step;
+        }
+    }
+
+    /// Sums so far.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// The top wall.
+    pub fn lid(&self) -> Lid {
+        self.lid
+    }
+
+    /// The grains now.
+    pub fn grains(&self) -> Grains {
+        let motions = self.velocities.iter().zip(&self.spins).map(|(&velocity, &spin)| Motion { velocity, spin });
+        let mut grains = Grains { positions: self.positions.clone(), motions: motions.collect() };
+        wrap(&self.model, &mut grains.positions);
+        grains
+    }
+
+    fn drift(&mut self) {
+        let (dt, reference) = (self.step, self.near.reference);
+        let (mut impulse, mut work, mut fastest) = (Vector::ZERO, 0.0, 0.0);
+        for (x, v) in self.positions.iter_mut().zip(&mut self.velocities) {
+            let kick = self.model.acceleration(*x, *v) * dt;
+            work += kick.dot(*v + kick * 0.5);
+            impulse += kick;
+            *v += kick;
+            *x += *v * dt;
+            fastest = f64::max(fastest, (*v - reference).length_squared());
+        }
+        let mass = self.model.mass();
+        self.tally.body_impulse += impulse * mass;
+        self.tally.body_work += work * mass;
+        self.near.moved(fastest.sqrt() * dt);
+    }
+
+    fn lower_lid(&mut self) {
+        let kick = -self.model.lid_fall() * self.step;
+        self.tally.load_work += self.model.lid_mass().unwrap_or(0.0) * kick * (self.lid.velocity + 0.5 * kick);
+        self.lid.velocity += kick;
+        self.lid.height += self.lid.velocity * self.step;
+    }
+
+    fn strike_walls(&mut self) {
+        if self.model.sides().is_empty() {
+            return;
+        }
+        let radius = self.model.radius();
+        let (top, inner) = (self.lid.height - radius, self.model.edges().z - radius);
+        for i in 0..self.positions.len() {
+            let x = self.positions[i];
+            if x.y < radius || x.y > top || x.z < radius || x.z > inner {
+                for side in Side::ALL {
+                    self.strike_wall(i, side);
+                }
+            }
+        }
+    }
+
+    fn strike_wall(&mut self, i: usize, side: Side) {
+        let (model, radius) = (&self.model, self.model.radius());
+        let face: Face = model.face(side, self.lid.velocity);
+        let (x, normal) = (self.positions[i], face.normal());
+        let plane = match side {
+            Side::Bottom | Side::Outer => 0.0,
+            Side::Top => self.lid.height,
+            Side::Inner => model.edges().z,
+        };
+        let overlap = radius - (x[face.axis] - plane) * normal[face.axis];
+        let mut motion = Motion { velocity: self.velocities[i], spin: self.spins[i] };
+        if overlap <= 0.0 || (motion.velocity - face.velocity).dot(normal) >= 0.0 {
+            return;
+        }
+        let before = motion.energy(radius);
+        let impulse = model.parameters().wall_contact.strike_wall(&mut motion, &face, radius, [0.0; 2]);
+        (self.velocities[i], self.spins[i]) = (motion.velocity, motion.spin);
+        let gain = motion.energy(radius) - before;
+        self.tally.strike_wall(model, (side, &face), impulse, gain, &mut self.lid);
+        self.tally.largest_overlap = self.tally.largest_overlap.max(overlap / model.parameters().diameter);
+    }
+
+    fn strike_pairs(&mut self) {
+        let (model, radius, diameter) = (&self.model, self.model.radius(), self.model.parameters().diameter);
+        let rule = model.parameters().grain_contact;
+        let (mut lost, mut hits, mut overlaps, mut deepest) = (0.0, 0, 0.0, self.tally.largest_overlap);
+        let mut strike = |i: usize, j: usize, d: Vector, v: &mut [Vector], w: &mut [Vector]| {
+            let mut a = Motion { velocity: v[i], spin: w[i] };
+            let mut b = Motion { velocity: v[j], spin: w[j] };
+            let (distance, before) = (d.length(), a.energy(radius) + b.energy(radius));
+            rule.strike_pair([&mut a, &mut b], d / distance, radius, [0.0; 2]);
+            (v[i], w[i], v[j], w[j]) = (a.velocity, a.spin, b.velocity, b.spin);
+            let overlap = 1.0 - distance / diameter;
+            lost += before - a.energy(radius) - b.energy(radius);
+            hits += 1;
+            overlaps += overlap;
+            deepest = f64::max(deepest, overlap);
+        };
+        for &(i, j) in &self.near.within {
+            let (i, j) = (i as usize, j as usize);
+            let d = self.positions[j] - self.positions[i];
+            if d.length_squared() < diameter * diameter && d.dot(self.velocities[j] - self.velocities[i]) < 0.0 {
+                strike(i, j, d, &mut self.velocities, &mut self.spins);
+            }
+        }
+        for &(i, j, shift) in &self.near.across {
+            let (i, j) = (i as usize, j as usize);
+            let d = self.positions[j] + shift - self.positions[i];
+            if d.length_squared() < diameter * diameter && d.dot(self.velocities[j] - self.velocities[i]) < 0.0 {
+                strike(i, j, d, &mut self.velocities, &mut self.spins);
+            }
+        }
+        self.tally.dissipated += lost * model.mass();
+        self.tally.pair_hits += hits;
+        self.tally.overlaps += overlaps;
+        self.tally.largest_overlap = deepest;
+    }
+}

@@ -1,0 +1,74 @@
+//! Pairs that may touch before the next search: a wide list from cells, a narrow one from the wide.
+
+use super::super::{
+    Model,
+    grains::{periodic_box, wrap},
+};
+use domain::{Pair, Pairs, PeriodicBox, Vector};
+
+/// Gap up to which a pair is on the wide and on the narrow list, over the diameter.
+const SKINS: [f64; 2] = [0.4, 0.06];
+
+/// Pairs nearer than a diameter and a skin, kept until some grain may have crossed half the skin relative to the
+/// common motion.
+#[derive(Default)]
+pub struct Neighbours {
+    wide: Vec<(u32, u32, Vector)>,
+    /// Pairs inside the box.
+    pub within: Vec<(u32, u32)>,
+    /// Pairs across its periodic faces, with the shift of the second.
+    pub across: Vec<(u32, u32, Vector)>,
+    /// Velocity that all grains are followed with: a common translation changes no pair.
+    pub reference: Vector,
+    travelled: [f64; 2],
+}
+
+impl Neighbours {
+    /// Notes that no grain moved farther than this, relative to the reference.
+    pub fn moved(&mut self, distance: f64) {
+        for travelled in &mut self.travelled {
+            *travelled += distance;
+        }
+    }
+
+    /// Searches again where some grain may have left its skin.
+    pub fn refresh(&mut self, model: &Model, positions: &mut [Vector], velocities: &[Vector], height: f64) {
+        let half = SKINS.map(|skin| 0.5 * skin * model.parameters().diameter);
+        if self.travelled[0] > half[0] - half[1] {
+            self.search(model, positions, velocities, height);
+        } else if self.travelled[1] > half[1] {
+            self.narrow(model, positions, velocities);
+        }
+    }
+
+    /// Wraps the positions and finds all pairs anew.
+    pub fn search(&mut self, model: &Model, positions: &mut [Vector], velocities: &[Vector], height: f64) {
+        wrap(model, positions);
+        let reach = model.parameters().diameter * (1.0 + SKINS[0]);
+        let cell: PeriodicBox = periodic_box(model, 1.5 * reach, height);
+        let ids: Vec<u64> = (0..positions.len() as u64).collect();
+        let pairs = Pairs::find(&cell, positions, &ids, positions.len(), reach);
+        let shifted = |p: &Pair| (p.i, p.j, cell.lattice(p.steps.map(i32::from)));
+        self.wide.clear();
+        self.wide.extend(pairs.list().iter().map(shifted));
+        self.travelled[0] = 0.0;
+        self.narrow(model, positions, velocities);
+    }
+
+    fn narrow(&mut self, model: &Model, positions: &[Vector], velocities: &[Vector]) {
+        let reach = model.parameters().diameter * (1.0 + SKINS[1]);
+        self.within.clear();
+        self.across.clear();
+        for &(i, j, shift) in &self.wide {
+            let separation = positions[j as usize] + shift - positions[i as usize];
+            if separation.length_squared() > reach * reach {
+            } else if shift == Vector::ZERO {
+                self.within.push((i, j));
+            } else {
+                self.across.push((i, j, shift));
+            }
+        }
+        self.travelled[1] = 0.0;
+        self.reference = velocities.iter().sum::<Vector>() / velocities.len().max(1) as f64;
+    }
+}

@@ -1,0 +1,110 @@
+//! Sheared disks: images, restarts, threads.
+
+use domain::Particles;
+use drivers::disks::{Disks, Flow, Model, Parameters, Stage};
+
+fn sheared(edges: [f64; 2], rate: f64) -> Disks {
+    let flow = Flow::Shear { rate };
+    Disks::prepared(&Model::new(Parameters { edges, flow, ..Parameters::default() }).unwrap())
+}
+
+#[test]
+fn going_on_from_a_store_is_going_on() {
+    let mut through = sheared([40.0, 50.0], 0.05);
+    through.advance(777);
+    let (particles, progress) = through.store();
+    let mut resumed = Disks::resume(through.model(), &particles, &progress).unwrap();
+    through.advance(1500);
+    // Looking and stopping in between changes nothing.
+    resumed.advance(400);
+    let _ = (resumed.snapshot(), resumed.store());
+    resumed.advance(1100);
+    let ((one, a), (other, b)) = (through.store(), resumed.store());
+    assert!(through.steps() == 2277 && one == other);
+    assert_eq!((a.step, a.list_made, a.tally.latest), (b.step, b.list_made, b.tally.latest));
+}
+
+#[test]
+fn a_preparation_can_be_resumed_too() {
+    let model = Model::new(Parameters { edges: [30.0; 2], ..Parameters::default() }).unwrap();
+    let mut through = Disks::random(&model);
+    through.advance(50);
+    let (particles, progress) = through.store();
+    let mut resumed = Disks::resume(&model, &particles, &progress).unwrap();
+    for disks in [&mut through, &mut resumed] {
+        disks.advance(disks.left().unwrap());
+        disks.enter_next_stage();
+        disks.advance(disks.left().unwrap());
+        disks.enter_next_stage();
+    }
+    assert!(through.stage() == Stage::Flow && through.store().0 == resumed.store().0);
+    assert!(through.store().0 == Disks::prepared(&model).store().0);
+}
+
+/// The same disks seen from another cell of the same lattice: the origin moved by `up`, and with it the liquid's zero.
+fn moved(disks: &Disks, up: f64, rate: f64) -> Particles {
+    let (mut particles, _) = disks.store();
+    let height = disks.model().parameters().edges[1];
+    let cell = disks.model().cell(0.0);
+    for row in 0..particles.len() {
+        particles.positions[row].y += up;
+        particles.vectors("velocity")[row].x += rate * up;
+        let (wrapped, taken) = cell.wrap(particles.positions[row]);
+        particles.positions[row] = wrapped;
+        particles.vectors("velocity")[row].x -= rate * height * f64::from(taken[1]);
+    }
+    particles
+}
+
+#[test]
+fn the_choice_of_the_cell_does_not_matter() {
+    let rate = 0.02;
+    let start = sheared([50.0; 2], rate);
+    let parameters = start.model().parameters().clone();
+    let mut one = Disks::flowing(parameters.clone(), &start.store().0).unwrap();
+    let mut other = Disks::flowing(parameters, &moved(&start, 17.3, rate)).unwrap();
+    // Collisions multiply round-off by about 10 each time they follow each other: a few times in 30 time units.
+    one.advance(200);
+    other.advance(200);
+    let (a, b) = (one.snapshot(), other.snapshot());
+    for (p, q) in a.disks.iter().zip(&b.disks) {
+        assert!((p.excess - q.excess).length() < 1e-9, "disk {}: {} and {}", p.id, p.excess, q.excess);
+    }
+    let (x, y) = (one.tally().latest.stress(), other.tally().latest.stress());
+    assert!((x - y).length() < 1e-10 && x.length() > 1e-5);
+}
+
+#[test]
+fn disks_at_rest_in_the_flow_stay_there() {
+    // A dilute row across the cell's top, carried through many periods of the lattice.
+    let mut particles = Particles::default();
+    for id in 0..4 {
+        particles.push(id, domain::Vector::new(9.0 * id as f64, 8.0 * id as f64 + 0.5, 0.0), 0.6, 0);
+    }
+    let parameters = Parameters { edges: [40.0, 33.0], flow: Flow::Shear { rate: 0.3 }, ..Parameters::default() };
+    let mut disks = Disks::flowing(parameters, &particles).unwrap();
+    disks.advance(20_000);
+    assert!(disks.strain() > 800.0);
+    for disk in disks.snapshot().disks {
+        // Round-off of x in strides of 10 over 20000 steps.
+        assert!(disk.excess.length() < 1e-12 && (disk.position.y - 8.0 * disk.id as f64 - 0.5).abs() < 1e-12);
+    }
+    let steps = disks.store().0.steps;
+    assert!(steps[3][0] > 100 && steps[0][0] < -100, "the flow has carried them around: {steps:?}");
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let model = Model::new(Parameters { edges: [330.0; 2], ..Parameters::default() }).unwrap();
+    assert!(model.sizes().len() > 15_000, "several chunks");
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut disks = Disks::random(&model);
+            disks.advance(60);
+            disks.store()
+        })
+    };
+    let (one, three) = (run(1), run(3));
+    assert!(one == three);
+}

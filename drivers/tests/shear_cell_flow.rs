@@ -1,0 +1,201 @@
+//! Whole runs of the shear cell.
+
+use drivers::shear_cell::{Collisions, Engine, Model, Parameters, Report, Run, Sampling, Side, Top};
+
+/// Half a microsecond, as in the paper.
+const STEP: f64 = 5e-7;
+const STEPPED: Collisions = Collisions::TimeStepped { step: STEP };
+
+/// The paper's cell, shorter and narrower.
+fn small() -> Parameters {
+    Parameters { length: 8e-3, width: 8e-3, ..Parameters::default() }
+}
+
+fn report(parameters: Parameters, solid_fraction: f64, collisions: Collisions, [settle, measure]: [f64; 2]) -> Report {
+    let model = Model::new(parameters).unwrap();
+    let mut grains = model.pack(model.count(solid_fraction).unwrap(), 1).unwrap();
+    grains.stir(&model, 0.05 * parameters.speed, 7);
+    let mut run = Run::new(&model, &grains, collisions, Sampling::default()).unwrap();
+    run.settle(settle);
+    run.measure(measure);
+    run.report()
+}
+
+fn wall(report: &Report, side: Side) -> (f64, f64) {
+    let normal = report.walls[side as usize].normal;
+    (normal.mean, normal.error)
+}
+
+/// Stresses and temperature agree within four standard errors; balances close; bottom bears the weight.
+#[test]
+fn the_engines_agree() {
+    let [stepped, driven] = [STEPPED, Collisions::EventDriven].map(|c| report(small(), 0.45, c, [0.03, 0.05]));
+    for side in [Side::Bottom, Side::Top] {
+        let ((a, da), (b, db)) = (wall(&stepped, side), wall(&driven, side));
+        assert!((a - b).abs() < 4.0 * da.hypot(db), "{side:?}: {a} +- {da}, {b} +- {db}");
+    }
+    assert!((stepped.temperature / driven.temperature - 1.0).abs() < 0.15);
+    let model = Model::new(small()).unwrap();
+    let weight = model.count(0.45).unwrap() as f64 * model.mass() * 9.81 / model.area(Side::Bottom);
+    for r in [&stepped, &driven] {
+        assert!(((wall(r, Side::Bottom).0 - wall(r, Side::Top).0) / weight - 1.0).abs() < 0.08);
+        assert!(r.balance.energy < 1e-11 && r.balance.momentum < 1e-11, "{:?}", r.balance);
+        assert!(r.warnings.is_empty(), "{:?}", r.warnings);
+    }
+    assert!(stepped.tally.largest_overlap < 0.01);
+    assert!(driven.tally.largest_overlap < 1e-11);
+    // The profiles and the map hold all grains.
+    let held: f64 = driven.layers.iter().map(|l| l.solid_fraction).sum::<f64>() / driven.layers.len() as f64;
+    assert!((held / driven.solid_fraction - 1.0).abs() < 1e-9);
+    let pixels = driven.map.solid_fractions();
+    // Lines at points of a pixel stand for its area.
+    assert!((pixels.iter().sum::<f64>() / pixels.len() as f64 / driven.solid_fraction - 1.0).abs() < 3e-3);
+}
+
+/// Normal stresses on the walls at `factor` times the speed, its square times gravity, and `1/factor` of all times.
+fn scaled(collisions: Collisions, factor: f64) -> [f64; 4] {
+    let (speed, gravity) = (1.4 * factor, 9.81 * factor * factor);
+    let slow = Model::new(small()).unwrap();
+    let model = Model::new(Parameters { speed, gravity, contact_time: 1e-7 / factor, ..small() }).unwrap();
+    let mut grains = slow.pack(slow.count(0.4).unwrap(), 3).unwrap();
+    grains.stir(&slow, 0.1, 3);
+    grains.motions.iter_mut().for_each(|m| m.velocity *= factor);
+    let sampling = Sampling { window: 5e-5 / factor, ..Sampling::default() };
+    let mut run = Run::new(&model, &grains, collisions, sampling).unwrap();
+    run.measure(2e-3 / factor);
+    run.report().walls.map(|w| w.normal.mean)
+}
+
+/// `U -> 2U, g -> 4g, t -> t/2` from the same places: stresses are four times as large, exactly so in binary arithmetic.
+#[test]
+fn stress_scales_with_the_square_of_the_speed() {
+    let twice = Collisions::TimeStepped { step: 0.5 * STEP };
+    for (slow, fast) in [(STEPPED, twice), (Collisions::EventDriven, Collisions::EventDriven)] {
+        for (slow, fast) in scaled(slow, 1.0).into_iter().zip(scaled(fast, 2.0)) {
+            assert!((fast - 4.0 * slow).abs() <= 1e-10 * fast, "{fast} {slow}");
+        }
+    }
+}
+
+/// A free top wall finds the height where the grains bear its load.
+#[test]
+fn a_free_lid_is_borne_by_the_grains() {
+    // Light, so that it answers within the run.
+    let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
+    for collisions in [STEPPED, Collisions::EventDriven] {
+        let r = report(Parameters { top, ..small() }, 0.45, collisions, [0.02, 0.04]);
+        let (normal, error) = wall(&r, Side::Top);
+        assert!((normal - 300.0).abs() < 5.0 * error.max(3.0), "{collisions:?}: {normal} +- {error}");
+        assert!(r.balance.energy < 1e-11 && r.balance.momentum < 1e-11, "{:?}", r.balance);
+        assert!(r.height.mean > 2e-3 && r.height.mean < 5e-3);
+    }
+}
+
+/// On steps of 25 us fast grains overlap deeply, and the run says so.
+#[test]
+fn deep_overlaps_are_reported() {
+    let r = report(Parameters { speed: 5.6, ..small() }, 0.5, Collisions::TimeStepped { step: 2.5e-5 }, [0.0, 4e-3]);
+    assert!(r.tally.largest_overlap > 0.02);
+    assert!(r.warnings[0].starts_with("the largest overlap was"), "{:?}", r.warnings);
+}
+
+/// The dense start, and a refusal that says how far it came.
+#[test]
+fn packing_reaches_dense_cells_or_says_how_far_it_came() {
+    let model = Model::new(Parameters { length: 5e-3, width: 5e-3, ..small() }).unwrap();
+    let grains = model.pack(model.count(0.57).unwrap(), 2).unwrap();
+    Engine::new(&model, &grains, STEPPED).unwrap();
+    assert!(grains.deepest_overlap(&model) < 1e-12);
+    let error = model.pack(280, 2).map(|g| g.len()).unwrap_err().to_string();
+    assert!(error.starts_with("solid_fraction is 0.7146; this cell was packed at random up to 0.6"), "{error}");
+}
+
+fn paper(speed: f64, solid_fraction: f64, settle: f64, measure: f64) -> Report {
+    report(Parameters { speed, ..Parameters::default() }, solid_fraction, Collisions::EventDriven, [settle, measure])
+}
+
+/// `cargo test --release -p drivers --test shear_cell_flow -- --ignored`: a few minutes. Bands of an independent
+/// prototype in C.
+#[test]
+#[ignore = "long"]
+fn the_papers_cell_gives_the_known_stresses() {
+    let r = paper(1.4, 0.5, 0.1, 0.1);
+    let top = r.walls[Side::Top as usize];
+    assert!((top.normal.mean / 244.0 - 1.0).abs() < 0.25, "{top:?}");
+    assert!((top.along.mean / top.normal.mean - 0.29).abs() < 0.03, "{top:?}");
+    let slow = paper(1.4, 0.55, 0.1, 0.1);
+    let fast = paper(2.8, 0.55, 0.05, 0.05);
+    let exponent = (wall(&fast, Side::Top).0 / wall(&slow, Side::Top).0).log2();
+    assert!(exponent > 1.7 && exponent < 2.05, "{exponent}");
+}
+
+#[test]
+fn bad_input_is_refused_by_key() {
+    let refused = |change: fn(&mut Parameters)| {
+        let mut parameters = Parameters::default();
+        change(&mut parameters);
+        Model::new(parameters).unwrap_err().to_string()
+    };
+    assert_eq!(refused(|p| p.diameter = -1.0), "diameter is -1; it needs a positive, finite number");
+    assert_eq!(refused(|p| p.height = 5e-4), "height is 0.0005; it needs more than a diameter");
+    assert_eq!(refused(|p| p.length = 2e-3), "length is 0.002; it needs more than three diameters");
+    assert_eq!(
+        refused(|p| p.wall_contact.restitution = 1.2),
+        "wall_contact.restitution is 1.2; it needs 0 <= restitution <= 1"
+    );
+    assert_eq!(refused(|p| p.gravity = f64::NAN), "gravity is NaN; it needs a finite number, not negative");
+    assert_eq!(
+        refused(|p| p.circumference = Some(0.05)),
+        "circumference is 0.05; it needs more than pi times the width: the inner wall has a radius"
+    );
+    assert_eq!(
+        refused(|p| p.top = Top::Free { pressure: 0.0, mass_per_area: 1.0 }),
+        "top.pressure is 0; it needs a positive, finite number"
+    );
+    let model = Model::new(small()).unwrap();
+    let count = model.count(0.7).unwrap_err().to_string();
+    assert_eq!(count, "solid_fraction is 0.7; it needs 0 < solid_fraction <= 0.62: more can't be packed at random");
+    let mut grains = model.pack(20, 1).unwrap();
+    let window = Sampling { window: 7e-7, ..Sampling::default() };
+    let error = Run::new(&model, &grains, STEPPED, window).err().unwrap().to_string();
+    assert!(error.starts_with("window is 0.0000007; it needs a whole number of time steps"), "{error}");
+    grains.positions[1] = grains.positions[0];
+    let error = Engine::new(&model, &grains, Collisions::EventDriven).err().unwrap().to_string();
+    assert!(error.starts_with("overlap is 1.00e0 diameters; it needs grains apart"), "{error}");
+    grains.positions[1].y = 1.0;
+    assert!(Engine::new(&model, &grains, STEPPED).err().unwrap().to_string().starts_with("position is"));
+}
+
+/// A run that stops and resumes at a checkpoint goes the way of the one that went on, to the last bit.
+#[test]
+fn resuming_is_going_on() {
+    let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
+    let model = Model::new(Parameters { top, ..small() }).unwrap();
+    let mut grains = model.pack(300, 5).unwrap();
+    grains.stir(&model, 0.1, 5);
+    for collisions in [STEPPED, Collisions::EventDriven] {
+        let mut engine = Engine::new(&model, &grains, collisions).unwrap();
+        engine.advance(1e-3);
+        let state = engine.checkpoint(&model).unwrap();
+        let mut resumed = Engine::resume(&model, &state, collisions).unwrap();
+        engine.advance(1e-3);
+        resumed.advance(1e-3);
+        assert_eq!(engine.grains(), resumed.grains());
+        assert_eq!((engine.tally(), engine.lid()), (resumed.tally(), resumed.lid()));
+        assert!(engine.tally().hits() > state.tally.hits());
+    }
+}
+
+/// To the particle store and back.
+#[test]
+fn grains_pass_through_the_particle_store() {
+    let model = Model::new(small()).unwrap();
+    let mut grains = model.pack(50, 1).unwrap();
+    grains.stir(&model, 0.1, 2);
+    let mut particles = grains.to_particles(&model);
+    particles.check().unwrap();
+    assert_eq!(drivers::shear_cell::Grains::from_particles(&model, &particles).unwrap(), grains);
+    particles.radii[3] *= 1.1;
+    let error = drivers::shear_cell::Grains::from_particles(&model, &particles).unwrap_err();
+    assert!(error.to_string().starts_with("radius is"));
+}
