@@ -1,0 +1,85 @@
+//! The command line.
+
+use crate::{bench, check, info, mobility, new, resume, run, two_sphere};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
+use domain::Comm;
+use std::process::ExitCode;
+
+/// Particles in viscous flow by the force-coupling method.
+#[derive(Parser)]
+#[command(version, after_help = EXAMPLES, max_term_width = 100)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Threads of each rank [default: the cores of this machine, shared out among its ranks]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  fcm-solve new settling > my.toml        write a scene to start from
+  fcm-solve check my.toml                 see whether it is right, and what it will cost
+  fcm-solve run my.toml --out results/my  run it
+  mpirun -n 4 fcm-solve run my.toml       run it on four ranks
+  fcm-solve resume results/my             go on after Ctrl-C, a crash, or the end of a queue's time
+  fcm-solve mobility case.json            how given particles move, once
+  fcm-solve info results/my/trajectory.h5 see what a result file holds";
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Run a scene from its start.
+    Run(run::Args),
+    /// Go on with a run from its last checkpoint.
+    Resume(resume::Args),
+    /// Check a scene and print how it would be computed, without running it.
+    Check(check::Args),
+    /// Evaluate velocities and stresslets once, for positions that you bring.
+    Mobility(mobility::Args),
+    /// Time the mobility and measure its error.
+    Bench(bench::Args),
+    /// Print the exact resistance functions of two spheres.
+    TwoSphere(two_sphere::Args),
+    /// Print a commented scene to start from.
+    New(new::Args),
+    /// Say what an HDF5 file of a run holds.
+    Info(info::Args),
+    /// Print a script that completes commands in a shell.
+    ///
+    /// For bash: fcm-solve completions bash > ~/.local/share/bash-completion/completions/fcm-solve
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+}
+
+impl Args {
+    /// Reads the command line; help and mistakes come back as what to print.
+    pub fn read() -> Result<Self, clap::Error> {
+        Self::try_parse()
+    }
+}
+
+impl Command {
+    /// Does it. Every rank comes here, and all fail or none.
+    pub fn carry_out(&self, comm: &Comm) -> anyhow::Result<ExitCode> {
+        match self {
+            Self::Run(args) => return run::run(args, comm),
+            Self::Resume(args) => return resume::run(args, comm),
+            Self::Check(args) => check::run(args, comm)?,
+            Self::Mobility(args) => mobility::run(args, comm)?,
+            Self::Bench(args) => bench::run(args, comm)?,
+            Self::TwoSphere(args) => two_sphere::run(args, comm)?,
+            Self::New(args) => new::run(args, comm)?,
+            Self::Info(args) => info::run(args, comm)?,
+            Self::Completions { shell } if comm.is_first() => {
+                clap_complete::generate(*shell, &mut Args::command(), "fcm-solve", &mut std::io::stdout());
+            }
+            Self::Completions { .. } => {}
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

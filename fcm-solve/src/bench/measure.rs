@@ -1,0 +1,161 @@
+//! One case: its time and its error.
+
+use super::spheres::{Spheres, loads};
+use anyhow::Context;
+use domain::{Comm, Particles, Partition};
+use fcm::{Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds};
+use serde::Serialize;
+use std::time::Instant;
+
+/// What to measure.
+#[derive(Debug, Clone, Copy)]
+pub struct Task {
+    /// Relative error allowed.
+    pub tolerance: f64,
+    /// Forces alone.
+    pub monopoles: bool,
+    /// Evaluations that count.
+    pub repeats: u32,
+    /// Whether to measure the error.
+    pub with_error: bool,
+    /// What the user fixed.
+    pub fixed: Fixed,
+}
+
+/// What was measured.
+#[derive(Debug, Serialize)]
+pub struct Measurement {
+    tolerance: f64,
+    method: &'static str,
+    precision: &'static str,
+    grid: [usize; 3],
+    support: usize,
+    ranks: usize,
+    threads: usize,
+    seconds: Times,
+    predicted_seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Times {
+    spread: f64,
+    fft: f64,
+    solve: f64,
+    interpolate: f64,
+    near: f64,
+    exchange: f64,
+    total: f64,
+}
+
+impl Task {
+    /// Evaluates the mobility of the spheres again and again. Collective.
+    pub fn measure(&self, spheres: &Spheres, comm: &Comm) -> anyhow::Result<Measurement> {
+        let plan = self.plan(spheres, comm)?;
+        let (times, found) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
+        let error = if self.with_error { Some(self.error(&found, spheres, comm)?) } else { None };
+        Ok(Measurement {
+            tolerance: self.tolerance,
+            method: if plan.method == Method::Direct { "direct" } else { "split" },
+            precision: if plan.precision == Precision::Single { "f32" } else { "f64" },
+            grid: plan.grid,
+            support: plan.support.support,
+            ranks: comm.size(),
+            threads: rayon::current_num_threads(),
+            seconds: medians(&times[1..]),
+            predicted_seconds: plan.predicted_seconds,
+            error,
+        })
+    }
+
+    fn plan(&self, spheres: &Spheres, comm: &Comm) -> anyhow::Result<Plan> {
+        let problem = Problem {
+            edges: spheres.cell.edges(),
+            largest_strain: 0.0,
+            radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
+            viscosity: 1.0,
+            multipoles: if self.monopoles { Multipoles::Monopole } else { Multipoles::Dipole },
+            tolerance: self.tolerance,
+            threads: rayon::current_num_threads(),
+            ranks: comm.size(),
+            fixed: self.fixed,
+        };
+        Plan::choose(&problem).context("this case can't be evaluated")
+    }
+
+    /// The seconds of an evaluation at each turn's positions, and the motions of the last one, on the first rank.
+    fn evaluate(
+        &self,
+        plan: &Plan,
+        spheres: &Spheres,
+        comm: &Comm,
+        turns: std::ops::RangeInclusive<u32>,
+    ) -> (Vec<(Seconds, f64)>, [Vec<f64>; 3]) {
+        let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+        let mut mobility = Mobility::new(plan, &partition);
+        let wanted = if self.monopoles { Evaluation::Velocities } else { Evaluation::All };
+        let mut times = Vec::new();
+        let mut last = (Particles::default(), Motion::default());
+        for turn in turns {
+            let particles = spheres.displaced(turn, &partition);
+            let loads = loads(&particles, self.monopoles);
+            let before = mobility.work().seconds;
+            comm.barrier();
+            let start = Instant::now();
+            mobility.arrange(&spheres.cell, &particles.positions, &particles.radii);
+            let motion = mobility.apply(&loads, wanted);
+            comm.barrier();
+            times.push((mobility.work().seconds - before, start.elapsed().as_secs_f64()));
+            last = (particles, motion);
+        }
+        (times, gathered(last.0, &last.1, &partition))
+    }
+
+    /// The largest relative error against an evaluation with a tolerance 100 times smaller.
+    fn error(&self, found: &[Vec<f64>; 3], spheres: &Spheres, comm: &Comm) -> anyhow::Result<f64> {
+        let fixed = Fixed { method: Some(MethodName::Split), ..Fixed::default() };
+        let tighter = Self { tolerance: (self.tolerance * 1e-2).max(1e-12), fixed, ..*self };
+        let plan = tighter.plan(spheres, comm)?;
+        let (_, exact) = tighter.evaluate(&plan, spheres, comm, self.repeats..=self.repeats);
+        let errors = found.iter().zip(&exact).map(|(found, exact)| relative(found, exact));
+        Ok(errors.fold(0.0, f64::max))
+    }
+}
+
+/// Velocities, angular velocities and rates of strain in the order of the ids, on the first rank.
+fn gathered(mut particles: Particles, motion: &Motion, partition: &Partition) -> [Vec<f64>; 3] {
+    let kinds: [(&str, usize, &[f64]); 3] = [
+        ("velocity", 3, bytemuck::cast_slice(&motion.velocities)),
+        ("angular_velocity", 3, bytemuck::cast_slice(&motion.angular_velocities)),
+        ("strain_rate", 5, bytemuck::cast_slice(&motion.strain_rates)),
+    ];
+    for (name, width, values) in kinds {
+        particles.column(name, width).values[..values.len()].copy_from_slice(values);
+    }
+    let mut all = particles.gathered(partition);
+    kinds.map(|(name, width, _)| std::mem::take(&mut all.column(name, width).values))
+}
+
+fn relative(found: &[f64], exact: &[f64]) -> f64 {
+    let difference: f64 = found.iter().zip(exact).map(|(a, b)| (a - b) * (a - b)).sum();
+    let square: f64 = exact.iter().map(|b| b * b).sum();
+    if square > 0.0 { (difference / square).sqrt() } else { 0.0 }
+}
+
+fn medians(times: &[(Seconds, f64)]) -> Times {
+    let median = |part: fn(&(Seconds, f64)) -> f64| {
+        let mut values: Vec<f64> = times.iter().map(part).collect();
+        values.sort_by(f64::total_cmp);
+        0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+    };
+    Times {
+        spread: median(|t| t.0.spread),
+        fft: median(|t| t.0.fft),
+        solve: 0.0,
+        interpolate: median(|t| t.0.interpolate),
+        near: median(|t| t.0.near),
+        exchange: median(|t| t.0.exchange),
+        total: median(|t| t.1),
+    }
+}

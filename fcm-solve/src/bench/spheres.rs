@@ -1,0 +1,61 @@
+//! Random spheres that move a little from evaluation to evaluation.
+
+use super::Case;
+use anyhow::Context;
+use domain::{Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector, random_packing};
+use fcm::Loads;
+use std::f64::consts::PI;
+
+/// The same spheres on every rank.
+pub struct Spheres {
+    /// Their box.
+    pub cell: PeriodicBox,
+    /// Radii: 1 and the size ratio in turn.
+    pub radii: Vec<f64>,
+    positions: Vec<Vector>,
+}
+
+const SEED: u64 = 1;
+
+impl Spheres {
+    /// Places the spheres of a case without overlap. Collective.
+    pub fn random(case: &Case, comm: &Comm) -> anyhow::Result<Self> {
+        let radii: Vec<f64> = (0..case.particles).map(|i| if i % 2 == 0 { 1.0 } else { case.size_ratio }).collect();
+        let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
+        let cell = PeriodicBox::new(Vector::splat((volume / case.volume_fraction).cbrt()))?;
+        let placed = if comm.is_first() { random_packing(&cell, &radii, 0.0, SEED) } else { Ok(Vec::new()) };
+        let mut positions = comm.agree(placed).context("these spheres can't be placed")?;
+        comm.broadcast(&mut positions);
+        Ok(Self { cell, radii, positions })
+    }
+
+    /// This rank's particles after a small random displacement of each, a new one for each `turn`.
+    pub fn displaced(&self, turn: u32, partition: &Partition) -> Particles {
+        let mut particles = Particles::default();
+        for (id, &position) in self.positions.iter().enumerate() {
+            let step = Random::new(SEED + 1 + u64::from(turn), id as u64).point() - Vector::splat(0.5);
+            let (place, _) = self.cell.wrap(position + 0.1 * step);
+            if partition.owner(&self.cell, place) == partition.comm().rank() {
+                particles.push(id as u64, place, self.radii[id], 0);
+            }
+        }
+        particles.migrate(partition, &self.cell);
+        particles
+    }
+}
+
+/// Forces like `a`, torques and stresslets like `a^2`, by the particles' ids.
+pub fn loads(particles: &Particles, monopoles: bool) -> Loads {
+    let mut loads = Loads::default();
+    for (&id, &radius) in particles.ids.iter().zip(&particles.radii) {
+        let mut random = Random::new(SEED, id);
+        let mut vector = |scale: f64| (random.point() - Vector::splat(0.5)) * scale;
+        loads.forces.push(vector(radius));
+        if !monopoles {
+            loads.torques.push(vector(radius * radius));
+            let (p, q) = (vector(radius * radius), vector(radius * radius));
+            loads.stresslets.push(Traceless([p.x, p.y, p.z, q.x, q.y]));
+        }
+    }
+    loads
+}

@@ -1,0 +1,30 @@
+//! `fcm-solve check`: what a scene would cost.
+
+use crate::run::read;
+use crate::suspension::Outline;
+use domain::Comm;
+use io::Kind;
+use std::path::PathBuf;
+
+/// Which scene.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The scene file; - reads it from the standard input
+    scene: PathBuf,
+    /// Set a key of the scene, as in --set time.step=0.01; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+}
+
+/// Checks the scene and prints how it would be computed. Collective.
+pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+    let scene = read(&args.scene, &args.overrides, comm)?;
+    let Kind::Suspension(scene) = scene.kind() else {
+        anyhow::bail!("this version of the program can't run scenes of this kind");
+    };
+    let outline = Outline::of(scene, comm)?;
+    if comm.is_first() {
+        print!("{outline}");
+    }
+    Ok(())
+}

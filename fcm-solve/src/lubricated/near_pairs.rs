@@ -1,0 +1,111 @@
+//! The pairs that feel lubrication, and the factor `B` of their resistance `B B^T`.
+
+use super::screw::{Screw, Screws};
+use domain::{Exchange, Pairs, Particles, Partition, PeriodicBox, Traceless};
+use lubrication::{PairFactor, PairForce, PairLoads, PairMotion};
+use rayon::prelude::*;
+
+/// Amplitudes of the modes of one pair.
+pub type Modes = [f64; PairFactor::MODES];
+
+/// A pair and its factor.
+pub struct NearPair {
+    /// Rows of the two particles among those present.
+    pub rows: [usize; 2],
+    /// Its part of `B`.
+    pub factor: PairFactor,
+}
+
+/// The pairs that this rank keeps, with what is needed of images that other ranks own.
+pub struct NearPairs {
+    exchange: Exchange,
+    list: Vec<NearPair>,
+}
+
+impl NearPairs {
+    /// Finds the pairs within reach of lubrication between particles whose radii are among `radii`, in ascending order.
+    /// Collective.
+    pub fn find(
+        force: &PairForce,
+        radii: &[f64],
+        particles: &Particles,
+        cell: &PeriodicBox,
+        partition: &Partition,
+    ) -> Self {
+        let reach = force.reach();
+        let exchange = Exchange::plan(partition, cell, &particles.positions, [reach; 2]);
+        let class = |a: &f64| radii.partition_point(|radius| radius < a) as u32;
+        let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
+        let mut classes: Vec<u32> = particles.radii.iter().map(class).collect();
+        exchange.extend(&mut positions);
+        exchange.extend(&mut ids);
+        exchange.extend(&mut classes);
+        let pairs = Pairs::find(cell, &positions, &ids, particles.len(), reach);
+        let near = pairs.list().par_iter().filter_map(|pair| {
+            let rows = [pair.i as usize, pair.j as usize];
+            let factor = force.factor(pair.separation(cell, &positions), rows.map(|row| classes[row]))?;
+            Some(NearPair { rows, factor })
+        });
+        let list = near.collect();
+        Self { exchange, list }
+    }
+
+    /// The pairs.
+    pub fn list(&self) -> &[NearPair] {
+        &self.list
+    }
+
+    /// Who has images of whom.
+    pub fn exchange(&self) -> &Exchange {
+        &self.exchange
+    }
+
+    /// `B^T` times motions relative to the ambient flow, whose rate of strain is `ambient`. Collective.
+    pub fn modes(&self, motions: &Screws, ambient: Traceless) -> Vec<Modes> {
+        let mut present = motions.0.clone();
+        self.exchange.extend(&mut present);
+        self.list
+            .par_iter()
+            .map(|pair| pair.factor.modes(&motion(pair.rows.map(|row| present[row]), ambient)))
+            .collect()
+    }
+
+    /// Forces and torques of `B` times amplitudes. Collective.
+    pub fn loads(&self, modes: &[Modes]) -> Screws {
+        let loads = self.pair_loads(modes);
+        let mut sums = vec![Screw::default(); self.exchange.present()];
+        for (pair, loads) in self.list.iter().zip(&loads) {
+            for (k, row) in pair.rows.into_iter().enumerate() {
+                sums[row] += Screw::new(loads.force[k], loads.torque[k]);
+            }
+        }
+        self.exchange.collect(&mut sums);
+        Screws(sums)
+    }
+
+    /// First moments of `B` times amplitudes. Collective.
+    pub fn moments(&self, modes: &[Modes]) -> Vec<Traceless> {
+        let loads = self.pair_loads(modes);
+        let mut sums = vec![Traceless::ZERO; self.exchange.present()];
+        for (pair, loads) in self.list.iter().zip(&loads) {
+            for (k, row) in pair.rows.into_iter().enumerate() {
+                sums[row] += loads.moment[k];
+            }
+        }
+        self.exchange.collect(&mut sums);
+        sums
+    }
+
+    fn pair_loads(&self, modes: &[Modes]) -> Vec<PairLoads> {
+        self.list.par_iter().zip(modes).map(|(pair, modes)| pair.factor.loads(modes)).collect()
+    }
+}
+
+/// The motion of two rigid spheres relative to a flow.
+pub fn motion(spheres: [Screw; 2], ambient: Traceless) -> PairMotion {
+    PairMotion {
+        velocity: spheres.map(Screw::linear),
+        angular_velocity: spheres.map(Screw::angular),
+        strain_rate: [-ambient; 2],
+    }
+}

@@ -1,0 +1,105 @@
+//! The resistance of particles without far field, a sparse matrix.
+
+use super::block::Block;
+use super::near_pairs::{NearPair, NearPairs, motion};
+use super::screw::{Screw, Screws};
+use domain::{Comm, Exchange, Traceless};
+use fcm::{Limits, System, conjugate_gradients};
+use rayon::prelude::*;
+
+/// `M_0^-1 + B B^T`, with `M_0` the mobility of single spheres: what particles resist to their rigid motions if they
+/// feel one another by lubrication alone.
+pub struct ParticleMatrix<'a> {
+    comm: Comm,
+    exchange: &'a Exchange,
+    diagonal: Vec<Block>,
+    inverse: Vec<Block>,
+    /// Where each present row starts in `entries`.
+    starts: Vec<usize>,
+    /// Column and block off the diagonal.
+    entries: Vec<(u32, Block)>,
+}
+
+/// Error left in a solve; the outer iteration does not know how exact it is.
+const LIMITS: Limits = Limits { tolerance: 1e-3, iterations: 2000 };
+
+impl<'a> ParticleMatrix<'a> {
+    /// For near pairs of particles with the given resistances alone. Collective.
+    pub fn new(comm: &Comm, near: &'a NearPairs, single: &[Screw]) -> Self {
+        let exchange = near.exchange();
+        let blocks: Vec<_> = near.list().par_iter().map(blocks).collect();
+        let mut diagonal = vec![Block::default(); exchange.present()];
+        let mut places = Vec::with_capacity(2 * blocks.len());
+        for (pair, [first, across, second]) in near.list().iter().zip(&blocks) {
+            let [i, j] = pair.rows;
+            diagonal[i] += *first;
+            diagonal[j] += *second;
+            places.push((i, j, *across));
+            places.push((j, i, across.transposed()));
+        }
+        exchange.collect(&mut diagonal);
+        for (block, single) in diagonal.iter_mut().zip(single) {
+            (0..6).for_each(|k| block.0[k][k] += single.0[k]);
+        }
+        places.sort_by_key(|&(row, ..)| row);
+        let starts = (0..=exchange.present()).map(|row| places.partition_point(|place| place.0 < row)).collect();
+        let entries = places.into_iter().map(|(_, column, block)| (column as u32, block)).collect();
+        let inverse = diagonal.iter().map(Block::inverse).collect();
+        Self { comm: comm.clone(), exchange, diagonal, inverse, starts, entries }
+    }
+
+    /// The motions under the given loads, nearly. Collective.
+    pub fn solve(&mut self, loads: Screws) -> Screws {
+        let (mut motions, mut residual) = (Screws(vec![Screw::default(); loads.0.len()]), loads);
+        let comm = self.comm.clone();
+        conjugate_gradients(&comm, self, (&mut motions, &mut residual), LIMITS);
+        motions
+    }
+}
+
+impl System for ParticleMatrix<'_> {
+    type Unknowns = Screws;
+
+    fn apply(&mut self, direction: &Screws) -> Screws {
+        let mut present = direction.0.clone();
+        self.exchange.extend(&mut present);
+        let row = |row: usize| {
+            let mut sum = self.diagonal.get(row).map_or_else(Screw::default, |block| block.times(&present[row]));
+            for (column, block) in &self.entries[self.starts[row]..self.starts[row + 1]] {
+                sum += block.times(&present[*column as usize]);
+            }
+            sum
+        };
+        let mut loads = (0..present.len()).into_par_iter().map(row).collect();
+        self.exchange.collect(&mut loads);
+        Screws(loads)
+    }
+
+    fn stepped(&mut self, _: f64) {}
+
+    fn precondition(&mut self, residual: &Screws) -> Screws {
+        Screws(self.inverse.par_iter().zip(&residual.0).map(|(block, r)| block.times(r)).collect())
+    }
+
+    fn size(&self, x: &Screws) -> f64 {
+        let own = |(block, x): (&Block, &Screw)| block.times(x).0.iter().zip(x.0).map(|(y, x)| y * x).sum::<f64>();
+        self.diagonal.iter().zip(&x.0).map(own).sum()
+    }
+}
+
+/// The blocks 11, 12 and 22 of a pair's resistance.
+fn blocks(pair: &NearPair) -> [Block; 3] {
+    let mut blocks = [Block::default(); 3];
+    for column in 0..6 {
+        let loads = [0, 1].map(|moves| {
+            let mut spheres = [Screw::default(); 2];
+            spheres[moves].0[column] = 1.0;
+            pair.factor.loads(&pair.factor.modes(&motion(spheres, Traceless::ZERO)))
+        });
+        let on = |moves: usize, sphere: usize| Screw::new(loads[moves].force[sphere], loads[moves].torque[sphere]).0;
+        for (block, load) in blocks.iter_mut().zip([on(0, 0), on(1, 0), on(1, 1)]) {
+            block.0.iter_mut().zip(load).for_each(|(row, value)| row[column] = value);
+        }
+    }
+    blocks
+}

@@ -1,0 +1,45 @@
+//! Particles in viscous flow by the force-coupling method: the program.
+
+mod args;
+mod bench;
+mod check;
+mod clock;
+mod info;
+mod integrator;
+mod launch;
+mod lubricated;
+mod march;
+mod mobility;
+mod new;
+mod output;
+mod progress;
+mod resume;
+mod run;
+mod signals;
+mod suspension;
+mod two_sphere;
+
+use args::Args;
+use domain::Comm;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    launch::leave_files_unlocked();
+    let comm = match Comm::world() {
+        Ok(comm) => comm,
+        Err(error) => return launch::refused(&error),
+    };
+    let args = match Args::read() {
+        Ok(args) => args,
+        Err(message) => return launch::explain(&comm, &message),
+    };
+    match launch::start_threads(args.threads).and_then(|()| args.command.carry_out(&comm)) {
+        Ok(code) => code,
+        Err(error) => {
+            if comm.is_first() {
+                eprintln!("error: {error:#}");
+            }
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! `fcm-solve new`: scenes to start from.
+
+use clap::ValueEnum;
+use domain::Comm;
+use std::io::Write;
+
+/// What to print.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Which scene.
+    kind: Template,
+}
+
+/// The scenes that come with the program.
+#[derive(Clone, Copy, ValueEnum)]
+enum Template {
+    /// Spheres of two kinds, with every key explained
+    Suspension,
+    /// 3,200 spheres that settle, at 12% by volume
+    Settling,
+    /// Two spheres that settle side by side
+    PairSettling,
+    /// Two sizes of spheres in a shear flow
+    Shear,
+}
+
+impl Template {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Suspension => include_str!("../../scenes/suspension.toml"),
+            Self::Settling => include_str!("../../scenes/settling.toml"),
+            Self::PairSettling => include_str!("../../scenes/pair-settling.toml"),
+            Self::Shear => include_str!("../../scenes/shear.toml"),
+        }
+    }
+}
+
+/// Prints the scene.
+pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+    if comm.is_first() {
+        std::io::stdout().write_all(args.kind.text().as_bytes())?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_template_is_a_scene() {
+        for template in Template::value_variants() {
+            io::Scene::parse(template.text(), "template.toml", &[]).unwrap();
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The folder of a run, held by one program at a time.
+
+use anyhow::{Context, bail};
+use domain::Comm;
+use io::{Checkpoint, replace_file};
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+
+/// A folder that belongs to this run until it ends.
+pub struct Folder {
+    path: PathBuf,
+    /// On the first rank; the system unlocks it when the program ends, however it ends.
+    _lock: Option<File>,
+}
+
+impl Folder {
+    /// Takes a folder for a run from its start. One that holds a run already is refused unless `force` is set.
+    pub fn claim(path: &Path, comm: &Comm, force: bool) -> anyhow::Result<Self> {
+        if comm.is_first() {
+            std::fs::create_dir_all(path).with_context(|| format!("can't make the folder {}", path.display()))?;
+            if path.join(SCENE).exists() && !force {
+                let name = path.display();
+                bail!(
+                    "{name} already holds the results of a run: go on with it by `fcm-solve resume {name}`, name \
+                     another folder with --out, or replace it with --force"
+                );
+            }
+        }
+        Self::hold(path, comm)
+    }
+
+    /// Takes the folder of a run to go on with.
+    pub fn reopen(path: &Path, comm: &Comm) -> anyhow::Result<Self> {
+        if comm.is_first() && !path.join(SCENE).exists() {
+            bail!("{} holds no run to go on with: it has no {SCENE}; start one with `fcm-solve run`", path.display());
+        }
+        Self::hold(path, comm)
+    }
+
+    fn hold(path: &Path, comm: &Comm) -> anyhow::Result<Self> {
+        let lock = if comm.is_first() { Some(lock(path)?) } else { None };
+        Ok(Self { path: path.to_owned(), _lock: lock })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The scene that is run here.
+    pub fn scene(&self) -> PathBuf {
+        self.path.join(SCENE)
+    }
+
+    /// Removes what a former run left here and writes the scene of this one.
+    pub fn start_with(&self, scene: &str) -> anyhow::Result<()> {
+        Checkpoint::remove_all(&self.path)?;
+        for name in ["trajectory.h5", "observables.h5", "observables.csv", "fields.xdmf"] {
+            remove(|| std::fs::remove_file(self.path.join(name)), &self.path.join(name))?;
+        }
+        remove(|| std::fs::remove_dir_all(self.path.join("fields")), &self.path.join("fields"))?;
+        self.keep(scene)
+    }
+
+    /// Writes the scene of this run.
+    pub fn keep(&self, scene: &str) -> anyhow::Result<()> {
+        Ok(replace_file(&self.scene(), scene.as_bytes())?)
+    }
+}
+
+const SCENE: &str = "scene.toml";
+
+fn lock(path: &Path) -> anyhow::Result<File> {
+    let name = path.join(".lock");
+    let file = File::create(&name).with_context(|| format!("can't write {}", name.display()))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => bail!(
+            "another run is writing to {}: wait for it, stop it, or name another folder with --out",
+            path.display()
+        ),
+        // Some file systems have no locks.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+fn remove(action: impl FnOnce() -> std::io::Result<()>, path: &Path) -> anyhow::Result<()> {
+    match action() {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(error).with_context(|| format!("can't remove {}", path.display()))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,75 @@
+//! What is observed of a suspension in the course of time.
+
+use crate::suspension::{StepReport, Suspension};
+use domain::Vector;
+use io::{Quantity, SuspensionScene};
+use std::time::Instant;
+
+/// Computes the rows of the time series.
+pub struct Observer {
+    species: Vec<String>,
+    last: (u64, Instant),
+}
+
+impl Observer {
+    /// An observer of a scene's species from step `step` on.
+    pub fn new(scene: &SuspensionScene, step: u64) -> Self {
+        let species = scene.species.iter().map(|s| s.name.clone()).collect();
+        Self { species, last: (step, Instant::now()) }
+    }
+
+    /// What a row consists of. Velocities are relative to the background flow; their variance is component by component.
+    pub fn quantities(&self) -> Vec<Quantity> {
+        vec![
+            Quantity::vectors("mean_velocity", "length/time", &self.species),
+            Quantity::vectors("velocity_variance", "length^2/time^2", &self.species),
+            Quantity::number("smallest_gap", "length"),
+            Quantity::number("iterations", ""),
+            Quantity::number("residual", ""),
+            Quantity::number("divergence", ""),
+            Quantity::number("seconds_per_step", "s"),
+        ]
+    }
+
+    /// A row for the suspension as it is. Collective.
+    pub fn observe(&mut self, suspension: &mut Suspension) -> Vec<Vec<f64>> {
+        let (means, variances) = self.moments(suspension);
+        let report = suspension.report();
+        let seconds = self.seconds_per_step(suspension.clock().step());
+        let StepReport { iterations, residual, divergence, smallest_gap } = report;
+        let mut row = vec![components(&means), components(&variances)];
+        row.extend([smallest_gap, iterations as f64, residual, divergence, seconds].map(|number| vec![number]));
+        row
+    }
+
+    /// Mean and variance of the velocity of each species.
+    fn moments(&self, suspension: &Suspension) -> (Vec<Vector>, Vec<Vector>) {
+        let velocities = suspension.velocities_in_flow();
+        let kinds = &suspension.particles().species;
+        let mean_of = |value: &dyn Fn(usize) -> Vector| {
+            let mut sums = vec![0.0; 4 * self.species.len()];
+            for (i, &kind) in kinds.iter().enumerate() {
+                let sum = &mut sums[4 * kind as usize..][..4];
+                for (component, add) in sum.iter_mut().zip(value(i).to_array().into_iter().chain([1.0])) {
+                    *component += add;
+                }
+            }
+            suspension.comm().sum(&mut sums);
+            sums.chunks_exact(4).map(|s| Vector::from_slice(s) / s[3]).collect::<Vec<_>>()
+        };
+        let means = mean_of(&|i| velocities[i]);
+        let fluctuation = |i: usize| velocities[i] - means[kinds[i] as usize];
+        let variances = mean_of(&|i| fluctuation(i) * fluctuation(i));
+        (means, variances)
+    }
+
+    fn seconds_per_step(&mut self, step: u64) -> f64 {
+        let (before, began) = std::mem::replace(&mut self.last, (step, Instant::now()));
+        let steps = step.saturating_sub(before).max(1);
+        began.elapsed().as_secs_f64() / steps as f64
+    }
+}
+
+fn components(vectors: &[Vector]) -> Vec<f64> {
+    vectors.iter().flat_map(Vector::to_array).collect()
+}

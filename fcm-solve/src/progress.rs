@@ -1,0 +1,86 @@
+//! How far a run is, for whoever waits.
+
+use crate::clock::Clock;
+use domain::Comm;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Time between two lines where there is no terminal.
+const PAUSE: Duration = Duration::from_secs(5);
+
+/// A bar on a terminal, now and then a line elsewhere, nothing from other ranks than the first.
+pub struct Progress {
+    display: Display,
+    first: u64,
+    last: u64,
+    began: Instant,
+}
+
+enum Display {
+    Bar(ProgressBar),
+    Lines { said: Instant },
+    Nothing,
+}
+
+impl Progress {
+    /// The progress from where the clock is to step `last`.
+    pub fn start(comm: &Comm, clock: &Clock, last: u64) -> Self {
+        let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
+            (false, _) => Display::Nothing,
+            (true, true) => Display::Bar(bar(clock.step(), last)),
+            (true, false) => Display::Lines { said: Instant::now() },
+        };
+        Self { display, first: clock.step(), last, began: Instant::now() }
+    }
+
+    /// Shows where the clock is.
+    pub fn show(&mut self, clock: &Clock) {
+        let pace = self.pace(clock);
+        match &mut self.display {
+            Display::Bar(bar) => {
+                bar.set_position(clock.step());
+                bar.set_message(format!("time {:.4}, {pace}", clock.time()));
+            }
+            Display::Lines { said } if said.elapsed() >= PAUSE || clock.step() == self.last => {
+                eprintln!("step {} of {}, time {:.4}, {pace}", clock.step(), self.last, clock.time());
+                *said = Instant::now();
+            }
+            Display::Lines { .. } | Display::Nothing => {}
+        }
+    }
+
+    /// Steps a second, and what is left of the run at that pace.
+    fn pace(&self, clock: &Clock) -> String {
+        let (taken, left) = (clock.step() - self.first, self.last.saturating_sub(clock.step()));
+        let seconds = self.began.elapsed().as_secs_f64();
+        if taken == 0 {
+            return "first step".to_owned();
+        }
+        let rate = taken as f64 / seconds;
+        let left = Duration::from_secs((left as f64 / rate) as u64);
+        format!("{rate:.2} steps/s, {} left", indicatif::HumanDuration(left))
+    }
+
+    /// Says something beside the progress.
+    pub fn say(&self, message: &str) {
+        match &self.display {
+            Display::Bar(bar) => bar.suspend(|| eprintln!("{message}")),
+            Display::Lines { .. } => eprintln!("{message}"),
+            Display::Nothing => {}
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.abandon();
+        }
+    }
+}
+
+fn bar(first: u64, last: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {msg}").expect("a good template");
+    ProgressBar::new(last).with_position(first).with_style(style)
+}

@@ -1,0 +1,177 @@
+//! From positions to velocities.
+
+use super::fluid;
+use super::forces::Forces;
+use super::moving_box::MovingBox;
+use super::setup::Setup;
+use super::warm_start::WarmStart;
+use crate::clock::Clock;
+use crate::integrator::VELOCITY;
+use crate::lubricated::{Guess, Hydrodynamics, Solved};
+use domain::{Failure, Particles, Partition, PeriodicBox, Vector};
+use fcm::{Loads, SolveError};
+use io::{Multipoles, SuspensionScene};
+use lubrication::Range;
+use solver::BackgroundFlow;
+
+/// The column of stresslets; with lubrication, of the whole hydrodynamic ones.
+pub const STRESSLET: &str = "stresslet";
+
+/// The column of angular velocities.
+pub const ANGULAR_VELOCITY: &str = "angular_velocity";
+
+/// Why a step could not be taken.
+#[derive(Debug, thiserror::Error)]
+pub enum StepError {
+    /// A position that is no place.
+    #[error("{0}")]
+    NotFinite(Failure),
+    /// The fluid could not be computed.
+    #[error("step {step}: {source}")]
+    Solve {
+        /// Steps taken before.
+        step: u64,
+        /// Why not.
+        source: SolveError,
+    },
+}
+
+/// Gap over the mean radius below which lubrication grows no more.
+const CLOSEST: f64 = 1e-6;
+
+/// Edges of the box that a particle may be away from it at the end of a step, as far as counting them goes.
+const FARTHEST: f64 = 1e9;
+
+/// How the solve of one evaluation went.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Outcome {
+    /// Iterations for the stresslets.
+    pub iterations: usize,
+    /// Their relative residual.
+    pub residual: f64,
+}
+
+/// Everything that moves the particles.
+pub struct Dynamics {
+    partition: Partition,
+    moving: MovingBox,
+    flow: BackgroundFlow,
+    forces: Forces,
+    hydrodynamics: Hydrodynamics,
+    warm_start: WarmStart,
+    rigid: bool,
+}
+
+impl Dynamics {
+    /// The dynamics of a scene that was made ready, and its particles.
+    pub fn new(scene: &SuspensionScene, setup: Setup) -> anyhow::Result<(Self, Particles)> {
+        let chosen = &scene.hydrodynamics;
+        let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
+        let range = chosen.lubrication.then(|| Range::new(cutoff, CLOSEST)).transpose()?;
+        let dynamics = Self {
+            hydrodynamics: Hydrodynamics::new(&setup.plan, &setup.partition, range)?,
+            warm_start: WarmStart::new(chosen.lubrication),
+            forces: Forces::new(scene, setup.radii.largest())?,
+            rigid: scene.hydrodynamics.multipoles == Multipoles::Dipole,
+            partition: setup.partition,
+            moving: setup.moving,
+            flow: setup.flow,
+        };
+        Ok((dynamics, setup.particles))
+    }
+
+    /// Makes the state at the start of a step part of the past.
+    pub fn remember(&self, particles: &mut Particles) {
+        if self.rigid {
+            self.warm_start.remember(particles);
+        }
+    }
+
+    /// Brings the particles into the box and to their ranks, and computes their velocities, angular velocities and
+    /// stresslets when a fraction of the clock's step is over. Collective; fails on every rank or on none.
+    pub fn evaluate(&mut self, particles: &mut Particles, clock: &Clock, fraction: f64) -> Result<Outcome, StepError> {
+        self.check_positions(particles, clock)?;
+        self.moving.go_to(clock.time_at(fraction), particles);
+        let cell = *self.moving.cell();
+        particles.migrate(&self.partition, &cell);
+        let loads = self.forces.on(particles, &cell, &self.partition);
+        let guess =
+            if self.rigid { self.warm_start.guess(particles, clock.step(), fraction) } else { Guess::default() };
+        let ambient = self.flow.strain_rate();
+        let solved = self.hydrodynamics.solve(&cell, particles, &loads, ambient, &guess);
+        let solved = solved.map_err(|source| StepError::Solve { step: clock.step(), source })?;
+        self.record(particles, &loads, &solved);
+        Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
+    }
+
+    fn check_positions(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
+        let edges = self.cell().edges();
+        let is_somewhere = |p: &Vector| (*p / edges).abs().max_element() < FARTHEST;
+        let lost = particles.positions.iter().position(|p| !is_somewhere(p));
+        let message = |row: usize| {
+            format!(
+                "step {}: particle {} is at {}, which is no place; the time step is probably too large for the forces \
+                 between particles: try a smaller time.step",
+                clock.step(),
+                particles.ids[row],
+                particles.positions[row]
+            )
+        };
+        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)
+    }
+
+    /// Writes what was solved for into the particles' columns, the background flow included.
+    fn record(&self, particles: &mut Particles, loads: &Loads, solved: &Solved) {
+        let carried = particles.positions.iter().zip(&solved.motion.velocities);
+        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.flow.velocity(x)).collect();
+        particles.vectors(VELOCITY).copy_from_slice(&velocities);
+        if self.rigid {
+            let rotation = self.flow.angular_velocity();
+            let turning = particles.vectors(ANGULAR_VELOCITY);
+            for (turning, &own) in turning.iter_mut().zip(&solved.motion.angular_velocities) {
+                *turning = own + rotation;
+            }
+            let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
+            particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
+            self.warm_start.record(particles, loads, solved);
+        }
+    }
+
+    /// The box as it is.
+    pub fn cell(&self) -> &PeriodicBox {
+        self.moving.cell()
+    }
+
+    /// Which rank owns what.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
+
+    /// The background flow.
+    pub fn flow(&self) -> &BackgroundFlow {
+        &self.flow
+    }
+
+    /// How the fluid is computed, in words.
+    pub fn plan(&mut self) -> String {
+        self.hydrodynamics.mobility().plan().describe()
+    }
+
+    /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last. Collective.
+    pub fn divergence(&mut self) -> f64 {
+        self.hydrodynamics.mobility().divergence()
+    }
+
+    /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in
+    /// the order `[z][y][x]`, x fastest; on the first rank. Collective.
+    pub fn velocity_field(&mut self, particles: &Particles) -> ([usize; 3], Vec<Vector>) {
+        let mut loads = self.forces.on(particles, self.moving.cell(), &self.partition);
+        self.warm_start.add_to(&mut loads, particles);
+        fluid::velocity(
+            self.hydrodynamics.mobility().plan(),
+            self.moving.cell(),
+            (particles, &loads),
+            self.partition.comm(),
+        )
+    }
+}

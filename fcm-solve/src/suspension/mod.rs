@@ -1,0 +1,150 @@
+//! A suspension of spheres in Stokes flow.
+
+mod dynamics;
+mod fluid;
+mod forces;
+mod initial;
+mod moving_box;
+mod near;
+mod outline;
+mod plan;
+mod setup;
+mod warm_start;
+
+use crate::clock::Clock;
+use crate::integrator;
+use domain::{Column, Comm, Particles, PeriodicBox, Vector};
+pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
+use dynamics::{Dynamics, Outcome};
+use integrator::VELOCITY;
+use io::{Checkpoint, SuspensionScene};
+pub use outline::Outline;
+use setup::Setup;
+
+/// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular velocities
+/// and stresslets that belong to their positions.
+pub struct Suspension {
+    particles: Particles,
+    dynamics: Dynamics,
+    clock: Clock,
+    outcome: Outcome,
+    comm: Comm,
+}
+
+/// What is worth knowing of a suspension besides its particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReport {
+    /// Iterations of the last solve.
+    pub iterations: usize,
+    /// Its relative residual.
+    pub residual: f64,
+    /// Divergence of the flow of the last evaluation relative to what it could be: near round-off.
+    pub divergence: f64,
+    /// Smallest gap between the surfaces of two particles.
+    pub smallest_gap: f64,
+}
+
+impl Suspension {
+    /// A scene at time zero. Collective.
+    pub fn start(scene: &SuspensionScene, comm: &Comm) -> anyhow::Result<Self> {
+        let (mut dynamics, mut particles) = Dynamics::new(scene, Setup::start(scene, comm)?)?;
+        let clock = Clock::at(0, scene.time.step);
+        let outcome = dynamics.evaluate(&mut particles, &clock, 0.0)?;
+        Ok(Self { particles, dynamics, clock, outcome, comm: comm.clone() })
+    }
+
+    /// A scene as a checkpoint has it, which the first rank brings. Collective.
+    pub fn resume(scene: &SuspensionScene, checkpoint: Option<Checkpoint>, comm: &Comm) -> anyhow::Result<Self> {
+        let mut step = checkpoint.iter().map(|c| c.step).collect();
+        comm.broadcast(&mut step);
+        let then = checkpoint.as_ref().map(|c| c.plan.clone());
+        let mut particles = checkpoint.map(|c| c.particles).unwrap_or_default();
+        initial::share_columns(&mut particles, comm);
+        let (dynamics, particles) = Dynamics::new(scene, Setup::at(scene, particles, (comm, step[0]))?)?;
+        let clock = Clock::at(step[0], scene.time.step);
+        let mut resumed = Self { particles, dynamics, clock, outcome: Outcome::default(), comm: comm.clone() };
+        if then.is_some_and(|plan| plan != resumed.plan()) {
+            eprintln!(
+                "warning: the fluid is computed in another way than before, so the run goes on, but not bit for bit"
+            );
+        }
+        Ok(resumed)
+    }
+
+    /// Takes one step. `Err` on every rank or on none.
+    pub fn step(&mut self) -> Result<(), StepError> {
+        let Self { particles, dynamics, clock, outcome, .. } = self;
+        dynamics.remember(particles);
+        integrator::advance(particles, clock, |particles, fraction| {
+            *outcome = dynamics.evaluate(particles, clock, fraction)?;
+            Ok(())
+        })?;
+        self.clock.tick();
+        Ok(())
+    }
+
+    /// The time.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// The ranks.
+    pub fn comm(&self) -> &Comm {
+        &self.comm
+    }
+
+    /// The box as it is.
+    pub fn cell(&self) -> &PeriodicBox {
+        self.dynamics.cell()
+    }
+
+    /// The particles of this rank.
+    pub fn particles(&self) -> &Particles {
+        &self.particles
+    }
+
+    /// How the fluid is computed, in words.
+    pub fn plan(&mut self) -> String {
+        self.dynamics.plan()
+    }
+
+    /// All particles in the order of their ids, on the first rank, with all their columns or those named. Collective.
+    pub fn gathered(&self, columns: Option<&[&str]>) -> Particles {
+        let wanted = |c: &&Column| columns.is_none_or(|names| names.contains(&c.name.as_str()));
+        let columns = self.particles.columns.iter().filter(wanted).cloned().collect();
+        Particles { columns, ..self.particles.without_columns() }.gathered(self.dynamics.partition())
+    }
+
+    /// The state, on the first rank. Collective.
+    pub fn checkpoint(&mut self) -> Checkpoint {
+        let plan = self.plan();
+        Checkpoint { step: self.clock.step(), strain: self.cell().strain(), plan, particles: self.gathered(None) }
+    }
+
+    /// The velocities of this rank's particles relative to the background flow where they are.
+    pub fn velocities_in_flow(&self) -> Vec<Vector> {
+        let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
+        let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
+        let flow = self.dynamics.flow();
+        velocities.iter().zip(&self.particles.positions).map(|(&v, &x)| v - flow.velocity(x)).collect()
+    }
+
+    /// What is worth knowing of the suspension as it is. Collective.
+    pub fn report(&mut self) -> StepReport {
+        StepReport {
+            iterations: self.outcome.iterations,
+            residual: self.outcome.residual,
+            divergence: self.dynamics.divergence(),
+            smallest_gap: near::smallest_gap(&self.particles, self.cell(), self.dynamics.partition()),
+        }
+    }
+
+    /// The velocity of the fluid relative to the background flow on the grid, with its numbers of points, on the first
+    /// rank: in the order `[z][y][x]`, x fastest. Collective.
+    pub fn velocity_field(&mut self) -> ([usize; 3], Vec<Vector>) {
+        self.dynamics.velocity_field(&self.particles)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,125 @@
+//! Particles near each other.
+
+use domain::{Exchange, Pair, Pairs, Particles, Partition, PeriodicBox, Vector};
+
+/// The pairs within a cutoff, with what is needed of the images that other ranks own.
+pub struct Near {
+    exchange: Exchange,
+    cell: PeriodicBox,
+    positions: Vec<Vector>,
+    radii: Vec<f64>,
+    pairs: Pairs,
+}
+
+impl Near {
+    /// Finds the pairs whose centres are nearer than `cutoff`. Collective.
+    pub fn find(particles: &Particles, cell: &PeriodicBox, partition: &Partition, cutoff: f64) -> Self {
+        let exchange = Exchange::plan(partition, cell, &particles.positions, [cutoff; 2]);
+        let (mut positions, mut radii, mut ids) =
+            (particles.positions.clone(), particles.radii.clone(), particles.ids.clone());
+        exchange.extend(&mut positions);
+        exchange.extend(&mut radii);
+        exchange.extend(&mut ids);
+        let pairs = Pairs::find(cell, &positions, &ids, particles.len(), cutoff);
+        Self { exchange, cell: *cell, positions, radii, pairs }
+    }
+
+    /// Adds to the forces on the particles that this rank owns what `force(separation, radii)` says acts on the first
+    /// of each pair, and the opposite on the second. Collective.
+    pub fn add_forces(&self, forces: &mut [Vector], force: impl Fn(Vector, [f64; 2]) -> Vector) {
+        let mut sums = vec![Vector::ZERO; self.exchange.present()];
+        for pair in self.pairs.list() {
+            let f = force(self.separation(pair), self.radii_of(pair));
+            sums[pair.i as usize] += f;
+            sums[pair.j as usize] -= f;
+        }
+        self.exchange.collect(&mut sums);
+        for (force, sum) in forces.iter_mut().zip(sums) {
+            *force += sum;
+        }
+    }
+
+    /// The smallest gap between the surfaces of any pair on any rank; infinite if there is no pair. Collective.
+    pub fn smallest_gap(&self, partition: &Partition) -> f64 {
+        let gap = |pair: &Pair| self.separation(pair).length() - self.radii_of(pair).iter().sum::<f64>();
+        let mut smallest = [self.pairs.list().iter().map(gap).fold(f64::INFINITY, f64::min)];
+        partition.comm().min(&mut smallest);
+        smallest[0]
+    }
+
+    fn separation(&self, pair: &Pair) -> Vector {
+        pair.separation(&self.cell, &self.positions)
+    }
+
+    fn radii_of(&self, pair: &Pair) -> [f64; 2] {
+        [self.radii[pair.i as usize], self.radii[pair.j as usize]]
+    }
+}
+
+/// The smallest gap between the surfaces of any two particles, or of one and its own image. Collective.
+pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> f64 {
+    let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
+    partition.comm().max(&mut largest);
+    // No two centres are farther apart than this, so the search ends.
+    let farthest = cell.edges().element_sum();
+    let mut margin = 0.2 * largest[0];
+    loop {
+        let cutoff = (2.0 * largest[0] + margin).min(farthest);
+        let gap = Near::find(particles, cell, partition, cutoff).smallest_gap(partition);
+        // A pair beyond the cutoff has a gap of more than the margin.
+        if gap <= margin || cutoff >= farthest {
+            return gap;
+        }
+        margin *= 2.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Comm;
+
+    fn three() -> Particles {
+        let mut particles = Particles::default();
+        particles.push(0, Vector::new(1.0, 1.0, 1.0), 1.0, 0);
+        particles.push(1, Vector::new(1.0, 9.0, 1.0), 0.5, 0);
+        particles.push(2, Vector::new(6.0, 5.0, 5.0), 1.0, 0);
+        particles
+    }
+
+    #[test]
+    fn forces_are_equal_and_opposite_on_any_number_of_ranks() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        for ranks in [1, 2, 3, 4] {
+            let all = Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [8, 8]);
+                let mut particles = if comm.is_first() { three() } else { Particles::default() };
+                particles.migrate(&partition, &cell);
+                let mut forces = vec![Vector::ZERO; particles.len()];
+                let near = Near::find(&particles, &cell, &partition, 3.0);
+                near.add_forces(&mut forces, |d, radii| d * radii[0] * radii[1]);
+                particles.vectors("force").copy_from_slice(&forces);
+                particles.gathered(&partition)
+            });
+            let forces = all.into_iter().next().unwrap().vectors("force").to_vec();
+            // 0 and the image of 1 across the y boundary are 2 apart; nothing else is near.
+            assert_eq!(forces, [Vector::new(0.0, -1.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::ZERO]);
+        }
+    }
+
+    #[test]
+    fn the_smallest_gap_is_found_near_and_far() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        for ranks in [1, 3] {
+            Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [8, 8]);
+                let mut particles = if comm.is_first() { three() } else { Particles::default() };
+                particles.migrate(&partition, &cell);
+                assert!((smallest_gap(&particles, &cell, &partition) - 0.5).abs() < 1e-14);
+                let mut alone = if comm.is_first() { three().selected(&[2]) } else { Particles::default() };
+                alone.migrate(&partition, &cell);
+                assert!((smallest_gap(&alone, &cell, &partition) - 8.0).abs() < 1e-14, "to its own image");
+            });
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! A scene in numbers, before it is run.
+
+use super::setup::Setup;
+use domain::Comm;
+use fcm::Plan;
+use io::SuspensionScene;
+use std::fmt::{Display, Formatter};
+
+/// Bytes of a particle: 6 numbers for itself, 4 velocities, an angular velocity and 4 stresslets.
+const BYTES_A_PARTICLE: u64 = 8 * (6 + 4 * 3 + 3 + 4 * 5);
+
+/// What a run would be made of and what it would cost.
+pub struct Outline {
+    particles: usize,
+    fraction: f64,
+    gap: f64,
+    steps: u64,
+    end: f64,
+    plan: Plan,
+    ranks: usize,
+}
+
+impl Outline {
+    /// The outline of a scene on the ranks present. Collective.
+    pub fn of(scene: &SuspensionScene, comm: &Comm) -> anyhow::Result<Self> {
+        let setup = Setup::start(scene, comm)?;
+        Ok(Self {
+            particles: setup.radii.count(),
+            fraction: setup.radii.volume() / scene.cell.volume(),
+            gap: setup.smallest_gap(),
+            steps: scene.time.steps,
+            end: scene.time.steps as f64 * scene.time.step,
+            plan: setup.plan,
+            ranks: comm.size(),
+        })
+    }
+
+    fn bytes_per_rank(&self) -> u64 {
+        self.plan.grid_bytes_per_rank(self.ranks) + BYTES_A_PARTICLE * self.particles.div_ceil(self.ranks) as u64
+    }
+}
+
+impl Display for Outline {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let (percent, gap) = (100.0 * self.fraction, self.gap);
+        writeln!(f, "particles  {}, {percent:.2}% by volume, smallest gap {gap:.4}", self.particles)?;
+        write!(f, "{}", self.plan.describe())?;
+        writeln!(f, "steps      {}, until time {}", self.steps, self.end)?;
+        writeln!(f, "memory     about {:.0} MB on each of {} rank(s)", self.bytes_per_rank() as f64 / 1e6, self.ranks)?;
+        let seconds = self.plan.predicted_seconds;
+        writeln!(f, "cost       about {seconds:.2} s on one core for an evaluation; with dipoles a step takes several")
+    }
+}

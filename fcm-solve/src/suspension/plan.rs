@@ -1,0 +1,65 @@
+//! How the fluid of a scene is to be computed.
+
+use domain::{Comm, Particles};
+use fcm::{Fixed, MethodName, Plan, PlanError, Problem};
+use io::{Evaluation, Flow, Hydrodynamics, Multipoles, SuspensionScene};
+
+/// The radii that occur, smallest first, and how many particles have each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Radii(Vec<(f64, usize)>);
+
+impl Radii {
+    /// The radii of particles that are all on the first rank. Collective.
+    pub fn shared(particles: &Particles, comm: &Comm) -> Self {
+        let mut radii = particles.radii.clone();
+        comm.broadcast(&mut radii);
+        radii.sort_by(f64::total_cmp);
+        Self(radii.chunk_by(|a, b| a.total_cmp(b).is_eq()).map(|equal| (equal[0], equal.len())).collect())
+    }
+
+    /// How many particles.
+    pub fn count(&self) -> usize {
+        self.0.iter().map(|(_, count)| count).sum()
+    }
+
+    /// Their volume.
+    pub fn volume(&self) -> f64 {
+        self.0.iter().map(|(radius, count)| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * *count as f64).sum()
+    }
+
+    /// The largest.
+    pub fn largest(&self) -> f64 {
+        self.0.last().map_or(0.0, |(radius, _)| *radius)
+    }
+}
+
+/// The plan for a scene with particles of these radii. It is made as for one rank with one thread, so that the same
+/// scene is computed in the same way, and comes out the same, on any number of them.
+pub fn plan(scene: &SuspensionScene, radii: &Radii) -> Result<Plan, PlanError> {
+    let edges = scene.cell.edges();
+    let shears = matches!(scene.flow, Flow::Shear { lees_edwards: true, .. });
+    Plan::choose(&Problem {
+        edges,
+        largest_strain: if shears { 0.5 * edges.x / edges.y } else { 0.0 },
+        radii: radii.0.clone(),
+        viscosity: scene.viscosity,
+        multipoles: match scene.hydrodynamics.multipoles {
+            Multipoles::Monopole => fcm::Multipoles::Monopole,
+            Multipoles::Dipole => fcm::Multipoles::Dipole,
+        },
+        tolerance: scene.hydrodynamics.tolerance,
+        threads: 1,
+        ranks: 1,
+        fixed: fixed(&scene.hydrodynamics),
+    })
+}
+
+fn fixed(chosen: &Hydrodynamics) -> Fixed {
+    let method = match chosen.method {
+        Evaluation::Auto => None,
+        Evaluation::Direct => Some(MethodName::Direct),
+        Evaluation::Split => Some(MethodName::Split),
+    };
+    let iteration_tolerance = chosen.iteration_tolerance;
+    Fixed { method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
+}

@@ -1,0 +1,154 @@
+use super::*;
+use io::{Kind, Scene};
+
+const SCENE: &str = r#"
+seed = 3
+box.edges = [14.0, 14.0, 14.0]
+fluid.viscosity = 1.0
+flow = { kind = "shear", rate = 0.5 }
+repulsion = { strength = 20.0, range = 0.1 }
+gravity.acceleration = [0.0, 0.0, -1.0]
+hydrodynamics = { tolerance = 1e-5, method = "direct", iteration_tolerance = 1e-9 }
+time = { step = 0.05, steps = 6 }
+[[species]]
+name = "small"
+radius = 1.0
+count = 20
+density_difference = 2.0
+[[species]]
+name = "large"
+radius = 1.5
+count = 6
+"#;
+
+fn scene(overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    Scene::parse(SCENE, "scene.toml", &overrides).unwrap()
+}
+
+fn run(scene: &Scene, ranks: usize) -> Particles {
+    let all = Comm::threads(ranks, |comm| {
+        let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+        let mut suspension = Suspension::start(scene, &comm).unwrap();
+        for _ in 0..scene.time.steps {
+            suspension.step().unwrap();
+        }
+        suspension.gathered(None)
+    });
+    all.into_iter().next().unwrap()
+}
+
+#[test]
+fn ranks_agree() {
+    let scene = scene(&[]);
+    let alone = run(&scene, 1);
+    for ranks in [2, 3, 4, 7] {
+        let together = run(&scene, ranks);
+        assert_eq!((&together.ids, &together.steps), (&alone.ids, &alone.steps));
+        for (column, other) in alone.columns.iter().zip(&together.columns) {
+            let largest = column.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let difference = column.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            // Sums in another order, and stresslets within the iteration's tolerance of each other.
+            assert!(difference < 1e-8 * largest, "{} on {ranks} ranks: {difference:e}", column.name);
+        }
+    }
+}
+
+/// One sphere without weight goes with the flow and turns with half its vorticity.
+#[test]
+fn a_sphere_in_shear_is_carried_and_turned() {
+    let overrides =
+        ["species=[{ radius = 1.0, count = 1 }]", "particles.initial=positions", "particles.positions=[[1, 4, 2]]"];
+    let mut particles = run(&scene(&overrides), 1);
+    let x = 1.0 + 0.5 * 4.0 * 0.3;
+    // The periodic images' dipoles are all that disturbs it, and they vanish at its centre by symmetry.
+    assert!((particles.positions[0] - Vector::new(x, 4.0, 2.0)).length() < 1e-4);
+    assert!((particles.vectors(ANGULAR_VELOCITY)[0].z + 0.25).abs() < 0.25 * 0.02);
+    let expected = 20.0 / 3.0 * std::f64::consts::PI * 0.25;
+    let stresslet = particles.column(STRESSLET, 5).values[1];
+    // Without neighbours it is 20/3 pi mu a^3 E; images change it by about the volume fraction, 0.15%.
+    assert!((stresslet / expected - 1.0).abs() < 0.01, "{stresslet} for {expected}");
+}
+
+#[test]
+fn weight_is_density_difference_times_volume_times_gravity() {
+    let overrides = [
+        "species=[{ radius = 1.5, count = 1, density_difference = 2.0 }]",
+        "flow.kind=none",
+        "flow={ kind = 'none' }",
+        "time.steps=0",
+        "box.edges=[40, 40, 40]",
+        "hydrodynamics.tolerance=1e-3",
+        "hydrodynamics.method=auto",
+    ];
+    let mut particles = run(&scene(&overrides), 1);
+    let a = 1.5_f64;
+    // Stokes' velocity 2/9 (density difference) g a^2 / mu, with Hasimoto's correction for the lattice's images.
+    let hasimoto = 1.0 - 2.837_297 * a / 40.0 + 4.0 * (a / 40.0).powi(3);
+    let expected = -2.0 / 9.0 * 2.0 * a * a * hasimoto;
+    let found = particles.vectors(VELOCITY)[0];
+    assert!((found.z / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
+}
+
+#[test]
+fn what_cannot_start_says_why() {
+    let start = |overrides: &[&str]| {
+        let scene = scene(overrides);
+        let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+        Comm::threads(2, |comm| Suspension::start(scene, &comm).err().map(|e| format!("{e:#}")).unwrap())
+    };
+    let two = "species=[{ radius = 1.0, count = 2 }]";
+    let overlap = start(&[two, "particles={ initial = 'positions', positions = [[1, 1, 1], [1, 1, 2.5]] }"]);
+    assert!(overlap[0].contains("two spheres overlap at the start, by 5.000e-1"), "{}", overlap[0]);
+    assert_eq!(overlap[0], overlap[1], "every rank knows");
+    let missing = start(&["particles={ initial = 'file', path = 'nowhere.csv' }"]);
+    assert!(missing[1].contains("can't read nowhere.csv"), "{}", missing[1]);
+}
+
+/// With a time step far too large a particle flies off; every rank hears of it, and nobody waits.
+#[test]
+fn a_particle_that_is_nowhere_is_named() {
+    let scene = scene(&["time.step=1e12", "flow={ kind = 'none' }"]);
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    let messages = Comm::threads(3, |comm| {
+        let mut suspension = Suspension::start(scene, &comm).unwrap();
+        (0..5).find_map(|_| suspension.step().err()).unwrap().to_string()
+    });
+    assert!(
+        messages[0].contains("step 0: particle ") && messages[0].contains("try a smaller time.step"),
+        "{messages:?}"
+    );
+    assert!(messages.iter().all(|m| *m == messages[0]));
+}
+
+/// By symmetry the spheres of a lattice move with the flow exactly, and after a strain of one the sheared box and its
+/// lattice are what they were.
+#[test]
+fn a_lattice_sheared_through_a_period_returns_to_its_start() {
+    let scene = Scene::parse(
+        r#"
+box.edges = [6.0, 6.0, 6.0]
+fluid.viscosity = 1.0
+particles = { initial = "lattice", lattice = "simple-cubic" }
+flow = { kind = "shear", rate = 0.5, lees_edwards = true }
+hydrodynamics = { tolerance = 1e-5 }
+time = { step = 0.1, steps = 20 }
+[[species]]
+name = "sphere"
+radius = 1.0
+count = 8
+"#,
+        "scene.toml",
+        &[],
+    )
+    .unwrap();
+    let Kind::Suspension(suspension) = scene.kind() else { panic!("a suspension") };
+    let start = Suspension::start(suspension, &Comm::alone()).unwrap().gathered(None);
+    let end = run(&scene, 2);
+    let cell = domain::PeriodicBox::new(suspension.cell.edges()).unwrap();
+    for (before, after) in start.positions.iter().zip(&end.positions) {
+        let carried = *before + domain::Vector::X * before.y;
+        // Forty evaluations of relative error 1e-5 of velocities up to 3, in steps of 0.1.
+        assert!(cell.nearest_image(*after - carried).length() < 2e-4, "{before} went to {after}, not {carried}");
+    }
+}

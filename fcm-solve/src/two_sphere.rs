@@ -1,0 +1,38 @@
+//! `fcm-solve two-sphere`: the exact resistance functions of two spheres.
+
+use domain::Comm;
+use lubrication::two_sphere::{TwoSphere, named};
+use serde_json::{Map, Value};
+
+/// Which two spheres.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Radius of sphere 2 over that of sphere 1, from 0.05 to 20
+    #[arg(long, value_name = "R")]
+    ratio: f64,
+    /// Gap between the surfaces over the radius of sphere 1, above 0
+    #[arg(long, value_name = "G")]
+    gap: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the functions: `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey (1992). Collective.
+pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+    let functions = TwoSphere::with_ratio(args.ratio).and_then(|table| table.resistance(args.gap));
+    let values = named(&comm.agree(functions)?);
+    if !comm.is_first() {
+        return Ok(());
+    }
+    if args.json {
+        let object: Map<String, Value> =
+            values.into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect();
+        println!("{}", Value::Object(object));
+    } else {
+        for (name, value) in values {
+            println!("{name}  {value:+.10e}");
+        }
+    }
+    Ok(())
+}

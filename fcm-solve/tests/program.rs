@@ -1,0 +1,282 @@
+//! The program as a user meets it.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+const SCENE: &str = r#"
+seed = 3
+box.edges = [14.0, 14.0, 14.0]
+fluid.viscosity = 1.0
+flow = { kind = "shear", rate = 0.5 }
+repulsion = { strength = 20.0, range = 0.1 }
+hydrodynamics = { tolerance = 1e-2, method = "direct" }
+time = { step = 0.02, steps = 30 }
+output = { trajectory_every = 2, observables_every = 1, checkpoint_every = 4, fields_every = 10 }
+[[species]]
+name = "heavy"
+radius = 1.0
+count = 25
+force = [0.0, 0.0, -18.85]
+"#;
+
+fn program(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fcm-solve"));
+    command.args(arguments).stdin(Stdio::null());
+    command
+}
+
+fn output(arguments: &[&str]) -> Output {
+    program(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[track_caller]
+fn succeeds(arguments: &[&str]) -> String {
+    let output = output(arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+#[track_caller]
+fn fails(arguments: &[&str]) -> String {
+    let output = output(arguments);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    text(&output.stderr)
+}
+
+/// A folder with the scene, and the names of a scene and of a result folder in it.
+fn place() -> (tempfile::TempDir, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    std::fs::write(&scene, SCENE).unwrap();
+    let out = folder.path().join("out");
+    (folder, scene.display().to_string(), out.display().to_string())
+}
+
+/// Everything in a result folder that a run determines: the last checkpoint, the trajectory and the time series but for
+/// the seconds that steps took.
+fn results(out: &str) -> (Vec<u8>, Vec<f64>, String) {
+    let checkpoint = std::fs::read(Path::new(out).join("checkpoint-0000000030.bin")).unwrap();
+    let trajectory = hdf5::File::open(Path::new(out).join("trajectory.h5")).unwrap();
+    let positions = trajectory.dataset("particles/all/position/value").unwrap().read_raw().unwrap();
+    let csv = std::fs::read_to_string(Path::new(out).join("observables.csv")).unwrap();
+    let without_seconds = csv.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
+    (checkpoint, positions, without_seconds)
+}
+
+#[test]
+fn a_bad_scene_is_refused_once_and_by_name() {
+    let (folder, scene, out) = place();
+    std::fs::write(&scene, SCENE.replace("radius", "raduis")).unwrap();
+    let message = fails(&["run", &scene, "--out", &out]);
+    assert!(message.starts_with("error: ") && message.contains("did you mean \"radius\"?"), "{message}");
+    assert_eq!(message.lines().count(), 1);
+    assert!(!Path::new(&out).exists(), "nothing is made");
+    let missing = folder.path().join("missing.toml").display().to_string();
+    assert!(fails(&["check", &missing]).contains("can't read the scene"));
+}
+
+#[test]
+fn a_run_leaves_what_its_scene_says() {
+    let (_folder, scene, out) = place();
+    succeeds(&["run", &scene, "--out", &out, "--set", "time.steps=10"]);
+    let info = succeeds(&["info", &format!("{out}/trajectory.h5")]);
+    assert!(info.contains("6, steps 0 to 10, times 0 to 0.2"), "{info}");
+    assert!(info.contains("/particles/all/position/value") && info.contains("6 x 25 x 3"), "{info}");
+    assert!(succeeds(&["info", "--scene", &format!("{out}/observables.h5")]).contains("steps = 10"));
+    let csv = std::fs::read_to_string(format!("{out}/observables.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 12);
+    assert!(std::fs::read_to_string(format!("{out}/fields.xdmf")).unwrap().contains("velocity-0000000010.h5"));
+}
+
+#[test]
+fn results_are_not_overwritten_unless_forced() {
+    let (_folder, scene, out) = place();
+    let run = ["run", &scene, "--out", &out, "--set", "time.steps=1"];
+    succeeds(&run);
+    let before = std::fs::read(format!("{out}/observables.csv")).unwrap();
+    assert!(fails(&run).contains("already holds the results of a run"));
+    assert_eq!(std::fs::read(format!("{out}/observables.csv")).unwrap(), before);
+    succeeds(&[&run[..], &["--force"]].concat());
+    assert!(fails(&["resume", &format!("{out}/fields")]).contains("holds no run to go on with"));
+}
+
+#[test]
+fn a_resumed_run_is_an_uninterrupted_one_bit_for_bit() {
+    let (folder, scene, out) = place();
+    succeeds(&["run", &scene, "--out", &out, "--threads", "1"]);
+    let parts = folder.path().join("parts").display().to_string();
+    // The first part ends among the Runge-Kutta steps, the second beyond them.
+    succeeds(&["run", &scene, "--out", &parts, "--set", "time.steps=2"]);
+    succeeds(&["resume", &parts, "--steps", "17", "--threads", "2"]);
+    succeeds(&["resume", &parts, "--steps", "30"]);
+    assert_eq!(results(&out), results(&parts));
+}
+
+#[test]
+fn a_killed_run_goes_on_to_the_same_end() {
+    let (folder, scene, out) = place();
+    succeeds(&["run", &scene, "--out", &out]);
+    let whole = results(&out);
+    for attempt in 0..4 {
+        let out = folder.path().join(format!("killed-{attempt}")).display().to_string();
+        let mut child = program(&["run", &scene, "--out", &out]).stderr(Stdio::null()).spawn().unwrap();
+        while !Path::new(&out).join("checkpoint-0000000000.bin").exists() {
+            assert!(child.try_wait().unwrap().is_none(), "it runs");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::thread::sleep(Duration::from_millis(37 * attempt));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        succeeds(&["resume", &out]);
+        assert_eq!(results(&out), whole);
+    }
+}
+
+#[test]
+fn a_signal_ends_a_run_after_its_step_with_a_checkpoint() {
+    let (_folder, scene, out) = place();
+    let run = ["run", &scene, "--out", &out, "--set", "time.steps=100000", "--set", "output.trajectory_every=0"];
+    let child = program(&run).stderr(Stdio::piped()).spawn().unwrap();
+    while !Path::new(&out).join("checkpoint-0000000004.bin").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    for _ in 0..3 {
+        assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
+    }
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(128 + 15));
+    let message = text(&output.stderr);
+    let step: u64 = message.split("stopped after step ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(message.contains(&format!("go on with: fcm-solve resume {out}")), "{message}");
+    assert!(Path::new(&out).join(format!("checkpoint-{step:010}.bin")).exists());
+    succeeds(&["resume", &out, "--steps", &(step + 2).to_string()]);
+}
+
+#[test]
+fn a_damaged_checkpoint_is_passed_over_and_a_damaged_trajectory_is_named() {
+    let (_folder, scene, out) = place();
+    succeeds(&["run", &scene, "--out", &out, "--set", "time.steps=9"]);
+    std::fs::write(format!("{out}/checkpoint-0000000009.bin"), "no checkpoint").unwrap();
+    let resumed = output(&["resume", &out, "--steps", "10"]);
+    assert!(resumed.status.success(), "{}", text(&resumed.stderr));
+    assert!(text(&resumed.stderr).contains("checkpoint-0000000009.bin is damaged"), "{}", text(&resumed.stderr));
+    assert!(text(&resumed.stderr).contains("going on from the checkpoint before, step 8"));
+    std::fs::write(format!("{out}/trajectory.h5"), "no trajectory").unwrap();
+    assert!(fails(&["resume", &out]).contains("trajectory.h5 is damaged"));
+}
+
+/// A limit on the size of files stands for a full disk.
+#[test]
+fn a_file_that_cannot_grow_ends_the_run_with_its_name() {
+    let (_folder, scene, out) = place();
+    let run = format!("trap '' XFSZ; ulimit -f 64; exec {} run {scene} --out {out}", env!("CARGO_BIN_EXE_fcm-solve"));
+    let output = Command::new("sh").args(["-c", &run]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let message = text(&output.stderr);
+    assert!(message.contains(&format!("error: can't write {out}/")), "{message}");
+    assert!(message.contains("file too large"), "{message}");
+}
+
+#[test]
+fn a_second_run_keeps_off_a_folder_in_use() {
+    let (_folder, scene, out) = place();
+    let run = ["run", &scene, "--out", &out, "--set", "time.steps=100000", "--set", "output.trajectory_every=0"];
+    let mut child = program(&run).stderr(Stdio::null()).spawn().unwrap();
+    while !Path::new(&out).join("checkpoint-0000000000.bin").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(fails(&["resume", &out]).contains("another run is writing to"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn new_scenes_pass_their_check() {
+    for kind in ["suspension", "settling", "pair-settling", "shear"] {
+        let scene = succeeds(&["new", kind]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, scene).unwrap();
+        let plan = succeeds(&["check", &path.display().to_string()]);
+        for line in ["particles", "grid", "support", "memory", "cost"] {
+            assert!(plan.lines().any(|l| l.starts_with(line)), "{plan}");
+        }
+    }
+}
+
+#[test]
+fn help_and_completions_are_there() {
+    assert!(succeeds(&["--help"]).contains("mpirun -n 4 fcm-solve run"));
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(succeeds(&["completions", shell]).contains("fcm-solve"));
+    }
+    let unknown = output(&["resum"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(text(&unknown.stderr).contains("tip: a similar subcommand exists"), "{}", text(&unknown.stderr));
+}
+
+/// A launcher announces several processes to a program that can be one only.
+#[test]
+fn ranks_without_mpi_are_refused() {
+    if cfg!(feature = "mpi") {
+        return;
+    }
+    let run = |rank: &str| {
+        let envs = [("OMPI_COMM_WORLD_SIZE", "2"), ("OMPI_COMM_WORLD_RANK", rank)];
+        let output = program(&["new", "shear"]).envs(envs).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        text(&output.stderr)
+    };
+    assert!(run("0").contains("built without MPI"));
+    assert_eq!(run("1"), "");
+}
+
+#[test]
+fn two_sphere_functions_are_those_of_the_literature() {
+    let text = succeeds(&["two-sphere", "--ratio", "2", "--gap", "1e-4", "--json"]);
+    let functions: serde_json::Value = serde_json::from_str(&text).unwrap();
+    // By multipole collocation.
+    for (name, exact) in [("XA11", 4447.95949244901), ("XA12", -2965.06317868803)] {
+        assert!((functions[name].as_f64().unwrap() / exact - 1.0).abs() < 1e-7, "{name}: {}", functions[name]);
+    }
+    assert!(fails(&["two-sphere", "--ratio", "2", "--gap", "0"]).contains("give a gap above 0"));
+}
+
+#[test]
+fn a_lubricated_case_is_the_same_on_any_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("case.json");
+    let text = r#"{"box": [12, 12, 12], "viscosity": 1, "radii": [1, 1.5, 1], "lubrication": true,
+        "positions": [[3, 3, 3], [5.51, 3, 3], [3, 5.002, 3]],
+        "background": {"velocity_gradient": [[0, 1, 0], [0, 0, 0], [0, 0, 0]]}}"#;
+    std::fs::write(&case, text).unwrap();
+    let answer = |threads: &str| -> serde_json::Value {
+        let text = succeeds(&["mobility", &case.display().to_string(), "--threads", threads]);
+        let mut answer: serde_json::Value = serde_json::from_str(&text).unwrap();
+        answer["seconds"].take();
+        answer
+    };
+    let one = answer("1");
+    assert_eq!(one, answer("3"));
+    let xy = |name: &str| one[name][0][1].as_f64().unwrap();
+    assert!(xy("stresslets") > 1.05 * xy("stresslets_far"), "{} of {}", xy("stresslets_far"), xy("stresslets"));
+}
+
+#[test]
+fn a_lubricated_run_resumes_bit_for_bit() {
+    let (folder, scene, out) = place();
+    let text = SCENE
+        .replace("flow = { kind = \"shear\", rate = 0.5 }\n", "")
+        .replace("tolerance = 1e-2,", "tolerance = 1e-2, lubrication = true,");
+    std::fs::write(&scene, text).unwrap();
+    succeeds(&["run", &scene, "--out", &out, "--threads", "1"]);
+    let parts = folder.path().join("parts").display().to_string();
+    succeeds(&["run", &scene, "--out", &parts, "--set", "time.steps=6"]);
+    succeeds(&["resume", &parts, "--steps", "30", "--threads", "2"]);
+    assert_eq!(results(&out), results(&parts));
+}
