@@ -1,0 +1,64 @@
+"""Reads the folder that a run leaves behind. What a file says is taken from inside it, never from its name."""
+
+import pathlib
+import tomllib
+
+import h5py
+import numpy as np
+
+
+class Results:
+    """The scene, the time series and the frames of a run."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        with h5py.File(self.folder / "observables.h5") as file:
+            self.scene = tomllib.loads(file["parameters/scene"][()].decode())
+            series = file["observables"]
+            self.time = series["mean_velocity/time"][:]
+            self.mean_velocity = series["mean_velocity/value"][:]
+            self.velocity_variance = series["velocity_variance/value"][:]
+            self.smallest_gap = series["smallest_gap/value"][:]
+        with h5py.File(self.folder / "trajectory.h5") as file:
+            particles = file["particles/all"]
+            self.species = particles["species"][:]
+            self.radii = particles["radius"][:]
+            self.edges = np.diag(particles["box/edges/value"][-1])
+        self.title = self.scene.get("title", self.folder.name)
+        self.names = [kind["name"] for kind in self.scene["species"]]
+
+    def last_frame(self):
+        """Time, positions (N, 3) and velocities (N, 3) of the last frame."""
+        with h5py.File(self.folder / "trajectory.h5") as file:
+            particles = file["particles/all"]
+            last = len(particles["position/step"]) - 1
+            return [particles[name][last] for name in ("position/time", "position/value", "velocity/value")]
+
+    def volume_fraction(self):
+        """The share of the box that particles fill."""
+        return float(np.sum(4 / 3 * np.pi * self.radii**3) / np.prod(self.edges))
+
+    def stokes_velocities(self):
+        """Velocity of each species' spheres, alone in unbounded fluid, under the force and weight of the scene."""
+        gravity = np.array(self.scene.get("gravity", {}).get("acceleration", [0.0] * 3))
+        viscosity = self.scene["fluid"]["viscosity"]
+        velocities = []
+        for kind in self.scene["species"]:
+            radius = kind["radius"]
+            weight = 4 / 3 * np.pi * radius**3 * kind.get("density_difference", 0.0) * gravity
+            force = np.array(kind.get("force", [0.0] * 3)) + weight
+            velocities.append(force / (6 * np.pi * viscosity * radius))
+        return np.array(velocities)
+
+    def settling(self):
+        """Of each species that settles: its index, and in units of its Stokes velocity the mean velocity along it and the
+        standard deviations along and across it, as functions of time."""
+        for index, stokes in enumerate(self.stokes_velocities()):
+            speed = np.linalg.norm(stokes)
+            if speed > 0:
+                direction = stokes / speed
+                mean = self.mean_velocity[:, index] @ direction / speed
+                variance = self.velocity_variance[:, index]
+                along = variance @ direction**2
+                across = (variance.sum(axis=1) - along) / 2
+                yield index, mean, np.sqrt(along) / speed, np.sqrt(np.maximum(across, 0)) / speed

@@ -1,0 +1,43 @@
+"""The program under test: how the tests start it, on any number of ranks."""
+
+import json
+import os
+import pathlib
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
+
+# No test's command takes a tenth of this; what does hangs.
+PATIENCE = 120
+
+
+def command(arguments, ranks=None):
+    """The command line on so many ranks, or without a launcher."""
+    launcher = [] if ranks is None else ["mpirun", "-n", str(ranks)]
+    return [*launcher, PROGRAM, *map(str, arguments)]
+
+
+def run(arguments, ranks=None, expect=0):
+    """Runs the program to its end and returns what it printed, output and errors together."""
+    ended = subprocess.run(command(arguments, ranks), capture_output=True, text=True, timeout=PATIENCE)
+    said = ended.stdout + ended.stderr
+    succeeded = ended.returncode == 0
+    if succeeded != (expect == 0):
+        raise AssertionError(f"{' '.join(command(arguments, ranks))} ended with {ended.returncode}:\n{said}")
+    return said
+
+
+def start(arguments, ranks=None):
+    """Starts the program, in a process group of its own, and returns without waiting for it."""
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command(arguments, ranks), stdout=pipe, stderr=pipe, text=True, start_new_session=True)
+
+
+def mobility(case, folder, ranks=None, tolerance=1e-3):
+    """Evaluates a case, given as a dictionary, and returns the answer as one."""
+    path, answer = pathlib.Path(folder) / "case.json", pathlib.Path(folder) / "answer.json"
+    path.write_text(json.dumps(case))
+    run(["mobility", path, "--out", answer, "--tolerance", tolerance], ranks)
+    return json.loads(answer.read_text())

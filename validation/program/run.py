@@ -1,0 +1,13 @@
+"""Runs the tests of this folder and counts them in the last line."""
+
+import pathlib
+import sys
+import unittest
+
+if __name__ == "__main__":
+    here = str(pathlib.Path(__file__).parent)
+    suite = unittest.defaultTestLoader.discover(here)
+    result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
+    bad = len(result.failures) + len(result.errors)
+    print(f"{result.testsRun - bad} passed, {bad} failed")
+    sys.exit(not result.wasSuccessful())

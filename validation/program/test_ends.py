@@ -1,0 +1,113 @@
+"""However a run on several ranks ends, it ends for all of them, and what it left can be gone on with."""
+
+import os
+import pathlib
+import random
+import signal
+import tempfile
+import time
+import unittest
+
+import h5py
+
+from program import PATIENCE, ROOT, run, start
+
+SCENE = ROOT / "scenes" / "settling.toml"
+SETS = {
+    "box.edges": "[14.0, 14.0, 14.0]",
+    "species[0].count": 30,
+    "time.steps": 400,
+    "output.checkpoint_every": 20,
+    "output.trajectory_every": 10,
+    "hydrodynamics.tolerance": 1e-2,
+}
+SMALL = [word for key, value in SETS.items() for word in ("--set", f"{key}={value}")]
+TRIES = 20
+
+
+def wait_for_checkpoint(out, process):
+    deadline = time.monotonic() + PATIENCE
+    while not list(out.glob("checkpoint-*.bin")):
+        if process.poll() is not None or time.monotonic() > deadline:
+            raise AssertionError(f"no checkpoint in {out}: {process.communicate()}")
+        time.sleep(0.001)
+
+
+def end_state(out):
+    """The last checkpoint, and the frames of the trajectory."""
+    checkpoint = (out / "checkpoint-0000000400.bin").read_bytes()
+    with h5py.File(out / "trajectory.h5") as file:
+        particles = file["particles/all"]
+        return checkpoint, particles["position/step"][:].tolist(), particles["position/value"][:].tobytes()
+
+
+class Ends(unittest.TestCase):
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.addCleanup(self.place.cleanup)
+        self.out = pathlib.Path(self.place.name) / "out"
+
+    def test_a_bad_scene_is_refused_once_on_every_rank(self):
+        bad = pathlib.Path(self.place.name) / "bad.toml"
+        bad.write_text(SCENE.read_text().replace("viscosity", "viscsity"))
+        said = run(["run", bad, "--out", self.out], ranks=3, expect=1)
+        self.assertEqual(said.count("error: "), 1, said)
+        self.assertIn("viscosity", said)
+        self.assertFalse(self.out.exists())
+
+    def test_a_missing_case_is_refused_once_on_every_rank(self):
+        said = run(["mobility", "missing.json"], ranks=3, expect=1)
+        self.assertEqual(said.count("error: "), 1, said)
+
+    def test_a_rank_that_dies_ends_the_run_on_all(self):
+        process = start(["run", SCENE, "--out", self.out, *SMALL, "--set", "time.steps=100000"], ranks=3)
+        wait_for_checkpoint(self.out, process)
+        ranks = ranks_of(process)
+        self.assertEqual(len(ranks), 3)
+        os.kill(ranks[1], signal.SIGKILL)
+        process.communicate(timeout=PATIENCE)
+        self.assertNotEqual(process.returncode, 0)
+        run(["info", self.out / "trajectory.h5"])
+
+    def test_a_request_to_stop_leaves_a_checkpoint_to_go_on_from(self):
+        process = start(["run", SCENE, "--out", self.out, *SMALL, "--set", "time.steps=100000"], ranks=2)
+        wait_for_checkpoint(self.out, process)
+        for rank in ranks_of(process):
+            os.kill(rank, signal.SIGTERM)
+        _, said = process.communicate(timeout=PATIENCE)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertIn(f"go on with: fcm-solve resume {self.out}", said)
+
+    def test_a_killed_run_goes_on_to_the_same_end(self):
+        """Twenty times, at random moments, most on one rank, some on two."""
+        random.seed(1)
+        whole, seconds = {}, {}
+        for ranks in (None, 2):
+            out = self.out.with_name(f"whole-{ranks}")
+            began = time.monotonic()
+            run(["run", SCENE, "--out", out, *SMALL], ranks)
+            whole[ranks], seconds[ranks] = end_state(out), time.monotonic() - began
+        for attempt in range(TRIES):
+            ranks = 2 if attempt % 4 == 0 else None
+            out = self.out.with_name(f"killed-{attempt}")
+            process = start(["run", SCENE, "--out", out, *SMALL], ranks)
+            wait_for_checkpoint(out, process)
+            time.sleep(random.uniform(0, 0.8 * seconds[ranks]))
+            for victim in ranks_of(process) or [process.pid]:
+                kill(victim)
+            process.communicate(timeout=PATIENCE)
+            run(["resume", out], ranks)
+            self.assertEqual(end_state(out), whole[ranks], f"attempt {attempt}")
+
+
+def kill(process):
+    try:
+        os.kill(process, signal.SIGKILL)
+    except ProcessLookupError:
+        pass  # It came to its end before.
+
+
+def ranks_of(launcher):
+    """The processes that mpirun started."""
+    children = pathlib.Path(f"/proc/{launcher.pid}/task/{launcher.pid}/children")
+    return [int(child) for child in children.read_text().split()] if children.exists() else []

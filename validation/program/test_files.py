@@ -1,0 +1,120 @@
+"""What others read of a run: every HDF5 file opens in h5py and holds what the documentation says."""
+
+import pathlib
+import tempfile
+import tomllib
+import unittest
+import xml.etree.ElementTree
+
+import h5py
+import numpy as np
+
+from program import ROOT, mobility, run
+
+SETS = {
+    "box.edges": "[16.0, 16.0, 16.0]",
+    "species[0].count": 40,
+    "time.steps": 6,
+    "output.trajectory_every": 2,
+    "output.fields_every": 3,
+    "output.checkpoint_every": 2,
+}
+
+
+class Files(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = tempfile.TemporaryDirectory()
+        cls.out = pathlib.Path(cls.place.name) / "out"
+        sets = [word for key, value in SETS.items() for word in ("--set", f"{key}={value}")]
+        run(["run", ROOT / "scenes" / "settling.toml", "--out", cls.out, *sets], ranks=2)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.place.cleanup()
+
+    def test_every_file_opens_and_says_where_it_comes_from(self):
+        files = sorted(self.out.rglob("*.h5"))
+        names = {str(path.relative_to(self.out)) for path in files}
+        fields = {f"fields/velocity-{step:010}.h5" for step in (0, 3, 6)}
+        self.assertEqual(names, {"trajectory.h5", "observables.h5"} | fields)
+        for path in files:
+            with h5py.File(path) as file:
+                file.visititems(lambda _, item: item[()] if isinstance(item, h5py.Dataset) else None)
+                parameters = file["parameters"]
+                scene = tomllib.loads(parameters["scene"][()].decode())
+                self.assertEqual(scene["species"][0]["count"], 40)
+                self.assertEqual(parameters.attrs["ranks"], 2)
+                self.assertEqual(parameters.attrs["seed"], 1)
+                self.assertTrue(parameters.attrs["program"].startswith("fcm-solve "))
+
+    def test_the_trajectory_is_h5md(self):
+        with h5py.File(self.out / "trajectory.h5") as file:
+            self.assertEqual(list(file["h5md"].attrs["version"]), [1, 1])
+            particles = file["particles/all"]
+            self.assertEqual(particles["box"].attrs["dimension"], 3)
+            np.testing.assert_array_equal(particles["position/step"], [0, 2, 4, 6])
+            np.testing.assert_allclose(particles["position/time"], 0.05 * np.arange(0, 7, 2), rtol=1e-15)
+            shapes = {"position": 3, "image": 3, "velocity": 3, "angular_velocity": 3, "stresslet": 5}
+            for name, width in shapes.items():
+                self.assertEqual(particles[name]["value"].shape, (4, 40, width))
+                np.testing.assert_array_equal(particles[name]["step"], particles["position/step"])
+            np.testing.assert_array_equal(particles["id"], np.arange(40))
+            positions = particles["position/value"][:]
+            self.assertTrue(np.all((positions >= 0) & (positions < 16)))
+            np.testing.assert_allclose(particles["box/edges/value"][-1], 16 * np.eye(3))
+
+    def test_velocities_are_the_rate_of_change_of_unwrapped_positions(self):
+        with h5py.File(self.out / "trajectory.h5") as file:
+            particles = file["particles/all"]
+            places = particles["position/value"][:] + 16 * particles["image/value"][:]
+            time, velocity = particles["position/time"][:], particles["velocity/value"][:]
+        moved = (places[3] - places[1]) / (time[3] - time[1])
+        # Central difference over 0.2 time units, in which velocities change by a few per cent.
+        np.testing.assert_allclose(moved, velocity[2], atol=0.02 * np.abs(velocity[2]).max())
+
+    def test_the_series_are_the_same_in_both_files(self):
+        table = np.genfromtxt(self.out / "observables.csv", delimiter=",", names=True, deletechars="")
+        self.assertEqual(table["step"].tolist(), list(range(7)))
+        with h5py.File(self.out / "observables.h5") as file:
+            observables = file["observables"]
+            np.testing.assert_array_equal(observables["mean_velocity/value"][:, 0, 2], table["mean_velocity_z[heavy]"])
+            for name in ("smallest_gap", "iterations", "residual", "divergence", "seconds_per_step"):
+                np.testing.assert_array_equal(observables[name]["value"], table[name])
+        with h5py.File(self.out / "trajectory.h5") as file:
+            mean = file["particles/all/velocity/value"][-1].mean(axis=0)
+        # The sum of forty numbers in another order.
+        self.assertAlmostEqual(mean[2] / table["mean_velocity_z[heavy]"][-1], 1, delta=1e-13)
+
+    def test_the_field_is_named_by_its_xdmf_file_and_has_no_mean(self):
+        tree = xml.etree.ElementTree.parse(self.out / "fields.xdmf")
+        names = [item.text.strip().split(":")[0] for item in tree.iter("DataItem") if ".h5" in (item.text or "")]
+        self.assertEqual(len(names), 3)
+        for name in names:
+            with h5py.File(self.out / name) as file:
+                velocity = file["velocity"][:]
+            # The wavevector 0 is absent; f32 rounds the rest.
+            self.assertLess(np.abs(velocity.mean(axis=(0, 1, 2))).max(), 1e-6 * np.abs(velocity).max())
+
+    def test_a_case_in_hdf5_is_one_in_json(self):
+        case = {
+            "box": [16.0, 12.0, 12.0],
+            "viscosity": 2.0,
+            "positions": [[2.0, 3.0, 4.0], [5.0, 3.5, 4.0]],
+            "radii": [1.0, 1.3],
+            "forces": [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]],
+            "multipoles": "dipole",
+        }
+        answer = mobility(case, self.place.name)
+        path, out = pathlib.Path(self.place.name) / "case.h5", pathlib.Path(self.place.name) / "answer.h5"
+        with h5py.File(path, "w") as file:
+            for name, value in case.items():
+                file[name] = value
+        run(["mobility", path, "--out", out])
+        with h5py.File(out) as file:
+            for name in ("velocities", "angular_velocities", "strain_rates", "stresslets"):
+                np.testing.assert_array_equal(file[name], answer[name])
+
+    def test_info_describes_every_file(self):
+        for path in self.out.rglob("*.h5"):
+            self.assertIn("fcm-solve", run(["info", path]))

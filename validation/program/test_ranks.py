@@ -1,0 +1,98 @@
+"""Any number of ranks gives the same answer."""
+
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ROOT, mobility, run
+
+RANKS = (1, 2, 3, 4, 7)
+
+# Ranks add in another order, which changes roundings: of 1e-16 in f64, of 6e-8 on a grid in f32; sums of thousands of
+# terms and the solve for the stresslets magnify both.
+DIFFERENCE = {"f64": 1e-12, "f32": 1e-6}
+
+# Loose enough for a grid in f32, and too tight for one.
+LOOSE, TIGHT = 1e-3, 1e-6
+
+# Smaller than what loads of order 1 cause, and larger than what rounding leaves where the answer is zero.
+NOTHING = 1e-9
+
+QUANTITIES = ("velocities", "angular_velocities", "strain_rates", "stresslets")
+
+
+def case(seed, **changes):
+    """Spheres of two sizes, apart from each other, in a box of three different edges."""
+    random = np.random.default_rng(seed)
+    edges = np.array([12.0, 10.0, 8.0])
+    places = np.stack(np.meshgrid(*[np.arange(n) for n in (4, 3, 2)], indexing="ij"), axis=-1).reshape(-1, 3)
+    positions = (places + 0.5) * edges / (4, 3, 2) + random.uniform(-0.3, 0.3, places.shape)
+    count = len(positions)
+    return {
+        "box": edges.tolist(),
+        "viscosity": 1.3,
+        "positions": positions.tolist(),
+        "radii": np.where(np.arange(count) % 3 == 0, 1.2, 0.8).tolist(),
+        "forces": random.normal(size=(count, 3)).tolist(),
+        "torques": random.normal(size=(count, 3)).tolist(),
+        "background": {"velocity_gradient": [[0.1, 0.5, 0.0], [0.2, -0.3, 0.0], [0.0, 0.1, 0.2]]},
+        **changes,
+    }
+
+
+def precision(plan):
+    return "f32" if "in f32" in plan else "f64"
+
+
+def relative_difference(first, second):
+    first, second = np.asarray(first), np.asarray(second)
+    return np.linalg.norm(second - first) / np.linalg.norm(first)
+
+
+class RanksAgree(unittest.TestCase):
+    def agree_on(self, case, tolerance):
+        with tempfile.TemporaryDirectory() as folder:
+            alone = mobility(case, folder, tolerance=tolerance)
+            for ranks in RANKS:
+                answer = mobility(case, folder, ranks, tolerance)
+                self.assertEqual(answer["plan"], alone["plan"])
+                self.assertEqual(answer["iterations"], alone["iterations"])
+                for name in [q for q in QUANTITIES if np.linalg.norm(alone.get(q, 0)) > NOTHING]:
+                    difference = relative_difference(alone[name], answer[name])
+                    self.assertLess(difference, DIFFERENCE[precision(alone["plan"])], f"{name} on {ranks} ranks")
+
+    def test_rigid_spheres(self):
+        self.agree_on(case(1), TIGHT)
+
+    def test_rigid_spheres_to_a_loose_tolerance(self):
+        self.agree_on(case(2), LOOSE)
+
+    def test_given_stresslets(self):
+        stresslets = np.random.default_rng(3).normal(size=(24, 5)).tolist()
+        self.agree_on(case(3, rigid=False, stresslets=stresslets), TIGHT)
+
+    def test_monopoles(self):
+        self.agree_on(case(4, multipoles="monopole", torques=[]), TIGHT)
+
+    def test_fewer_particles_than_ranks(self):
+        lone = case(5)
+        lone.update({name: lone[name][:1] for name in ("positions", "radii", "forces", "torques")})
+        self.agree_on(lone, TIGHT)
+
+    def test_a_run(self):
+        """Ten steps of settling spheres: Runge-Kutta, then Adams-Bashforth."""
+        sets = {"box.edges": "[16.0, 16.0, 16.0]", "species[0].count": 60, "time.steps": 10, "hydrodynamics.tolerance": TIGHT}
+        sets = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+        with tempfile.TemporaryDirectory() as folder:
+            frames = []
+            for ranks in RANKS:
+                out = f"{folder}/{ranks}"
+                run(["run", ROOT / "scenes" / "settling.toml", "--out", out, *sets], ranks)
+                with h5py.File(f"{out}/trajectory.h5") as file:
+                    particles = file["particles/all"]
+                    frames.append([particles[name]["value"][-1] for name in ("position", "velocity", "stresslet")])
+            for ranks, frame in zip(RANKS, frames):
+                for first, here in zip(frames[0], frame):
+                    self.assertLess(relative_difference(first, here), DIFFERENCE["f64"], f"{ranks} ranks")
