@@ -2,6 +2,7 @@
 
 mod folder;
 mod observe;
+mod rheology;
 
 use crate::suspension::{ANGULAR_VELOCITY, STRESSLET, Suspension};
 use domain::Comm;

@@ -1,5 +1,6 @@
 //! What is observed of a suspension in the course of time.
 
+use super::rheology::Rheology;
 use crate::suspension::{StepReport, Suspension};
 use domain::Vector;
 use io::{Quantity, SuspensionScene};
@@ -8,6 +9,7 @@ use std::time::Instant;
 /// Computes the rows of the time series.
 pub struct Observer {
     species: Vec<String>,
+    rheology: Option<Rheology>,
     last: (u64, Instant),
 }
 
@@ -15,20 +17,24 @@ impl Observer {
     /// An observer of a scene's species from step `step` on.
     pub fn new(scene: &SuspensionScene, step: u64) -> Self {
         let species = scene.species.iter().map(|s| s.name.clone()).collect();
-        Self { species, last: (step, Instant::now()) }
+        Self { species, rheology: Rheology::of(scene), last: (step, Instant::now()) }
     }
 
     /// What a row consists of. Velocities are relative to the background flow; their variance is component by component.
     pub fn quantities(&self) -> Vec<Quantity> {
-        vec![
+        let mut quantities = vec![
             Quantity::vectors("mean_velocity", "length/time", &self.species),
             Quantity::vectors("velocity_variance", "length^2/time^2", &self.species),
+        ];
+        quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
+        quantities.extend([
             Quantity::number("smallest_gap", "length"),
             Quantity::number("iterations", ""),
             Quantity::number("residual", ""),
             Quantity::number("divergence", ""),
             Quantity::number("seconds_per_step", "s"),
-        ]
+        ]);
+        quantities
     }
 
     /// A row for the suspension as it is. Collective.
@@ -38,6 +44,9 @@ impl Observer {
         let seconds = self.seconds_per_step(suspension.clock().step());
         let StepReport { iterations, residual, divergence, smallest_gap } = report;
         let mut row = vec![components(&means), components(&variances)];
+        if let Some(rheology) = &self.rheology {
+            row.extend(rheology.row(&suspension.stress(self.species.len())));
+        }
         row.extend([smallest_gap, iterations as f64, residual, divergence, seconds].map(|number| vec![number]));
         row
     }

@@ -8,7 +8,7 @@ use super::warm_start::WarmStart;
 use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
-use domain::{Failure, Particles, Partition, PeriodicBox, Vector};
+use domain::{Failure, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, SolveError};
 use io::{Multipoles, SuspensionScene};
 use lubrication::Range;
@@ -145,6 +145,11 @@ impl Dynamics {
     /// Which rank owns what.
     pub fn partition(&self) -> &Partition {
         &self.partition
+    }
+
+    /// Each particle's share of the first moments of repulsion, or nothing without it. Collective.
+    pub fn repulsion_moments(&self, particles: &Particles) -> Vec<Tensor> {
+        self.forces.repulsion_moments(particles, self.cell(), &self.partition)
     }
 
     /// The background flow.

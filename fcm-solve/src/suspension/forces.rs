@@ -1,7 +1,7 @@
 //! What acts on the particles besides the fluid.
 
 use super::near::Near;
-use domain::{Particles, Partition, PeriodicBox, Vector};
+use domain::{Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
 use io::{Species, SuspensionScene};
 use lubrication::{Barrier, BarrierError};
@@ -29,10 +29,24 @@ impl Forces {
         let mut forces = self.steady_forces(particles);
         if let Some((barrier, reach)) = &self.barrier {
             forces.resize(particles.len(), Vector::ZERO);
-            let near = Near::find(particles, cell, partition, *reach);
-            near.add_forces(&mut forces, |separation, radii| barrier.force(separation, radii));
+            let repulsion = Near::find(particles, cell, partition, *reach).sums(|separation, radii| {
+                let force = barrier.force(separation, radii);
+                [force, -force]
+            });
+            forces.iter_mut().zip(repulsion).for_each(|(force, repulsion)| *force += repulsion);
         }
         Loads { forces, torques: self.torques(particles), stresslets: Vec::new() }
+    }
+
+    /// For each particle that this rank owns, its share of the first moments of repulsion: of a pair at `x_i` and `x_j`,
+    /// where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without repulsion there are none. Collective.
+    pub fn repulsion_moments(&self, particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Vec<Tensor> {
+        let Some((barrier, reach)) = &self.barrier else { return Vec::new() };
+        Near::find(particles, cell, partition, *reach).sums(|separation, radii| {
+            let force = barrier.force(separation, radii);
+            let half = Tensor::from_cols(separation * force.x, separation * force.y, separation * force.z) * 0.5;
+            [half, half]
+        })
     }
 
     fn steady_forces(&self, particles: &Particles) -> Vec<Vector> {

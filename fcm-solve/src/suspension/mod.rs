@@ -9,6 +9,7 @@ mod near;
 mod outline;
 mod plan;
 mod setup;
+mod stress;
 mod warm_start;
 
 use crate::clock::Clock;
@@ -20,6 +21,7 @@ use integrator::VELOCITY;
 use io::{Checkpoint, SuspensionScene};
 pub use outline::Outline;
 use setup::Setup;
+pub use stress::ParticleStress;
 
 /// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular velocities
 /// and stresslets that belong to their positions.
@@ -127,6 +129,12 @@ impl Suspension {
         let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
         let flow = self.dynamics.flow();
         velocities.iter().zip(&self.particles.positions).map(|(&v, &x)| v - flow.velocity(x)).collect()
+    }
+
+    /// The stress of the particles of each of so many species. Collective.
+    pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
+        let repulsion = self.dynamics.repulsion_moments(&self.particles);
+        ParticleStress::by_species(&self.particles, &repulsion, (species, self.cell().volume()), &self.comm)
     }
 
     /// What is worth knowing of the suspension as it is. Collective.

@@ -1,6 +1,8 @@
 //! Particles near each other.
 
+use bytemuck::Pod;
 use domain::{Exchange, Pair, Pairs, Particles, Partition, PeriodicBox, Vector};
+use std::ops::AddAssign;
 
 /// The pairs within a cutoff, with what is needed of the images that other ranks own.
 pub struct Near {
@@ -24,19 +26,17 @@ impl Near {
         Self { exchange, cell: *cell, positions, radii, pairs }
     }
 
-    /// Adds to the forces on the particles that this rank owns what `force(separation, radii)` says acts on the first
-    /// of each pair, and the opposite on the second. Collective.
-    pub fn add_forces(&self, forces: &mut [Vector], force: impl Fn(Vector, [f64; 2]) -> Vector) {
-        let mut sums = vec![Vector::ZERO; self.exchange.present()];
+    /// For each particle that this rank owns, the sum over its pairs of what `of(separation, radii)` gives to the first and
+    /// to the second of a pair. Collective.
+    pub fn sums<T: Pod + AddAssign>(&self, of: impl Fn(Vector, [f64; 2]) -> [T; 2]) -> Vec<T> {
+        let mut sums = vec![T::zeroed(); self.exchange.present()];
         for pair in self.pairs.list() {
-            let f = force(self.separation(pair), self.radii_of(pair));
-            sums[pair.i as usize] += f;
-            sums[pair.j as usize] -= f;
+            let [first, second] = of(self.separation(pair), self.radii_of(pair));
+            sums[pair.i as usize] += first;
+            sums[pair.j as usize] += second;
         }
         self.exchange.collect(&mut sums);
-        for (force, sum) in forces.iter_mut().zip(sums) {
-            *force += sum;
-        }
+        sums
     }
 
     /// The smallest gap between the surfaces of any pair on any rank; infinite if there is no pair. Collective.
@@ -95,9 +95,8 @@ mod tests {
                 let partition = Partition::new(&comm, [8, 8]);
                 let mut particles = if comm.is_first() { three() } else { Particles::default() };
                 particles.migrate(&partition, &cell);
-                let mut forces = vec![Vector::ZERO; particles.len()];
                 let near = Near::find(&particles, &cell, &partition, 3.0);
-                near.add_forces(&mut forces, |d, radii| d * radii[0] * radii[1]);
+                let forces = near.sums(|d, radii| [d * radii[0] * radii[1], -d * radii[0] * radii[1]]);
                 particles.vectors("force").copy_from_slice(&forces);
                 particles.gathered(&partition)
             });

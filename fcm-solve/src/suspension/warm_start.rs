@@ -7,7 +7,7 @@ use fcm::Loads;
 
 /// With lubrication: the stresslets of the far field, the forces and torques of lubrication on it, and the motions
 /// relative to the background flow.
-const STRESSLET_FAR: &str = "far stresslet";
+pub const STRESSLET_FAR: &str = "far stresslet";
 const FORCE: &str = "lubrication force";
 const TORQUE: &str = "lubrication torque";
 const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
