@@ -1,0 +1,131 @@
+//! Means and fluctuation tensors of vectors.
+
+use crate::{Blocks, Estimate, State, Store};
+use domain::{Tensor, Vector};
+
+/// The mean and the fluctuation tensor of a vector over particles and time,
+///
+/// ```text
+/// T_ij = <v_i v_j> - <v_i> <v_j>,
+/// ```
+///
+/// eqs. (14) and (15) of Abbas et al. (2006), not made dimensionless. Means over the particles of a sample are the
+/// series from which the errors come.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fluctuations {
+    count: f64,
+    mean: Vector,
+    /// `sum (v - mean)(v - mean)`, xx xy xz yy yz zz.
+    spread: [f64; 6],
+    means: [Blocks; 3],
+    seconds: [Blocks; 6],
+}
+
+/// The components of a symmetric tensor, in the order xx, xy, xz, yy, yz, zz.
+const COMPONENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+impl Fluctuations {
+    /// Adds the vectors of all particles at one time.
+    pub fn add(&mut self, vectors: impl Iterator<Item = Vector> + Clone) {
+        let count = vectors.clone().count() as f64;
+        if count == 0.0 {
+            return;
+        }
+        let mean = vectors.clone().sum::<Vector>() / count;
+        let mut spread = [0.0; 6];
+        for vector in vectors {
+            let from_mean = vector - mean;
+            for (sum, (i, j)) in spread.iter_mut().zip(COMPONENTS) {
+                *sum += from_mean[i] * from_mean[j];
+            }
+        }
+        self.merge(count, mean, spread);
+        for i in 0..3 {
+            self.means[i].add(mean[i]);
+        }
+        for c in 0..6 {
+            self.seconds[c].add(spread[c] / count);
+        }
+    }
+
+    /// Chan, Golub & LeVeque (1979): the moments of two sets together.
+    fn merge(&mut self, count: f64, mean: Vector, spread: [f64; 6]) {
+        let total = self.count + count;
+        let apart = mean - self.mean;
+        for (c, (i, j)) in COMPONENTS.into_iter().enumerate() {
+            self.spread[c] += spread[c] + apart[i] * apart[j] * (self.count * count / total);
+        }
+        self.mean += apart * (count / total);
+        self.count = total;
+    }
+
+    /// Samples so far.
+    pub fn samples(&self) -> u64 {
+        self.means[0].count()
+    }
+
+    /// The mean of each component over time, with its error.
+    pub fn mean(&self) -> [Estimate; 3] {
+        self.means.each_ref().map(Blocks::estimate)
+    }
+
+    /// The fluctuation tensor.
+    pub fn tensor(&self) -> Tensor {
+        let [xx, xy, xz, yy, yz, zz] = self.spread.map(|sum| sum / self.count);
+        Tensor::from_cols(Vector::new(xx, xy, xz), Vector::new(xy, yy, yz), Vector::new(xz, yz, zz))
+    }
+
+    /// Its components xx, xy, xz, yy, yz and zz, with the errors of the samples' own.
+    pub fn components(&self) -> [Estimate; 6] {
+        std::array::from_fn(|c| Estimate { mean: self.spread[c] / self.count, ..self.seconds[c].estimate() })
+    }
+}
+
+impl State for Fluctuations {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.number(&mut self.count);
+        let Vector { x, y, z } = &mut self.mean;
+        [x, y, z].into_iter().chain(&mut self.spread).for_each(|number| store.number(number));
+        self.means.iter_mut().chain(&mut self.seconds).for_each(|blocks| blocks.visit(store));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Random;
+
+    fn sample(time: u64) -> Vec<Vector> {
+        (0..40).map(|id| Random::new(time, id).point() * Vector::new(1.0, 2.0, 3.0) + Vector::splat(1e3)).collect()
+    }
+
+    #[test]
+    fn a_stream_of_samples_is_all_of_them_at_once() {
+        let mut stream = Fluctuations::default();
+        for time in 0..50 {
+            stream.add(sample(time).into_iter());
+        }
+        let all: Vec<Vector> = (0..50).flat_map(sample).collect();
+        let mut batch = Fluctuations::default();
+        batch.add(all.into_iter());
+        assert!(stream.tensor().abs_diff_eq(batch.tensor(), 1e-12));
+        assert!((stream.mean()[2].mean - batch.mean()[2].mean).abs() < 1e-11);
+    }
+
+    #[test]
+    fn uniform_numbers_have_a_variance_of_a_twelfth() {
+        let mut fluctuations = Fluctuations::default();
+        for time in 0..500 {
+            fluctuations.add(sample(time).into_iter());
+        }
+        let found = fluctuations.components();
+        let expected = [1.0, 0.0, 0.0, 4.0, 0.0, 9.0].map(|c| c / 12.0);
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found.mean - expected).abs() < 5.0 * found.error, "{found:?} for {expected}");
+            assert!(found.error < 0.02);
+        }
+        let mut again = Fluctuations::default();
+        assert!(again.load(&fluctuations.save()));
+        assert_eq!(again, fluctuations);
+    }
+}

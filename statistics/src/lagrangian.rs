@@ -1,0 +1,320 @@
+//! Correlations and displacements along the paths of particles.
+
+use crate::{Estimate, State, Store};
+use domain::Vector;
+
+/// What is known of a particle at one time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Motion {
+    /// Its velocity relative to the flow.
+    pub velocity: Vector,
+    /// How far that velocity has brought it so far: its displacement without what the flow has carried it.
+    pub path: Vector,
+}
+
+/// Averages over particles and starting times for one time lag `t`, component by component; `d = path(t) - path(0)`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Lag {
+    /// The lag.
+    pub time: f64,
+    /// `<v(0) v(t)> - <v(0)> <v(t)>`; over its value at lag 0, the autocorrelation `R(t)`.
+    pub correlation: Vector,
+    /// `<d^2> - <d>^2`, the mean square displacement.
+    pub displacement: Vector,
+    /// `<v(0) d> - <v(0)> <d>`, which is the integral of the correlation from 0 to `t`, without an error of quadrature: the
+    /// diffusivity of eq. (16) for a long lag.
+    pub integral: Vector,
+}
+
+/// A correlator at lags whose spacing grows with them (multiple-tau; Magatti & Ferri, Appl. Opt. 40, 4011, 2001; Ramirez et
+/// al., J. Chem. Phys. 133, 154103, 2010): level `l` keeps the last samples among those whose number is a
+/// multiple of `2^l`, and correlates each new one with them. Samples are skipped, not averaged, so that every lag is exact.
+/// Memory grows as the logarithm of the number of samples.
+///
+/// The particles of a species are shared out to a few groups, and errors are those of the mean of the groups. As groups move
+/// in the same flow, that is a lower bound.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lagrangian {
+    /// The class of each particle: its species and group.
+    classes: Vec<usize>,
+    class_count: usize,
+    samples: u64,
+    levels: Vec<Level>,
+}
+
+/// Samples that a level keeps; the levels above the first use the older half of them.
+const KEPT: usize = 16;
+/// Groups of each species.
+const GROUPS: usize = 8;
+/// Numbers kept of a particle's motion.
+const WIDTH: usize = 6;
+/// Sums for one lag and class: their number, the lag, and for each component `v0, v1, v0 v1, d, d^2, v0 d`.
+const SUMS: usize = 2 + 3 * 6;
+
+/// The samples and sums of one spacing.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Level {
+    pushed: u64,
+    times: Vec<f64>,
+    /// `[slot][particle][component]`
+    history: Vec<f64>,
+    /// `[lag][class][sum]`
+    sums: Vec<f64>,
+}
+
+impl Level {
+    fn new(particles: usize, classes: usize) -> Self {
+        let history = vec![0.0; KEPT * particles * WIDTH];
+        Self { pushed: 0, times: vec![0.0; KEPT], history, sums: vec![0.0; KEPT * classes * SUMS] }
+    }
+
+    fn slot(&self, sample: u64) -> (usize, usize) {
+        let slot = (sample % KEPT as u64) as usize;
+        (slot, slot * self.history.len() / KEPT)
+    }
+
+    /// Keeps a sample and correlates it with those of the lags from `first` on.
+    fn push(&mut self, time: f64, motions: &[Motion], (classes, count): (&[usize], usize), first: usize) {
+        let (slot, start) = self.slot(self.pushed);
+        self.times[slot] = time;
+        for (kept, motion) in self.history[start..].chunks_exact_mut(WIDTH).zip(motions) {
+            kept[..3].copy_from_slice(&motion.velocity.to_array());
+            kept[3..].copy_from_slice(&motion.path.to_array());
+        }
+        let known = KEPT.min(self.pushed as usize + 1);
+        for lag in first..known {
+            let (slot, start) = self.slot(self.pushed - lag as u64);
+            let elapsed = time - self.times[slot];
+            let sums = &mut self.sums[lag * count * SUMS..][..count * SUMS];
+            for ((then, motion), &class) in self.history[start..].chunks_exact(WIDTH).zip(motions).zip(classes) {
+                add(&mut sums[class * SUMS..][..SUMS], elapsed, then, motion);
+            }
+        }
+        self.pushed += 1;
+    }
+}
+
+fn add(sums: &mut [f64], elapsed: f64, then: &[f64], now: &Motion) {
+    sums[0] += 1.0;
+    sums[1] += elapsed;
+    for component in 0..3 {
+        let (before, after) = (then[component], now.velocity[component]);
+        let moved = now.path[component] - then[3 + component];
+        let terms = [before, after, before * after, moved, moved * moved, before * moved];
+        for (sum, term) in sums[2 + 6 * component..].iter_mut().zip(terms) {
+            *sum += term;
+        }
+    }
+}
+
+impl Lagrangian {
+    /// For particles of the species given.
+    pub fn new(species: &[u32]) -> Self {
+        let mut seen = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];
+        let class_count = seen.len() * GROUPS;
+        let class = |&s: &u32| {
+            seen[s as usize] += 1;
+            s as usize * GROUPS + (seen[s as usize] - 1) % GROUPS
+        };
+        Self { classes: species.iter().map(class).collect(), class_count, samples: 0, levels: Vec::new() }
+    }
+
+    /// Adds a sample: the motions of all particles, in the same order each time.
+    pub fn add(&mut self, time: f64, motions: &[Motion]) {
+        assert_eq!(motions.len(), self.classes.len(), "a motion for each particle");
+        self.samples += 1;
+        for level in 0..=self.samples.trailing_zeros() as usize {
+            if level == self.levels.len() {
+                self.levels.push(Level::new(self.classes.len(), self.class_count));
+            }
+            let first = if level == 0 { 0 } else { KEPT / 2 };
+            self.levels[level].push(time, motions, (&self.classes, self.class_count), first);
+        }
+    }
+
+    /// The averages over the particles of a species, or over all, at all lags that there are samples for, in ascending order.
+    pub fn lags(&self, species: Option<usize>) -> Vec<Lag> {
+        let of_species = |s: usize| s * GROUPS..(s + 1) * GROUPS;
+        self.averages(&species.map_or(0..self.class_count, of_species).collect::<Vec<_>>())
+    }
+
+    /// A number made of averages, with its error from what it is in each group of a species, or of all particles.
+    pub fn estimate(&self, species: Option<usize>, number: impl Fn(&[Lag]) -> f64) -> Estimate {
+        let is_meant = |class: &usize| species.is_none_or(|s| class / GROUPS == s);
+        let group = |group: usize| {
+            let classes: Vec<usize> = (0..self.class_count).filter(is_meant).filter(|c| c % GROUPS == group).collect();
+            let lags = self.averages(&classes);
+            (!lags.is_empty()).then(|| number(&lags))
+        };
+        let groups: Vec<f64> = (0..GROUPS).filter_map(group).collect();
+        let count = groups.len() as f64;
+        let mean = groups.iter().sum::<f64>() / count;
+        let squares: f64 = groups.iter().map(|value| (value - mean).powi(2)).sum();
+        let error = if groups.len() > 1 { (squares / count / (count - 1.0)).sqrt() } else { f64::INFINITY };
+        Estimate { mean: number(&self.lags(species)), error, converged: groups.len() == GROUPS }
+    }
+
+    fn averages(&self, classes: &[usize]) -> Vec<Lag> {
+        let lag = |level: &Level, lag: usize| {
+            let mut sums = [0.0; SUMS];
+            for class in classes {
+                let own = &level.sums[(lag * self.class_count + class) * SUMS..][..SUMS];
+                sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
+            (sums[0] > 0.0).then(|| average(&sums))
+        };
+        let firsts = (0..self.levels.len()).map(|level| if level == 0 { 0 } else { KEPT / 2 });
+        let all = self.levels.iter().zip(firsts);
+        all.flat_map(|(level, first)| (first..KEPT).filter_map(move |k| lag(level, k))).collect()
+    }
+}
+
+fn average(sums: &[f64; SUMS]) -> Lag {
+    let mean = |sum: usize, component: usize| sums[2 + 6 * component + sum] / sums[0];
+    let covariance = |product: usize, a: usize, b: usize| {
+        let at = |i: usize| mean(product, i) - mean(a, i) * mean(b, i);
+        Vector::new(at(0), at(1), at(2))
+    };
+    Lag {
+        time: sums[1] / sums[0],
+        correlation: covariance(2, 0, 1),
+        displacement: covariance(4, 3, 3),
+        integral: covariance(5, 0, 3),
+    }
+}
+
+impl State for Lagrangian {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.count(&mut self.samples);
+        let mut count = self.levels.len() as u64;
+        store.count(&mut count);
+        let new = || Level::new(self.classes.len(), self.class_count);
+        self.levels.resize_with(count.min(64) as usize, new);
+        for level in &mut self.levels {
+            store.count(&mut level.pushed);
+            for numbers in [&mut level.times, &mut level.history, &mut level.sums] {
+                store.numbers(numbers);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Diffusivity;
+    use domain::Random;
+
+    /// Paths of particles whose velocities are Ornstein-Uhlenbeck processes with variance `1` and correlation time `1`, or
+    /// constant, sampled every `dt`; displacements are integrated by many small steps.
+    fn ornstein_uhlenbeck(particles: u64, samples: usize, dt: f64) -> Vec<Vec<Motion>> {
+        let substeps = 8;
+        let decay = (-dt / f64::from(substeps)).exp();
+        let noise = |random: &mut Random| {
+            let radius = (-2.0 * (1.0 - random.uniform()).ln()).sqrt();
+            let angle = std::f64::consts::TAU * random.uniform();
+            (radius * angle.cos(), radius * angle.sin())
+        };
+        let mut randoms: Vec<Random> = (0..particles).map(|id| Random::new(11, id)).collect();
+        let mut motions: Vec<Motion> = randoms
+            .iter_mut()
+            .map(|r| {
+                let ((x, y), (z, _)) = (noise(r), noise(r));
+                Motion { velocity: Vector::new(x, y, z), path: Vector::ZERO }
+            })
+            .collect();
+        let mut all = Vec::new();
+        for _ in 0..samples {
+            all.push(motions.clone());
+            for (motion, random) in motions.iter_mut().zip(&mut randoms) {
+                for _ in 0..substeps {
+                    let before = motion.velocity;
+                    let ((x, y), (z, _)) = (noise(random), noise(random));
+                    motion.velocity = decay * before + (1.0 - decay * decay).sqrt() * Vector::new(x, y, z);
+                    motion.path += 0.5 * dt / f64::from(substeps) * (before + motion.velocity);
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn an_ornstein_uhlenbeck_process_has_its_correlation_and_diffusivity() {
+        let dt = 0.25;
+        let samples = ornstein_uhlenbeck(200, 2000, dt);
+        let mut lagrangian = Lagrangian::new(&vec![0; 200]);
+        samples.iter().enumerate().for_each(|(k, motions)| lagrangian.add(k as f64 * dt, motions));
+        for lag in lagrangian.lags(Some(0)).iter().filter(|lag| lag.time <= 8.0) {
+            let t = lag.time;
+            for i in 0..3 {
+                // 200 particles over 500 correlation times: 1/sqrt(50,000) = 0.0045.
+                assert!((lag.correlation[i] - (-t).exp()).abs() < 0.025, "{lag:?}");
+                assert!((lag.integral[i] - (1.0 - (-t).exp())).abs() < 0.05, "{lag:?}");
+                assert!((lag.displacement[i] - 2.0 * (t - 1.0 + (-t).exp())).abs() < 0.03 * (1.0 + t), "{lag:?}");
+            }
+        }
+        let found = Diffusivity::of(&lagrangian, None, [6.0, 20.0]);
+        for estimate in found.by_slope.iter().chain(&found.by_integral) {
+            assert!((estimate.mean - 1.0).abs() < 4.0 * estimate.error && estimate.error < 0.05, "{estimate:?}");
+        }
+    }
+
+    #[test]
+    fn ballistic_particles_do_not_diffuse() {
+        let velocities = [Vector::X, -Vector::X, Vector::new(0.0, 3.0, 4.0), Vector::new(0.0, -3.0, -4.0)];
+        let mut lagrangian = Lagrangian::new(&[0; 4]);
+        for step in 0..100 {
+            let time = 0.3 * f64::from(step);
+            lagrangian.add(time, &velocities.map(|velocity| Motion { velocity, path: time * velocity }));
+        }
+        let lags = lagrangian.lags(None);
+        assert!(lags.last().unwrap().time > 15.0 && lags.is_sorted_by(|a, b| a.time < b.time));
+        for lag in lags {
+            let square = Vector::new(0.5, 4.5, 8.0);
+            assert!((lag.correlation - square).length() < 1e-12);
+            assert!((lag.displacement - square * lag.time.powi(2)).length() < 1e-10 * (1.0 + lag.time.powi(2)));
+            assert!((lag.integral - square * lag.time).length() < 1e-11 * (1.0 + lag.time));
+        }
+    }
+
+    /// Each lag is compared with the sum over all the starting times that its level has, computed from all samples.
+    #[test]
+    fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
+        let samples = ornstein_uhlenbeck(10, 300, 0.5);
+        let species = [0, 1, 0, 1, 1, 0, 0, 0, 1, 0];
+        let mut lagrangian = Lagrangian::new(&species);
+        for (k, motions) in samples.iter().enumerate() {
+            if k == 137 {
+                let bytes = lagrangian.save();
+                lagrangian = Lagrangian::new(&species);
+                assert!(lagrangian.load(&bytes));
+            }
+            lagrangian.add(0.5 * k as f64, motions);
+        }
+        for lag in lagrangian.lags(Some(1)) {
+            let steps = (lag.time / 0.5).round() as usize;
+            let stride = if steps < 16 { 1 } else { 1 << (steps / 8).ilog2() };
+            let starts: Vec<usize> = (stride..=samples.len() - steps).step_by(stride).map(|n| n - 1).collect();
+            let members: Vec<usize> = (0..10).filter(|&i| species[i] == 1).collect();
+            let over = |number: &dyn Fn(&Motion, &Motion) -> f64| {
+                let pairs = starts.iter().flat_map(|&s| members.iter().map(move |&i| (s, i)));
+                let numbers: Vec<f64> = pairs.map(|(s, i)| number(&samples[s][i], &samples[s + steps][i])).collect();
+                numbers.iter().sum::<f64>() / numbers.len() as f64
+            };
+            let product = over(&|a, b| a.velocity.y * b.velocity.y);
+            let correlation = product - over(&|a, _| a.velocity.y) * over(&|_, b| b.velocity.y);
+            assert!((lag.correlation.y - correlation).abs() < 1e-12, "lag {steps}");
+            let square = over(&|a, b| (b.path.z - a.path.z).powi(2)) - over(&|a, b| b.path.z - a.path.z).powi(2);
+            assert!((lag.displacement.z - square).abs() < 1e-11 * (1.0 + square), "lag {steps}");
+        }
+    }
+
+    #[test]
+    fn memory_grows_as_the_logarithm_of_the_samples() {
+        let mut lagrangian = Lagrangian::new(&[0; 3]);
+        for k in 0..4096 {
+            lagrangian.add(f64::from(k), &[Motion::default(); 3]);
+        }
+        assert_eq!(lagrangian.levels.len(), 13);
+    }
+}

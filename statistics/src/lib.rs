@@ -1,0 +1,27 @@
+//! Estimators of what a suspension does on average, fed with one sample after another. None of them keeps the samples:
+//! their memory does not grow with a run, or as the logarithm of its length. What they have taken in can be stored and
+//! taken up again to the bit ([`State`]), and is the same as if all samples had been there at once, up to round-off.
+//!
+//! They know nothing of scenes or files, and nothing of ranks: whoever has all the particles feeds them.
+
+mod blocks;
+mod diffusion;
+mod fluctuations;
+mod histogram;
+mod lagrangian;
+mod pair_distribution;
+mod profile;
+mod segregation;
+mod state;
+mod stretched_exponential;
+
+pub use blocks::{Blocks, Estimate};
+pub use diffusion::{Diffusivity, global_coefficient, mean_coefficient, mean_radius};
+pub use fluctuations::Fluctuations;
+pub use histogram::Histogram;
+pub use lagrangian::{Lag, Lagrangian, Motion};
+pub use pair_distribution::{Angle, PairDistribution};
+pub use profile::Profile;
+pub use segregation::Columns;
+pub use state::{Loader, Saver, State, Store};
+pub use stretched_exponential::StretchedExponential;

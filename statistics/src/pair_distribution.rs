@@ -1,0 +1,192 @@
+//! How likely particles are to be found near each other.
+
+use crate::{State, Store};
+use domain::{Pairs, PeriodicBox, Vector};
+use std::f64::consts::PI;
+
+/// The angle by which pairs are told apart. All angles are equally likely where there is no order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Angle {
+    /// Of the separation in the plane of flow and gradient, from the flow's direction x towards y, in `[0, pi)`.
+    Azimuth,
+    /// The cosine of the angle between the separation and an axis, in `[0, 1)`.
+    Cosine(usize),
+}
+
+impl Angle {
+    /// The angle as a share of its range.
+    fn share(self, separation: Vector) -> f64 {
+        match self {
+            Self::Azimuth => (separation.y.atan2(separation.x) / PI).rem_euclid(1.0),
+            Self::Cosine(axis) => separation[axis].abs() / separation.length(),
+        }
+    }
+
+    /// The end of its range.
+    fn range(self) -> f64 {
+        match self {
+            Self::Azimuth => PI,
+            Self::Cosine(_) => 1.0,
+        }
+    }
+}
+
+/// The pair distribution function of each pair of species,
+///
+/// ```text
+/// g(r) = (pairs found at a distance in [r, r + dr)) / (N_a N_b 4 pi r^2 dr / V),
+/// ```
+///
+/// with `N_a (N_a - 1) / 2` for a species and itself, so that an ideal gas has 1 at any number of particles; and `g(r, angle)`
+/// likewise. Images count, also across the sides of a sheared box, but not those of a particle itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairDistribution {
+    cutoff: f64,
+    angle: Angle,
+    counts: Vec<u64>,
+    samples: f64,
+    /// `[pair of species][bin of distance][bin of angle]`
+    found: Vec<f64>,
+    volume: f64,
+}
+
+/// Bins of distance and of angle.
+const DISTANCES: usize = 128;
+const ANGLES: usize = 24;
+
+impl PairDistribution {
+    /// For distances up to `cutoff` between particles of these species, in a box of a volume.
+    pub fn new(cutoff: f64, angle: Angle, species: &[u32], volume: f64) -> Self {
+        let mut counts = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];
+        for &s in species {
+            counts[s as usize] += 1;
+        }
+        let pairs = counts.len() * (counts.len() + 1) / 2;
+        Self { cutoff, angle, counts, samples: 0.0, found: vec![0.0; pairs * DISTANCES * ANGLES], volume }
+    }
+
+    /// Adds the pairs of all particles at one time.
+    pub fn add(&mut self, cell: &PeriodicBox, positions: &[Vector], species: &[u32]) {
+        let ids: Vec<u64> = (0..positions.len() as u64).collect();
+        for pair in Pairs::find(cell, positions, &ids, positions.len(), self.cutoff).list() {
+            if pair.i != pair.j {
+                let separation = pair.separation(cell, positions);
+                let kinds = [pair.i, pair.j].map(|row| species[row as usize] as usize);
+                let bin = self.bin(kinds, separation);
+                self.found[bin] += 1.0;
+            }
+        }
+        self.samples += 1.0;
+    }
+
+    fn bin(&self, [a, b]: [usize; 2], separation: Vector) -> usize {
+        let distance = (separation.length() / self.cutoff * DISTANCES as f64) as usize;
+        let angle = (self.angle.share(separation) * ANGLES as f64) as usize;
+        (pair_index(a, b) * DISTANCES + distance.min(DISTANCES - 1)) * ANGLES + angle.min(ANGLES - 1)
+    }
+
+    /// The pairs of species, `a <= b`.
+    pub fn species_pairs(&self) -> Vec<[usize; 2]> {
+        (0..self.counts.len()).flat_map(|b| (0..=b).map(move |a| [a, b])).collect()
+    }
+
+    /// Pairs of two species that an ideal gas would have in a shell.
+    fn ideal(&self, [a, b]: [usize; 2], distance: usize) -> f64 {
+        let edge = |bin: usize| self.cutoff * bin as f64 / DISTANCES as f64;
+        let shell = 4.0 / 3.0 * PI * (edge(distance + 1).powi(3) - edge(distance).powi(3));
+        let [n, m] = [a, b].map(|s| self.counts[s] as f64);
+        let pairs = if a == b { 0.5 * n * (n - 1.0) } else { n * m };
+        self.samples * pairs * shell / self.volume
+    }
+
+    /// `r` at the middle of each bin and `g(r)` for two species.
+    pub fn radial(&self, pair: [usize; 2]) -> Vec<(f64, f64)> {
+        let found =
+            |bin: usize| self.found[(pair_index(pair[0], pair[1]) * DISTANCES + bin) * ANGLES..][..ANGLES].iter();
+        let g = |bin: usize| (self.middle(bin), found(bin).sum::<f64>() / self.ideal(pair, bin));
+        (0..DISTANCES).map(g).collect()
+    }
+
+    /// `r`, the angle and `g(r, angle)` for two species.
+    pub fn angular(&self, pair: [usize; 2]) -> Vec<(f64, f64, f64)> {
+        let angle = |bin: usize| self.angle.range() * (bin as f64 + 0.5) / ANGLES as f64;
+        let g = |distance: usize, bin: usize| {
+            let found = self.found[(pair_index(pair[0], pair[1]) * DISTANCES + distance) * ANGLES + bin];
+            (self.middle(distance), angle(bin), found * ANGLES as f64 / self.ideal(pair, distance))
+        };
+        (0..DISTANCES).flat_map(|distance| (0..ANGLES).map(move |bin| g(distance, bin))).collect()
+    }
+
+    fn middle(&self, bin: usize) -> f64 {
+        self.cutoff * (bin as f64 + 0.5) / DISTANCES as f64
+    }
+}
+
+fn pair_index(a: usize, b: usize) -> usize {
+    let (a, b) = (a.min(b), a.max(b));
+    b * (b + 1) / 2 + a
+}
+
+impl State for PairDistribution {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.number(&mut self.samples);
+        store.numbers(&mut self.found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Random;
+
+    fn ideal_gas(angle: Angle, strain: f64) -> PairDistribution {
+        let cell = PeriodicBox::sheared(Vector::new(4.0, 5.0, 6.0), strain).unwrap();
+        let species: Vec<u32> = (0..300).map(|i| u32::from(i % 3 == 0)).collect();
+        // Beyond half the box on purpose: images are pairs of their own.
+        let mut found = PairDistribution::new(3.0, angle, &species, cell.volume());
+        for sample in 0..10 {
+            let place = |id| cell.wrap(Random::new(sample, id).point() * cell.edges()).0;
+            found.add(&cell, &(0..300).map(place).collect::<Vec<_>>(), &species);
+        }
+        found
+    }
+
+    #[test]
+    fn an_ideal_gas_has_one_everywhere_in_straight_and_sheared_boxes() {
+        for (angle, strain) in [(Angle::Azimuth, 0.3), (Angle::Cosine(2), 0.0)] {
+            let found = ideal_gas(angle, strain);
+            for pair in found.species_pairs() {
+                for (bin, (r, g)) in found.radial(pair).into_iter().enumerate() {
+                    // Five standard deviations of the number of pairs.
+                    assert!((g - 1.0).abs() < 5.0 / found.ideal(pair, bin).sqrt(), "{pair:?} {r} {g}");
+                }
+                let by_angle = found.angular(pair);
+                for bin in 0..ANGLES {
+                    let ring: f64 = (0..DISTANCES).map(|d| by_angle[d * ANGLES + bin].2 * found.ideal(pair, d)).sum();
+                    let expected: f64 = (0..DISTANCES).map(|d| found.ideal(pair, d)).sum();
+                    assert!((ring / expected - 1.0).abs() < 5.0 / (expected / ANGLES as f64).sqrt());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_pair_is_found_at_its_distance_and_angle_across_a_sheared_side() {
+        let cell = PeriodicBox::sheared(Vector::splat(10.0), 0.2).unwrap();
+        let separation = Vector::new(-1.0, 1.0, 0.0);
+        let second = cell.wrap(Vector::new(9.5, 9.8, 5.0) + separation).0;
+        let mut found = PairDistribution::new(4.0, Angle::Azimuth, &[0, 0], cell.volume());
+        found.add(&cell, &[Vector::new(9.5, 9.8, 5.0), second], &[0, 0]);
+        let hits: Vec<_> = found.angular([0, 0]).into_iter().filter(|(_, _, g)| *g > 0.0).collect();
+        assert_eq!(hits.len(), 1);
+        assert!((hits[0].0 - 2.0_f64.sqrt()).abs() < 0.02 && (hits[0].1 - 0.75 * PI).abs() < 0.07, "{hits:?}");
+    }
+
+    #[test]
+    fn a_stream_is_the_batch_to_the_bit() {
+        let whole = ideal_gas(Angle::Azimuth, 0.3);
+        let mut again = PairDistribution { found: Vec::new(), samples: 0.0, ..whole.clone() };
+        assert!(again.load(&whole.clone().save()));
+        assert_eq!(again, whole);
+    }
+}

@@ -1,0 +1,103 @@
+//! How far species have separated.
+
+use domain::{PeriodicBox, Vector};
+
+/// Particles counted by species in columns along an axis, as the streams of a settling suspension are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    across: [usize; 2],
+    widths: [f64; 2],
+    table: [usize; 2],
+    species: usize,
+    counts: Vec<f64>,
+}
+
+impl Columns {
+    /// Columns about `width` wide along an axis of a box.
+    pub fn new(cell: &PeriodicBox, axis: usize, width: f64, species: usize) -> Self {
+        let across = [(axis + 1) % 3, (axis + 2) % 3];
+        let table = across.map(|d| (cell.edges()[d] / width).round().max(1.0) as usize);
+        let widths = [0, 1].map(|d| cell.edges()[across[d]] / table[d] as f64);
+        Self { across, widths, table, species, counts: vec![0.0; table[0] * table[1] * species] }
+    }
+
+    /// Counts a particle.
+    pub fn add(&mut self, position: Vector, species: u32) {
+        let place = |d: usize| (position[self.across[d]] / self.widths[d]).floor() as i64;
+        let [i, j] = [0, 1].map(|d| place(d).rem_euclid(self.table[d] as i64) as usize);
+        self.counts[(j * self.table[0] + i) * self.species + species as usize] += 1.0;
+    }
+
+    /// The numbers of each species in each column, for whoever counts them in parts.
+    pub fn counts(&mut self) -> &mut [f64] {
+        &mut self.counts
+    }
+
+    /// The intensity of segregation (Danckwerts, Appl. Sci. Res. A 3, 279, 1952). With `n_c` the number of particles in column
+    /// `c`, `p_cs` the share of species `s` among them, `p_s` that among all `N`, and `C` the number of columns with particles,
+    ///
+    /// ```text
+    /// I = (sum_s sum_c n_c (p_cs - p_s)^2 / N - R) / (sum_s p_s (1 - p_s) - R),    R = sum_s p_s (1 - p_s) (C - 1) / (N - 1):
+    /// ```
+    ///
+    /// 0 on average for particles mixed at random, 1 where each column has one species only. Zero for one species.
+    pub fn intensity(&self) -> f64 {
+        let columns = || self.counts.chunks_exact(self.species);
+        let total: f64 = self.counts.iter().sum();
+        let shares: Vec<f64> = (0..self.species).map(|s| columns().map(|c| c[s]).sum::<f64>() / total).collect();
+        let apart: f64 = shares.iter().map(|p| p * (1.0 - p)).sum();
+        let mut spread = 0.0;
+        let mut occupied = 0.0;
+        for column in columns() {
+            let count: f64 = column.iter().sum();
+            if count > 0.0 {
+                occupied += 1.0;
+                spread += column.iter().zip(&shares).map(|(n, p)| (n / count - p).powi(2)).sum::<f64>() * count / total;
+            }
+        }
+        let random = apart * (occupied - 1.0) / (total - 1.0);
+        if apart > random { (spread - random) / (apart - random) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Random;
+
+    fn intensity(kind: impl Fn(Vector, &mut Random) -> u32, seed: u64) -> f64 {
+        let cell = PeriodicBox::new(Vector::new(20.0, 30.0, 10.0)).unwrap();
+        let mut columns = Columns::new(&cell, 2, 4.9, 2);
+        assert_eq!(columns.table, [4, 6]);
+        for id in 0..400 {
+            let mut random = Random::new(seed, id);
+            let position = random.point() * cell.edges();
+            columns.add(position, kind(position, &mut random));
+        }
+        columns.intensity()
+    }
+
+    #[test]
+    fn mixed_particles_have_zero_and_separate_ones_have_one() {
+        let mixed = |_: Vector, random: &mut Random| u32::from(random.uniform() < 0.3);
+        let found: Vec<f64> = (0..200).map(|seed| intensity(mixed, seed)).collect();
+        let mean = found.iter().sum::<f64>() / 200.0;
+        let error = (found.iter().map(|i| (i - mean).powi(2)).sum::<f64>() / 200.0 / 199.0).sqrt();
+        assert!(mean.abs() < 4.0 * error && error < 0.002, "{mean} +- {error}");
+        assert!((intensity(|p, _| u32::from(p.y < 15.0), 1) - 1.0).abs() < 1e-12);
+        assert!(intensity(|_, _| 0, 1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn counts_may_be_added_in_parts() {
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+        let [mut all, mut even, mut odd] = std::array::from_fn(|_| Columns::new(&cell, 1, 3.0, 2));
+        for id in 0..50_u32 {
+            let position = Random::new(1, u64::from(id)).point() * 9.0;
+            all.add(position, id % 2);
+            if id % 3 == 0 { &mut even } else { &mut odd }.add(position, id % 2);
+        }
+        even.counts().iter_mut().zip(odd.counts()).for_each(|(sum, part)| *sum += *part);
+        assert_eq!(even, all);
+    }
+}

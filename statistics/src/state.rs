@@ -1,0 +1,116 @@
+//! Estimators stored to the bit and taken up again.
+
+/// Something whose numbers can be stored. An estimator made anew with the same parameters and then visited with a
+/// [`Loader`] is the one that was visited with the [`Saver`].
+pub trait State {
+    /// Shows all numbers that samples have changed to a store, always in the same order.
+    fn visit(&mut self, store: &mut dyn Store);
+
+    /// The state as bytes.
+    fn save(&mut self) -> Vec<u8>
+    where
+        Self: Sized,
+    {
+        let mut saver = Saver::default();
+        self.visit(&mut saver);
+        saver.0
+    }
+
+    /// Takes up a state; says whether it fitted.
+    #[must_use]
+    fn load(&mut self, bytes: &[u8]) -> bool
+    where
+        Self: Sized,
+    {
+        let mut loader = Loader { rest: bytes, fits: true };
+        self.visit(&mut loader);
+        loader.fits && loader.rest.is_empty()
+    }
+}
+
+/// Where numbers go or come from.
+pub trait Store {
+    /// A list, whose length is stored too.
+    fn numbers(&mut self, values: &mut Vec<f64>);
+
+    /// A whole number.
+    fn count(&mut self, value: &mut u64);
+
+    /// A number.
+    fn number(&mut self, value: &mut f64) {
+        let mut bits = value.to_bits();
+        self.count(&mut bits);
+        *value = f64::from_bits(bits);
+    }
+}
+
+/// Writes numbers down.
+#[derive(Debug, Default)]
+pub struct Saver(Vec<u8>);
+
+impl Store for Saver {
+    fn numbers(&mut self, values: &mut Vec<f64>) {
+        self.count(&mut (values.len() as u64));
+        self.0.extend(bytemuck::cast_slice::<f64, u8>(values));
+    }
+
+    fn count(&mut self, value: &mut u64) {
+        self.0.extend(value.to_le_bytes());
+    }
+}
+
+/// Reads numbers back.
+#[derive(Debug)]
+pub struct Loader<'a> {
+    rest: &'a [u8],
+    fits: bool,
+}
+
+impl Loader<'_> {
+    fn take(&mut self, length: usize) -> &[u8] {
+        let taken = self.rest.split_at_checked(length);
+        self.fits &= taken.is_some();
+        let (taken, rest) = taken.unwrap_or_default();
+        self.rest = rest;
+        taken
+    }
+}
+
+impl Store for Loader<'_> {
+    fn numbers(&mut self, values: &mut Vec<f64>) {
+        let mut length = 0;
+        self.count(&mut length);
+        let bytes = self.take((length as usize).saturating_mul(size_of::<f64>()));
+        *values = bytes.chunks_exact(size_of::<f64>()).map(bytemuck::pod_read_unaligned).collect();
+    }
+
+    fn count(&mut self, value: &mut u64) {
+        *value = self.take(size_of::<u64>()).try_into().map_or(0, u64::from_le_bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default, PartialEq, Debug)]
+    struct Two(Vec<f64>, u64, f64);
+
+    impl State for Two {
+        fn visit(&mut self, store: &mut dyn Store) {
+            store.numbers(&mut self.0);
+            store.count(&mut self.1);
+            store.number(&mut self.2);
+        }
+    }
+
+    #[test]
+    fn what_is_stored_comes_back() {
+        let mut two = Two(vec![0.1, f64::INFINITY], 7, -0.3);
+        let bytes = two.save();
+        let mut again = Two::default();
+        assert!(again.load(&bytes));
+        assert_eq!(again, two);
+        assert!(!Two::default().load(&bytes[1..]) && !Two::default().load(&[&bytes[..], &[0]].concat()));
+    }
+}
