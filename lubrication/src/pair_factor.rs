@@ -1,16 +1,17 @@
-//! The factor `B` of one pair's lubrication resistance, `R = B B^T`.
+//! One pair's lubrication resistance in the frame of the laboratory.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use domain::{Tensor, Traceless, Vector};
 
 use crate::pair_motion::{PairLoads, PairMotion};
-use crate::root::Roots;
+use crate::root::{Part, Roots};
 
 /// Velocity of a sphere's pole per radius and unit axial strain, `sqrt(2/3)`.
 const LEVER: f64 = 0.816496580927726;
 
-/// The factor `B` of one near pair: 22 modes, of which the first is the approach of the surfaces.
+/// The lubrication resistance of one near pair. What resists the spheres' motions is `B B^T`, with 12 modes of which the first is
+/// the approach of the surfaces; what couples motions and rates of strain comes besides.
 #[derive(Debug, Clone, Copy)]
 pub struct PairFactor {
     /// Columns `x`, `y`, and the unit vector `z` from the smaller sphere to the larger one.
@@ -24,18 +25,25 @@ pub struct PairFactor {
     radius: f64,
 }
 
-/// Motions or loads in the frame of the pair, by block, as in `Blocks` but with gap coordinates `(w, c, e1, e2)`.
+/// Velocities and rates of strain of one block of the resistance, or the loads that go with them.
+#[derive(Debug, Clone, Copy)]
+struct Block<const N: usize> {
+    u: [f64; N],
+    e: [f64; 2],
+}
+
+/// Motions or loads in the frame of the pair, by block, as in [`Roots`].
 #[derive(Debug, Clone, Copy, Default)]
 struct Components {
-    axial: [f64; 4],
+    axial: Block<2>,
     spin: [f64; 2],
-    transverse: [[f64; 6]; 2],
+    transverse: [Block<4>; 2],
     planar: [[f64; 2]; 2],
 }
 
 impl PairFactor {
     /// Number of modes of a pair.
-    pub const MODES: usize = 22;
+    pub const MODES: usize = 12;
 
     /// From roots for radii 1 and `ratio`, which carry `sqrt(viscosity * radius)`; `axis` points from the smaller sphere to the larger.
     pub(crate) fn new(roots: &Roots, axis: Vector, order: [usize; 2], [radius, ratio]: [f64; 2]) -> Self {
@@ -46,64 +54,79 @@ impl PairFactor {
     pub fn modes(&self, motion: &PairMotion) -> [f64; Self::MODES] {
         let parts = self.components(motion);
         let mut modes = [0.0; Self::MODES];
-        adjoint(&self.roots.axial, &parts.axial, &mut modes[..4]);
-        adjoint(&self.roots.spin, &parts.spin, &mut modes[4..6]);
-        adjoint(&self.roots.transverse, &parts.transverse[0], &mut modes[6..12]);
-        adjoint(&self.roots.transverse, &parts.transverse[1], &mut modes[12..18]);
-        adjoint(&self.roots.planar, &parts.planar[0], &mut modes[18..20]);
-        adjoint(&self.roots.planar, &parts.planar[1], &mut modes[20..]);
+        adjoint(&self.roots.axial.root, &parts.axial.u, &mut modes[..2]);
+        adjoint(&self.roots.spin, &parts.spin, &mut modes[2..4]);
+        adjoint(&self.roots.transverse.root, &parts.transverse[0].u, &mut modes[4..8]);
+        adjoint(&self.roots.transverse.root, &parts.transverse[1].u, &mut modes[8..]);
         modes
     }
 
     /// `B` times the amplitudes of the modes.
     pub fn loads(&self, modes: &[f64; Self::MODES]) -> PairLoads {
+        let transverse = |modes: &[f64]| Block { u: apply(&self.roots.transverse.root, modes), e: [0.0; 2] };
         self.assembled(&Components {
-            axial: apply(&self.roots.axial, &modes[..4]),
-            spin: apply(&self.roots.spin, &modes[4..6]),
-            transverse: [apply(&self.roots.transverse, &modes[6..12]), apply(&self.roots.transverse, &modes[12..18])],
-            planar: [apply(&self.roots.planar, &modes[18..20]), apply(&self.roots.planar, &modes[20..])],
+            axial: Block { u: apply(&self.roots.axial.root, &modes[..2]), e: [0.0; 2] },
+            spin: apply(&self.roots.spin, &modes[2..4]),
+            transverse: [transverse(&modes[4..8]), transverse(&modes[8..])],
+            planar: [[0.0; 2]; 2],
         })
+    }
+
+    /// Loads on a motion besides those of the modes: by the rates of strain, and first moments by the velocities.
+    pub fn strain_loads(&self, motion: &PairMotion) -> PairLoads {
+        let parts = self.components(motion);
+        self.assembled(&Components {
+            axial: self.roots.axial.coupled(&parts.axial),
+            spin: [0.0; 2],
+            transverse: parts.transverse.map(|block| self.roots.transverse.coupled(&block)),
+            planar: parts.planar.map(|e| apply(&self.roots.planar, &e)),
+        })
+    }
+
+    /// All loads on a motion, `R_lub` times it.
+    pub fn resistance(&self, motion: &PairMotion) -> PairLoads {
+        self.loads(&self.modes(motion)) + self.strain_loads(motion)
     }
 
     /// Motions along the unit tensors of the frame, lengths in units of the smaller radius.
     fn components(&self, motion: &PairMotion) -> Components {
         let mut parts = Components::default();
-        let mut axial = [[0.0; 2]; 2];
+        let mut along = [0.0; 2];
         for (k, sphere) in self.order.into_iter().enumerate() {
             let u = self.frame.transpose() * motion.velocity[sphere];
             let omega = self.frame.transpose() * motion.angular_velocity[sphere] * self.radius;
             let e = self.frame.transpose() * motion.strain_rate[sphere].tensor() * self.frame;
             let e = e * self.radius;
-            axial[k] = [u.z, 1.5_f64.sqrt() * e.z_axis.z];
+            along[k] = u.z;
+            parts.axial.e[k] = 1.5_f64.sqrt() * e.z_axis.z;
             parts.spin[k] = omega.z;
             for (plane, values) in [[u.x, omega.y, e.z_axis.x], [u.y, -omega.x, e.z_axis.y]].into_iter().enumerate() {
-                parts.transverse[plane][k] = values[0];
-                parts.transverse[plane][2 + k] = values[1];
-                parts.transverse[plane][4 + k] = 2.0_f64.sqrt() * values[2];
+                parts.transverse[plane].u[k] = values[0];
+                parts.transverse[plane].u[2 + k] = values[1];
+                parts.transverse[plane].e[k] = 2.0_f64.sqrt() * values[2];
             }
             parts.planar[0][k] = FRAC_1_SQRT_2 * (e.x_axis.x - e.y_axis.y);
             parts.planar[1][k] = 2.0_f64.sqrt() * e.y_axis.x;
         }
-        let [[first, first_strain], [second, second_strain]] = axial;
-        let opening = second - first - LEVER * (first_strain + self.ratio * second_strain);
-        let mean = (first + self.ratio * second) / (1.0 + self.ratio);
-        parts.axial = [opening, mean, first_strain, second_strain];
+        let ([first, second], [e, f]) = (along, parts.axial.e);
+        let opening = second - first - LEVER * (e + self.ratio * f);
+        parts.axial.u = [opening, (first + self.ratio * second) / (1.0 + self.ratio)];
         parts
     }
 
     /// The transpose of `components`.
     fn assembled(&self, parts: &Components) -> PairLoads {
         let mut loads = PairLoads::default();
-        let [opening, mean, first_moment, second_moment] = parts.axial;
+        let Block { u: [opening, mean], e } = parts.axial;
         let forces = [mean / (1.0 + self.ratio) - opening, mean * self.ratio / (1.0 + self.ratio) + opening];
-        let moments = [first_moment - LEVER * opening, second_moment - LEVER * self.ratio * opening];
+        let moments = [e[0] - LEVER * opening, e[1] - LEVER * self.ratio * opening];
+        let [across, aside] = parts.transverse;
         for (k, sphere) in self.order.into_iter().enumerate() {
-            let [across, aside] = parts.transverse;
-            loads.force[sphere] = self.frame * Vector::new(across[k], aside[k], forces[k]);
-            loads.torque[sphere] = self.frame * Vector::new(-aside[2 + k], across[2 + k], parts.spin[k]) * self.radius;
+            loads.force[sphere] = self.frame * Vector::new(across.u[k], aside.u[k], forces[k]);
+            let torque = Vector::new(-aside.u[2 + k], across.u[2 + k], parts.spin[k]);
+            loads.torque[sphere] = self.frame * torque * self.radius;
             let (along, normal) = (moments[k] * 1.5_f64.sqrt() / 3.0, parts.planar[0][k] * FRAC_1_SQRT_2);
-            let (xz, yz, xy) =
-                (across[4 + k] * FRAC_1_SQRT_2, aside[4 + k] * FRAC_1_SQRT_2, parts.planar[1][k] * FRAC_1_SQRT_2);
+            let [xz, yz, xy] = [across.e[k], aside.e[k], parts.planar[1][k]].map(|moment| moment * FRAC_1_SQRT_2);
             let moment = Tensor::from_cols(
                 Vector::new(normal - along, xy, xz),
                 Vector::new(xy, -normal - along, yz),
@@ -112,6 +135,21 @@ impl PairFactor {
             loads.moment[sphere] = Traceless::part_of(&(self.frame * moment * self.frame.transpose() * self.radius));
         }
         loads
+    }
+}
+
+impl<const N: usize> Part<N> {
+    /// `C e` and `C^T u + M e`.
+    fn coupled(&self, motion: &Block<N>) -> Block<N> {
+        let mut moments = apply(&self.strain, &motion.e);
+        adjoint(&self.coupling, &motion.u, &mut moments);
+        Block { u: apply(&self.coupling, &motion.e), e: moments }
+    }
+}
+
+impl<const N: usize> Default for Block<N> {
+    fn default() -> Self {
+        Self { u: [0.0; N], e: [0.0; 2] }
     }
 }
 
@@ -127,12 +165,12 @@ fn frame(z: Vector) -> Tensor {
     Tensor::from_cols(x, y, z)
 }
 
-fn apply<const N: usize>(root: &[[f64; N]; N], modes: &[f64]) -> [f64; N] {
-    root.map(|row| row.iter().zip(modes).map(|(l, g)| l * g).sum())
+fn apply<const N: usize, const M: usize>(matrix: &[[f64; M]; N], x: &[f64]) -> [f64; N] {
+    matrix.map(|row| row.iter().zip(x).map(|(l, x)| l * x).sum())
 }
 
-fn adjoint<const N: usize>(root: &[[f64; N]; N], motion: &[f64; N], modes: &mut [f64]) {
-    for (row, u) in root.iter().zip(motion) {
-        modes.iter_mut().zip(row).for_each(|(mode, l)| *mode += l * u);
+fn adjoint<const N: usize, const M: usize>(matrix: &[[f64; M]; N], x: &[f64; N], sums: &mut [f64]) {
+    for (row, x) in matrix.iter().zip(x) {
+        sums.iter_mut().zip(row).for_each(|(sum, l)| *sum += l * x);
     }
 }

@@ -14,8 +14,10 @@ use crate::two_sphere::TwoSphereError;
 /// The pair correction `R_lub = R_exact - R_FCM` of the force-coupling method, Dance & Maxey (2003), Yeo & Maxey (2010):
 /// exact two-sphere resistance minus what the method itself gives two spheres in free space.
 ///
-/// The difference is kept positive semi-definite in its tables: what is stored, interpolated and
-/// tapered is a factor `B` with `R_lub = B B^T`, so any number in the tables is a valid one.
+/// What resists the spheres' motions is kept positive semi-definite in its tables: what is stored, interpolated and
+/// tapered is a factor `B` of it, `B B^T`, so any number in the tables is a valid one. That changes the drag of a pair that
+/// moves as one by less than half a percent, and nothing else: rates of strain of rigid spheres are known, not solved for, so
+/// what couples them to motions is stored as it is.
 #[derive(Debug, Clone)]
 pub struct PairForce {
     radii: Vec<f64>,
@@ -89,8 +91,7 @@ impl PairForce {
 
     /// Lubrication loads of a pair on the fluid, `R_lub` times its motion; none beyond the cutoff.
     pub fn loads(&self, separation: Vector, species: [u32; 2], motion: &PairMotion) -> Option<PairLoads> {
-        let factor = self.factor(separation, species)?;
-        Some(factor.loads(&factor.modes(motion)))
+        Some(self.factor(separation, species)?.resistance(motion))
     }
 
     fn table(&self, species: [u32; 2]) -> &RootTable {

@@ -1,5 +1,7 @@
 //! How two spheres move, and the loads that go with it.
 
+use std::ops::Add;
+
 use domain::{Traceless, Vector};
 
 /// Motion of two spheres relative to the ambient flow at their centres, `U - U_inf`, `Omega - Omega_inf`, `E - E_inf`.
@@ -26,6 +28,17 @@ pub struct PairLoads {
     pub torque: [Vector; 2],
     /// Symmetric traceless first moments about the centres.
     pub moment: [Traceless; 2],
+}
+
+impl Add for PairLoads {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            force: [0, 1].map(|i| self.force[i] + other.force[i]),
+            torque: [0, 1].map(|i| self.torque[i] + other.torque[i]),
+            moment: [0, 1].map(|i| self.moment[i] + other.moment[i]),
+        }
+    }
 }
 
 impl PairMotion {

@@ -1,4 +1,5 @@
-//! Square roots of pair resistances, made positive semi-definite.
+//! The numbers of one pair's lubrication resistance, `R_exact - R_FCM`, such that the part that moves spheres is positive
+//! semi-definite.
 
 use std::f64::consts::PI;
 
@@ -7,88 +8,128 @@ use crate::dense::{Square, eigen};
 
 /// Negative eigenvalues fade out over this fraction of the sum of all of a block.
 const SOFTNESS: f64 = 1e-5;
-/// Numbers in a flattened root.
+/// Resistance over single spheres' that is too small to be divided by.
+const FAINT: f64 = 1e-5;
+/// Numbers in a flattened pair.
 pub const LANES: usize = 37;
 
-/// Weight of strain against velocity in the distance to the positive semi-definite matrices: what has to be added is added to the
-/// stresslets, so that motions under forces stay within 0.2% of exact for radii up to 2:1, relative motions and stresslets in strain within 1%.
-const STRAIN_WEIGHT: f64 = 20.0;
-
-/// A matrix `L` with `R = L L^T` for each block of a pair's resistance; rows are motions, columns modes.
+/// One block of the resistance: `N` velocities `u` and the two spheres' rate of strain `e` cause the loads
 ///
-/// The axial block is in gap coordinates (see [`from_gap_coordinates`]) with the motions in the order `(w, c, e1, e2)`.
-/// Its first column belongs to the approach of the surfaces, which alone is singular like one over the gap; the rest is
-/// a symmetric root of what remains, in units of the drag of single spheres, with rows scaled back. So are the roots of the other
-/// blocks. They vary smoothly with the gap.
+/// ```text
+/// f = L L^T u + C e,        m = C^T u + M e.
+/// ```
+///
+/// Spheres are rigid, so `e` is known, minus the ambient rate of strain; only `L L^T` is part of a system of equations, and
+/// any `L` makes that positive semi-definite. `C` and `M` are exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part<const N: usize> {
+    /// `L`; rows are velocities, columns modes.
+    pub root: Square<N>,
+    /// `C`
+    pub coupling: [[f64; 2]; N],
+    /// `M`
+    pub strain: Square<2>,
+}
+
+/// The blocks of a pair's resistance.
+///
+/// The axial one is in gap coordinates (see [`from_gap_coordinates`]), with the velocities `(w, c)`. Its first mode belongs to the
+/// approach of the surfaces, which alone is singular like one over the gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roots {
-    /// `(w, c, e1, e2)`
-    pub axial: Square<4>,
-    /// `(Omega1, Omega2)`
+    /// `(w, c)` and `(e1, e2)` along the line of centres.
+    pub axial: Part<2>,
+    /// `L` of `(Omega1, Omega2)` along the line of centres.
     pub spin: Square<2>,
-    /// `(U1, U2, Omega1, Omega2, e1, e2)`
-    pub transverse: Square<6>,
-    /// `(e1, e2)`
+    /// `(U1, U2, Omega1, Omega2)` and `(e1, e2)` across.
+    pub transverse: Part<4>,
+    /// `M` of `(e1, e2)` in the normal plane.
     pub planar: Square<2>,
 }
 
 /// Roots of the resistance of single spheres of radii 1 and a ratio, which make the blocks dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
-    axial: [f64; 4],
+    axial: [f64; 2],
     spin: [f64; 2],
-    transverse: [f64; 6],
-    planar: [f64; 2],
+    transverse: [f64; 4],
+    strain: [f64; 2],
 }
 
 impl Scales {
     /// For radii 1 and `ratio`, viscosity 1.
     pub fn new(ratio: f64) -> Self {
         let root = |factor: f64, power: i32| [1.0, ratio].map(|a| (factor * PI * a.powi(power)).sqrt());
-        let ([u, v], [o, p], [e, f]) = (root(6.0, 1), root(8.0, 3), root(20.0 / 3.0 * STRAIN_WEIGHT, 3));
-        Self { axial: [u, u.hypot(v), e, f], spin: [o, p], transverse: [u, v, o, p, e, f], planar: [e, f] }
+        let ([u, v], [o, p]) = (root(6.0, 1), root(8.0, 3));
+        Self { axial: [u, u.hypot(v)], spin: [o, p], transverse: [u, v, o, p], strain: root(20.0 / 3.0, 3) }
     }
 }
 
-/// Symmetric roots of dimensionless blocks, lower triangles one after another.
+/// A pair's dimensionless numbers, lower triangles one after another.
 pub fn flat_roots(exact: &Blocks, known: &Blocks, ratio: f64) -> [f64; LANES] {
     let scales = Scales::new(ratio);
     let gap = from_gap_coordinates([1.0, ratio]);
-    let order = [1, 0, 2, 3];
     let axial = difference(&change(&exact.axial, &gap), &change(&known.axial, &gap));
-    let axial = std::array::from_fn(|i| std::array::from_fn(|j| axial[order[i]][order[j]]));
-    let axial = bordered_root(&reduced(&axial, &scales.axial));
+    // From (c, w, e1, e2).
+    let order = [1, 0, 2, 3];
+    let axial: Square<4> = std::array::from_fn(|i| std::array::from_fn(|j| axial[order[i]][order[j]]));
+    let axial = part(&axial, &scales.axial, &scales.strain, bordered_root);
     let spin = root(&reduced(&difference(&exact.spin, &known.spin), &scales.spin));
-    let transverse = root(&reduced(&difference(&exact.transverse, &known.transverse), &scales.transverse));
-    let planar = root(&reduced(&difference(&exact.planar, &known.planar), &scales.planar));
+    let transverse = difference(&exact.transverse, &known.transverse);
+    let transverse = part(&transverse, &scales.transverse, &scales.strain, root);
+    let planar = reduced(&difference(&exact.planar, &known.planar), &scales.strain);
     let mut lanes = [0.0; LANES];
-    let values = lower(&axial).chain(lower(&spin)).chain(lower(&transverse)).chain(lower(&planar));
+    let values = axial.into_iter().chain(lower(&spin)).chain(transverse).chain(lower(&planar));
     lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value);
     lanes
 }
 
 impl Roots {
-    /// From the lanes of `flat_roots`, each times `factor`.
+    /// From the lanes of `flat_roots`, for a resistance that is `factor` squared times as large.
     pub fn from_flat(lanes: &[f64; LANES], factor: f64, scales: &Scales) -> Self {
-        let mut lanes = lanes.iter().map(|lane| factor * lane);
-        let mut axial = symmetric(&mut lanes);
-        axial[0][1..].fill(0.0);
+        let lanes = &mut lanes.iter().copied();
+        let mut axial = Part::from_lanes(lanes, &scales.axial, &scales.strain, factor);
+        axial.root[0][1] = 0.0;
         Self {
-            axial: scaled(axial, &scales.axial),
-            spin: scaled(symmetric(&mut lanes), &scales.spin),
-            transverse: scaled(symmetric(&mut lanes), &scales.transverse),
-            planar: scaled(symmetric(&mut lanes), &scales.planar),
+            axial,
+            spin: scaled(symmetric(lanes), &scales.spin, [factor; 2]),
+            transverse: Part::from_lanes(lanes, &scales.transverse, &scales.strain, factor),
+            planar: scaled(symmetric(lanes), &scales.strain, scales.strain.map(|s| factor * factor * s)),
         }
     }
+}
+
+impl<const N: usize> Part<N> {
+    fn from_lanes(lanes: &mut impl Iterator<Item = f64>, scales: &[f64; N], strain: &[f64; 2], factor: f64) -> Self {
+        let columns = strain.map(|s| factor * factor * s);
+        Self {
+            root: scaled(symmetric(lanes), scales, [factor; N]),
+            coupling: scaled(rows(lanes), scales, columns),
+            strain: scaled(symmetric(lanes), strain, columns),
+        }
+    }
+}
+
+/// Lanes of a block of `N` velocities and two rates of strain, `M` of them together.
+fn part<const N: usize, const M: usize>(
+    block: &Square<M>,
+    scales: &[f64; N],
+    strain: &[f64; 2],
+    root: impl Fn(&Square<N>) -> Square<N>,
+) -> Vec<f64> {
+    let velocities = std::array::from_fn(|i| std::array::from_fn(|j| block[i][j]));
+    let strains: Square<2> = std::array::from_fn(|i| std::array::from_fn(|j| block[N + i][N + j]));
+    let coupling = (0..N).flat_map(|i| (0..2).map(move |j| block[i][N + j] / (scales[i] * strain[j])));
+    let root = root(&reduced(&velocities, scales));
+    lower(&root).chain(coupling).chain(lower(&reduced(&strains, strain))).collect()
 }
 
 fn reduced<const N: usize>(matrix: &Square<N>, scales: &[f64; N]) -> Square<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j] / (scales[i] * scales[j])))
 }
 
-fn scaled<const N: usize>(mut root: Square<N>, scales: &[f64; N]) -> Square<N> {
-    root.iter_mut().zip(scales).for_each(|(row, scale)| row.iter_mut().for_each(|value| *value *= scale));
-    root
+fn scaled<const N: usize, const M: usize>(matrix: [[f64; M]; N], rows: &[f64; N], columns: [f64; M]) -> [[f64; M]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j] * rows[i] * columns[j]))
 }
 
 fn lower<const N: usize>(matrix: &Square<N>) -> impl Iterator<Item = f64> {
@@ -105,27 +146,18 @@ fn symmetric<const N: usize>(lanes: &mut impl Iterator<Item = f64>) -> Square<N>
     matrix
 }
 
-/// First column by Cholesky's rule, the rest symmetric.
-fn bordered_root(matrix: &Square<4>) -> Square<4> {
+fn rows<const N: usize, const M: usize>(lanes: &mut impl Iterator<Item = f64>) -> [[f64; M]; N] {
+    std::array::from_fn(|_| std::array::from_fn(|_| lanes.next().unwrap_or_default()))
+}
+
+/// By Cholesky's rule, so that the first column alone is singular. Where no `L` has both entries of the last row, the one on the
+/// diagonal is what gives way: the drag of the pair as a whole.
+fn bordered_root(matrix: &Square<2>) -> Square<2> {
     let pivot = matrix[0][0].max(0.0).sqrt();
-    // No positive semi-definite matrix has more in a column than this, and a vanishing pivot must not blow it up.
-    let column =
-        |i: usize| if pivot > 0.0 { (matrix[i][0] / pivot).abs().min(matrix[i][i].max(0.0).sqrt()) } else { 0.0 };
-    let column: [f64; 4] = std::array::from_fn(|i| column(i).copysign(matrix[i][0]));
-    let rest: Square<3> =
-        std::array::from_fn(|i| std::array::from_fn(|j| matrix[i + 1][j + 1] - column[i + 1] * column[j + 1]));
-    let rest = root(&rest);
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            if j == 0 {
-                column[i]
-            } else if i == 0 {
-                0.0
-            } else {
-                rest[i - 1][j - 1]
-            }
-        })
-    })
+    // A vanishing pivot, as of spheres far apart, must not blow up what is below.
+    let below = matrix[1][0] * pivot / (pivot * pivot + FAINT);
+    let rest = matrix[1][1] - below * below;
+    [[pivot, 0.0], [below, positive_part(rest, SOFTNESS * matrix[1][1].abs()).sqrt()]]
 }
 
 /// Symmetric root of the positive part: eigenvalues `v` become `(v + sqrt(v² + 4 d²))/2` with a small `d`, smooth where one changes sign.

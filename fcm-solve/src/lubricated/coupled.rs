@@ -28,9 +28,9 @@ impl Unknowns for PairsAndMoments {
     }
 }
 
-/// With `M` the mobility of the method and `R_lub = B B^T` the correction of near pairs, the forces that the method sees are
-/// `F + B g` with `g = -B^T (U - U_inf, Omega - Omega_inf, -E_inf)`, and its first moments `D` leave no strain within the
-/// spheres:
+/// With `M` the mobility of the method, `B B^T` what near pairs resist to motions and `C` their coupling to rates of strain,
+/// the forces that the method sees are `F + C E_inf + B g` with `g = -B^T (U - U_inf, Omega - Omega_inf, -E_inf)`, and its
+/// first moments `D` leave no strain within the spheres. With `F` for all that is known from the start,
 ///
 /// ```text
 /// [ I + B^T M_UF B   B^T M_UD ] [g]   [ -B^T M_UF F + B_E^T E_inf ]

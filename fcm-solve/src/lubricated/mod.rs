@@ -110,7 +110,8 @@ fn lubricated(
     let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
     let mut x = start(comm, near, background, guess, radii.len());
     let matrix = ParticleMatrix::new(comm, near, &single);
-    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (loads, &x));
+    let loads = with_strain(near, loads, background, radii.len());
+    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&loads, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
     if !outcome.residual.is_finite() {
@@ -121,7 +122,7 @@ fn lubricated(
         return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
     }
     let (motion, x) = system.finish((x, &residual), background);
-    let (far, stresslets) = loads_of(near, loads, &x);
+    let (far, stresslets) = loads_of(near, &loads, (&motion, &x), background);
     let finite = motion.velocities.iter().all(|v| v.is_finite());
     if comm.any(!finite) {
         return Err(SolveError::NotFinite);
@@ -129,12 +130,26 @@ fn lubricated(
     Ok(Solved { motion, stresslets, far, iterations: outcome.iterations, residual: outcome.residual })
 }
 
+/// The loads given and those of lubrication in the ambient rate of strain. Collective.
+fn with_strain(near: &NearPairs, loads: &Loads, background: Traceless, particles: usize) -> Loads {
+    let mut all = Screws::new(particles, &loads.forces, &loads.torques);
+    all.add(1.0, &near.loads_in(background));
+    Loads { forces: all.linear(), torques: all.angular(), stresslets: Vec::new() }
+}
+
 /// The loads that the far field sees, and the whole stresslets. Collective.
-fn loads_of(near: &NearPairs, loads: &Loads, x: &PairsAndMoments) -> (Loads, Vec<Traceless>) {
+fn loads_of(
+    near: &NearPairs,
+    loads: &Loads,
+    (motion, x): (&Motion, &PairsAndMoments),
+    background: Traceless,
+) -> (Loads, Vec<Traceless>) {
     let mut all = Screws::new(x.moments.len(), &loads.forces, &loads.torques);
     all.add(1.0, &near.loads(&x.modes));
     let far = coupled::far_loads(&all, &x.moments);
-    let stresslets = far.stresslets.iter().zip(near.moments(&x.modes)).map(|(&far, near)| far + near).collect();
+    let motions = Screws::new(x.moments.len(), &motion.velocities, &motion.angular_velocities);
+    let near = near.stresslets(&motions, background);
+    let stresslets = far.stresslets.iter().zip(near).map(|(&far, near)| far + near).collect();
     (far, stresslets)
 }
 

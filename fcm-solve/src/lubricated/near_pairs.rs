@@ -1,4 +1,4 @@
-//! The pairs that feel lubrication, and the factor `B` of their resistance `B B^T`.
+//! The pairs that feel lubrication, and their resistance.
 
 use super::screw::{Screw, Screws};
 use domain::{Exchange, Pairs, Particles, Partition, PeriodicBox, Traceless};
@@ -8,11 +8,11 @@ use rayon::prelude::*;
 /// Amplitudes of the modes of one pair.
 pub type Modes = [f64; PairFactor::MODES];
 
-/// A pair and its factor.
+/// A pair and its resistance.
 pub struct NearPair {
     /// Rows of the two particles among those present.
     pub rows: [usize; 2],
-    /// Its part of `B`.
+    /// Its part of `B`, and what comes besides.
     pub factor: PairFactor,
 }
 
@@ -72,32 +72,45 @@ impl NearPairs {
 
     /// Forces and torques of `B` times amplitudes. Collective.
     pub fn loads(&self, modes: &[Modes]) -> Screws {
-        let loads = self.pair_loads(modes);
-        let mut sums = vec![Screw::default(); self.exchange.present()];
-        for (pair, loads) in self.list.iter().zip(&loads) {
-            for (k, row) in pair.rows.into_iter().enumerate() {
-                sums[row] += Screw::new(loads.force[k], loads.torque[k]);
-            }
-        }
-        self.exchange.collect(&mut sums);
-        Screws(sums)
+        let loads: Vec<_> = self.list.par_iter().zip(modes).map(|(pair, modes)| pair.factor.loads(modes)).collect();
+        self.summed(&loads)
     }
 
-    /// First moments of `B` times amplitudes. Collective.
-    pub fn moments(&self, modes: &[Modes]) -> Vec<Traceless> {
-        let loads = self.pair_loads(modes);
+    /// Forces and torques of lubrication in a flow whose rate of strain is `ambient`, besides those of the modes. Collective.
+    pub fn loads_in(&self, ambient: Traceless) -> Screws {
+        let resting = motion([Screw::default(); 2], ambient);
+        let loads: Vec<_> = self.list.par_iter().map(|pair| pair.factor.strain_loads(&resting)).collect();
+        let mut sums = self.summed(&loads);
+        sums.0.iter_mut().for_each(|sum| *sum = -*sum);
+        sums
+    }
+
+    /// The stresslets that lubrication adds to those of the far field. Collective.
+    pub fn stresslets(&self, motions: &Screws, ambient: Traceless) -> Vec<Traceless> {
+        let mut present = motions.0.clone();
+        self.exchange.extend(&mut present);
+        let moments =
+            |pair: &NearPair| pair.factor.resistance(&motion(pair.rows.map(|row| present[row]), ambient)).moment;
+        let moments: Vec<_> = self.list.par_iter().map(moments).collect();
         let mut sums = vec![Traceless::ZERO; self.exchange.present()];
-        for (pair, loads) in self.list.iter().zip(&loads) {
-            for (k, row) in pair.rows.into_iter().enumerate() {
-                sums[row] += loads.moment[k];
+        for (pair, moments) in self.list.iter().zip(&moments) {
+            for (row, &moment) in pair.rows.into_iter().zip(moments) {
+                sums[row] += -moment;
             }
         }
         self.exchange.collect(&mut sums);
         sums
     }
 
-    fn pair_loads(&self, modes: &[Modes]) -> Vec<PairLoads> {
-        self.list.par_iter().zip(modes).map(|(pair, modes)| pair.factor.loads(modes)).collect()
+    fn summed(&self, loads: &[PairLoads]) -> Screws {
+        let mut sums = vec![Screw::default(); self.exchange.present()];
+        for (pair, loads) in self.list.iter().zip(loads) {
+            for (k, row) in pair.rows.into_iter().enumerate() {
+                sums[row] += Screw::new(loads.force[k], loads.torque[k]);
+            }
+        }
+        self.exchange.collect(&mut sums);
+        Screws(sums)
     }
 }
 

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 use fcm::Unknowns;
-use std::ops::AddAssign;
+use std::ops::{AddAssign, Neg};
 
 /// Velocity and angular velocity of a particle, or the force and the torque on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
@@ -30,6 +30,13 @@ impl Screw {
 impl AddAssign for Screw {
     fn add_assign(&mut self, other: Self) {
         self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+    }
+}
+
+impl Neg for Screw {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
     }
 }
 
