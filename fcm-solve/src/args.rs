@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::{bench, check, info, mobility, new, resume, run, two_sphere};
+use crate::{bench, check, info, mobility, new, resume, run, stats, two_sphere};
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use domain::Comm;
@@ -37,6 +37,8 @@ pub enum Command {
     Resume(resume::Args),
     /// Check a scene and print how it would be computed, without running it.
     Check(check::Args),
+    /// Average over a run's trajectory: fluctuations, correlations, diffusivities, pair distributions.
+    Stats(stats::Args),
     /// Evaluate velocities and stresslets once, for positions that you bring.
     Mobility(mobility::Args),
     /// Time the mobility and measure its error.
@@ -70,6 +72,7 @@ impl Command {
             Self::Run(args) => return run::run(args, comm),
             Self::Resume(args) => return resume::run(args, comm),
             Self::Check(args) => check::run(args, comm)?,
+            Self::Stats(args) => stats::run(args, comm)?,
             Self::Mobility(args) => mobility::run(args, comm)?,
             Self::Bench(args) => bench::run(args, comm)?,
             Self::TwoSphere(args) => two_sphere::run(args, comm)?,

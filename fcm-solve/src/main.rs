@@ -16,6 +16,8 @@ mod progress;
 mod resume;
 mod run;
 mod signals;
+mod statistics;
+mod stats;
 mod suspension;
 mod two_sphere;
 

@@ -27,13 +27,14 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let Kind::Suspension(suspension) = scene.kind() else {
         anyhow::bail!("this version of the program can't run scenes of this kind");
     };
-    let checkpoint = comm.agree(latest(&folder, comm))?;
+    let mut checkpoint = comm.agree(latest(&folder, comm))?;
+    let statistics = checkpoint.as_mut().map(|c| std::mem::take(&mut c.statistics)).unwrap_or_default();
     if args.steps.is_some() {
         let kept = if comm.is_first() { folder.keep(scene.text()) } else { Ok(()) };
         comm.agree(kept.map_err(|e| in_full(&e)))?;
     }
     let mut resumed = Suspension::resume(suspension, checkpoint, comm)?;
-    let mut recorder = Recorder::resume(folder, &scene, &mut resumed)?;
+    let mut recorder = Recorder::resume(folder, &scene, &mut resumed, &statistics)?;
     march(&mut resumed, &mut recorder, suspension.time.steps)
 }
 

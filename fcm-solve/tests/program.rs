@@ -13,6 +13,7 @@ repulsion = { strength = 20.0, range = 0.1 }
 hydrodynamics = { tolerance = 1e-2, method = "direct" }
 time = { step = 0.02, steps = 30 }
 output = { trajectory_every = 2, observables_every = 1, checkpoint_every = 4, fields_every = 10 }
+statistics = { every = 2, from = 0.05 }
 [[species]]
 name = "heavy"
 radius = 1.0
@@ -57,15 +58,18 @@ fn place() -> (tempfile::TempDir, String, String) {
     (folder, scene.display().to_string(), out.display().to_string())
 }
 
-/// Everything in a result folder that a run determines: the last checkpoint, the trajectory and the time series but for
-/// the seconds that steps took.
+/// Everything in a result folder that a run determines: the last checkpoint, the trajectory, the time series but for the
+/// seconds that steps took, and the statistics.
 fn results(out: &str) -> (Vec<u8>, Vec<f64>, String) {
     let checkpoint = std::fs::read(Path::new(out).join("checkpoint-0000000030.bin")).unwrap();
     let trajectory = hdf5::File::open(Path::new(out).join("trajectory.h5")).unwrap();
     let positions = trajectory.dataset("particles/all/position/value").unwrap().read_raw().unwrap();
     let csv = std::fs::read_to_string(Path::new(out).join("observables.csv")).unwrap();
-    let without_seconds = csv.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
-    (checkpoint, positions, without_seconds)
+    let without_seconds: String = csv.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
+    let statistics = ["summary", "lags", "pairs"].map(|name| {
+        std::fs::read_to_string(Path::new(out).join("statistics").join(name).with_extension("csv")).unwrap()
+    });
+    (checkpoint, positions, without_seconds + &statistics.concat())
 }
 
 #[test]
@@ -91,6 +95,26 @@ fn a_run_leaves_what_its_scene_says() {
     let csv = std::fs::read_to_string(format!("{out}/observables.csv")).unwrap();
     assert_eq!(csv.lines().count(), 12);
     assert!(std::fs::read_to_string(format!("{out}/fields.xdmf")).unwrap().contains("velocity-0000000010.h5"));
+}
+
+/// Samples of the run are frames of its trajectory here, so that both ways come to the same.
+#[test]
+fn statistics_in_a_run_are_those_of_its_trajectory() {
+    let (_folder, scene, out) = place();
+    succeeds(&["run", &scene, "--out", &out]);
+    let said = succeeds(&["stats", &out, "--from", "0.05"]);
+    assert!(said.contains("D_slope_y") && said.contains("T_yy"), "{said}");
+    for name in ["summary", "velocity_density", "lags", "pairs", "pairs_by_angle", "concentration"] {
+        let [during, afterwards] =
+            ["statistics", "stats"].map(|place| std::fs::read_to_string(format!("{out}/{place}/{name}.csv")).unwrap());
+        assert_eq!(during, afterwards, "{name}");
+    }
+    let summary = std::fs::read_to_string(format!("{out}/stats/summary.csv")).unwrap();
+    assert!(summary.contains("first_time,all,time,0.08,") && summary.contains("samples,all,,14.0,"), "{summary}");
+    assert!(fails(&["stats", &out, "--from", "7"]).contains("has no frame in that span"));
+    let one = format!("{out}/one");
+    succeeds(&["stats", &out, "--from", "0.2", "--to", "0.2", "--out", &one]);
+    assert!(hdf5::File::open(format!("{one}/statistics.h5")).unwrap().dataset("pairs/g").is_ok());
 }
 
 #[test]

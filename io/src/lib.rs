@@ -9,9 +9,11 @@ mod fields;
 mod frames;
 mod placed;
 mod provenance;
+mod recorded;
 mod scene;
 mod schedule;
 mod series;
+mod tables;
 mod text;
 mod trajectory;
 
@@ -23,10 +25,12 @@ pub use error::FileError;
 pub use fields::{VelocityField, drop_fields_after};
 pub use placed::Placed;
 pub use provenance::Provenance;
+pub use recorded::Recorded;
 pub use scene::{
-    Evaluation, Flow, Hydrodynamics, Kind, Lattice, Multipoles, Output, Repulsion, Scene, SceneError, Species, Start,
-    SuspensionScene, Time,
+    Axis, Evaluation, Flow, Hydrodynamics, Kind, Lattice, Multipoles, Output, Repulsion, Scene, SceneError, Species,
+    Start, Statistics, SuspensionScene, Time,
 };
 pub use schedule::Schedule;
 pub use series::{Quantity, Series};
+pub use tables::{Table, write_tables};
 pub use trajectory::Trajectory;

@@ -8,6 +8,9 @@ impl Schedule {
     /// Never.
     pub const NEVER: Self = Self(0);
 
+    /// At every step.
+    pub const EVERY_TIME: Self = Self(1);
+
     /// Due at the steps `0, steps, 2 steps, ...`; never if `steps` is zero.
     pub fn every(steps: u64) -> Self {
         Self(steps)

@@ -48,7 +48,7 @@ impl Fluctuations {
         }
     }
 
-    /// Chan, Golub & LeVeque (1979): the moments of two sets together.
+    /// The moments of two sets together (Chan et al., Stanford report STAN-CS-79-773, 1979).
     fn merge(&mut self, count: f64, mean: Vector, spread: [f64; 6]) {
         let total = self.count + count;
         let apart = mean - self.mean;

@@ -58,7 +58,9 @@ impl Folder {
         for name in ["trajectory.h5", "observables.h5", "observables.csv", "fields.xdmf"] {
             remove(|| std::fs::remove_file(self.path.join(name)), &self.path.join(name))?;
         }
-        remove(|| std::fs::remove_dir_all(self.path.join("fields")), &self.path.join("fields"))?;
+        for name in ["fields", "statistics", "stats"] {
+            remove(|| std::fs::remove_dir_all(self.path.join(name)), &self.path.join(name))?;
+        }
         self.keep(scene)
     }
 

@@ -1,10 +1,12 @@
 //! What a run leaves behind.
 
+mod averages;
 mod folder;
 mod observe;
 mod rheology;
 
 use crate::suspension::{ANGULAR_VELOCITY, STRESSLET, Suspension};
+use averages::Averages;
 use domain::Comm;
 pub use folder::Folder;
 use io::{FileError, Kind, Output, Provenance, Scene, Series, Trajectory, VelocityField, drop_fields_after};
@@ -17,6 +19,7 @@ pub struct Recorder {
     output: Output,
     provenance: Provenance,
     observer: Observer,
+    averages: Option<Averages>,
     files: Files,
     comm: Comm,
     /// The first step that is recorded: those before are in the files already.
@@ -44,10 +47,19 @@ impl Recorder {
         Self::open(folder, scene, suspension, None)
     }
 
-    /// A recorder for a run that goes on from where the suspension is.
-    pub fn resume(folder: Folder, scene: &Scene, suspension: &mut Suspension) -> anyhow::Result<Self> {
+    /// A recorder for a run that goes on from where the suspension is, with what its statistics have taken in, on the first
+    /// rank.
+    pub fn resume(
+        folder: Folder,
+        scene: &Scene,
+        suspension: &mut Suspension,
+        statistics: &[u8],
+    ) -> anyhow::Result<Self> {
         let last = suspension.clock().step();
-        Self::open(folder, scene, suspension, Some(last))
+        let mut recorder = Self::open(folder, scene, suspension, Some(last))?;
+        let taken_up = recorder.averages.as_mut().map_or(Ok(()), |averages| averages.take_up(statistics));
+        recorder.comm.agree(taken_up)?;
+        Ok(recorder)
     }
 
     fn open(folder: Folder, scene: &Scene, suspension: &mut Suspension, last: Option<u64>) -> anyhow::Result<Self> {
@@ -67,7 +79,8 @@ impl Recorder {
         let files = if comm.is_first() { open.files(&output, &frame, &observer) } else { Ok(Files::default()) };
         let files = comm.agree(files)?;
         let from = last.map_or(0, |step| step + 1);
-        Ok(Self { folder, output, provenance, observer, files, comm, from, saved: last })
+        let averages = checked.statistics.map(|wanted| Averages::new(checked, wanted, &frame));
+        Ok(Self { folder, output, provenance, observer, averages, files, comm, from, saved: last })
     }
 
     /// The folder of the results.
@@ -89,6 +102,9 @@ impl Recorder {
         }
         if self.output.fields.is_due(step) {
             self.field(suspension)?;
+        }
+        if let Some(averages) = &mut self.averages {
+            averages.sample(suspension);
         }
         if self.output.checkpoints.is_due(step) {
             self.checkpoint(suspension)?;
@@ -125,14 +141,18 @@ impl Recorder {
         Ok(self.comm.agree(written)?)
     }
 
-    /// Writes a checkpoint, unless there is one of this step already.
+    /// Writes a checkpoint and what statistics have come to, unless there is a checkpoint of this step already.
     pub fn checkpoint(&mut self, suspension: &mut Suspension) -> anyhow::Result<()> {
         let step = suspension.clock().step();
         if self.saved == Some(step) {
             return Ok(());
         }
-        let checkpoint = suspension.checkpoint();
-        let write = || checkpoint.write(self.folder.path()).map(drop);
+        let mut checkpoint = suspension.checkpoint();
+        checkpoint.statistics = self.averages.as_mut().map(Averages::state).unwrap_or_default();
+        let write = || {
+            checkpoint.write(self.folder.path())?;
+            self.averages.as_ref().map_or(Ok(()), |averages| averages.write(self.folder.path(), &self.provenance))
+        };
         let written = if self.comm.is_first() { write() } else { Ok(()) };
         self.comm.agree(written)?;
         self.saved = Some(step);

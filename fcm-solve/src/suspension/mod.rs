@@ -120,7 +120,8 @@ impl Suspension {
     /// The state, on the first rank. Collective.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let plan = self.plan();
-        Checkpoint { step: self.clock.step(), strain: self.cell().strain(), plan, particles: self.gathered(None) }
+        let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.gathered(None));
+        Checkpoint { step, strain, plan, particles, statistics: Vec::new() }
     }
 
     /// The velocities of this rank's particles relative to the background flow where they are.

@@ -17,6 +17,8 @@ struct Header {
     plan: String,
     particles: usize,
     columns: Vec<(String, usize)>,
+    #[serde(default)]
+    statistics: usize,
 }
 
 impl Checkpoint {
@@ -28,6 +30,7 @@ impl Checkpoint {
             plan: self.plan.clone(),
             particles: p.len(),
             columns: p.columns.iter().map(|c| (c.name.clone(), c.width)).collect(),
+            statistics: self.statistics.len(),
         };
         let header = serde_json::to_vec(&header).expect("a header is JSON");
         let mut bytes = MAGIC.to_vec();
@@ -41,6 +44,7 @@ impl Checkpoint {
         for column in &p.columns {
             bytes.extend(bytemuck::cast_slice::<_, u8>(&column.values));
         }
+        bytes.extend(&self.statistics);
         bytes.extend(xxh3_64(&bytes).to_le_bytes());
         bytes
     }
@@ -66,7 +70,8 @@ impl Checkpoint {
         for (name, width) in header.columns {
             particles.columns.push(Column { name, width, values: rest.take(width * count)? });
         }
-        Ok(Self { step: header.step, strain: f64::from_bits(header.strain), plan: header.plan, particles })
+        let (step, strain, plan) = (header.step, f64::from_bits(header.strain), header.plan);
+        Ok(Self { step, strain, plan, particles, statistics: rest.take(header.statistics)? })
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Checkpoint {
     pub plan: String,
     /// All particles in the order of their ids, with all their columns.
     pub particles: Particles,
+    /// What statistics have taken in so far, as they store it; empty without statistics.
+    pub statistics: Vec<u8>,
 }
 
 impl Checkpoint {

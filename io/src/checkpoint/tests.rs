@@ -9,7 +9,7 @@ fn checkpoint(step: u64) -> Checkpoint {
     particles.steps[3] = [1, -2, 3];
     particles.vectors("past velocity 1")[2] = Vector::new(f64::MIN_POSITIVE, -0.0, 1.0 / 3.0);
     particles.column("stresslet", 5).values[4] = 1e-300;
-    Checkpoint { step, strain: 0.1 + 0.2, plan: "direct, 64 x 64 x 64".into(), particles }
+    Checkpoint { step, strain: 0.1 + 0.2, plan: "direct, 64 x 64 x 64".into(), particles, statistics: vec![1, 0, 255] }
 }
 
 #[test]

@@ -11,7 +11,8 @@ use error::{Explain, Fault};
 use places::Places;
 use std::path::Path;
 pub use suspension::{
-    Evaluation, Flow, Hydrodynamics, Lattice, Multipoles, Output, Repulsion, Species, Start, SuspensionScene, Time,
+    Axis, Evaluation, Flow, Hydrodynamics, Lattice, Multipoles, Output, Repulsion, Species, Start, Statistics,
+    SuspensionScene, Time,
 };
 
 /// A scene that has been checked: every number is in its range, and whatever the file left out has its default. Only

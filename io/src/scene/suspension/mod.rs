@@ -3,6 +3,7 @@
 mod checks;
 mod particles;
 mod raw;
+mod statistics;
 
 use super::Fault;
 use crate::Schedule;
@@ -10,6 +11,7 @@ use checks::{positive, vector};
 use domain::{PeriodicBox, Vector};
 pub use particles::{Lattice, Species, Start};
 pub use raw::{Evaluation, Multipoles};
+pub use statistics::{Axis, Statistics};
 use std::path::{Path, PathBuf};
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
@@ -40,6 +42,8 @@ pub struct SuspensionScene {
     pub time: Time,
     /// What is written, where and when.
     pub output: Output,
+    /// What is averaged.
+    pub statistics: Option<Statistics>,
 }
 
 /// The flow that would be there without the spheres.
@@ -131,6 +135,7 @@ impl SuspensionScene {
             repulsion: raw.repulsion.as_ref().map(repulsion).transpose()?,
             hydrodynamics: hydrodynamics(&raw.hydrodynamics)?,
             output: output(raw.output, time.steps),
+            statistics: raw.statistics.as_ref().map(|s| Statistics::checked(s, &cell)).transpose()?,
             cell,
             gravity,
             species,

@@ -25,6 +25,7 @@ pub(in crate::scene) struct Raw {
     pub(super) time: Time,
     #[serde(default)]
     pub(super) output: Output,
+    pub(super) statistics: Option<Statistics>,
 }
 
 #[derive(Deserialize)]
@@ -178,4 +179,15 @@ pub(super) struct Output {
     pub(super) observables_every: Option<u64>,
     pub(super) checkpoint_every: Option<u64>,
     pub(super) fields_every: u64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Statistics {
+    pub(super) every: u64,
+    #[serde(default)]
+    pub(super) from: f64,
+    pub(super) distance: Option<f64>,
+    pub(super) axis: Option<super::Axis>,
+    pub(super) diffusive_from: Option<f64>,
 }

@@ -1,0 +1,56 @@
+//! Where particles would be without the flow.
+
+use domain::{Particles, PeriodicBox, Vector};
+use solver::BackgroundFlow;
+use statistics::{Motion, State, Store};
+
+/// The displacement of each particle since the first sample, less what the flow has carried it along its way. Along axes
+/// without a flow it is that of the position without periodicity, exactly; along the flow, the integral of the velocity
+/// relative to it, by the trapezoidal rule over the samples.
+#[derive(Debug, Default)]
+pub struct Paths {
+    time: f64,
+    places: Vec<Vector>,
+    velocities: Vec<Vector>,
+    walked: Vec<Vector>,
+}
+
+impl Paths {
+    /// Goes on to a time, at which particles in a box have these velocities relative to the flow.
+    pub fn follow(
+        &mut self,
+        time: f64,
+        (cell, particles): (&PeriodicBox, &Particles),
+        velocities: &[Vector],
+        flow: BackgroundFlow,
+    ) -> Vec<Motion> {
+        let unwrapped = particles.positions.iter().zip(&particles.steps);
+        let places: Vec<Vector> = unwrapped.map(|(&x, &steps)| x + cell.lattice(steps)).collect();
+        if self.walked.is_empty() {
+            self.walked = vec![Vector::ZERO; places.len()];
+        } else {
+            let elapsed = time - self.time;
+            let carries = [0, 1, 2].map(|axis| flow.gradient().row(axis) != Vector::ZERO);
+            for (row, path) in self.walked.iter_mut().enumerate() {
+                let moved = places[row] - self.places[row];
+                let integral = 0.5 * elapsed * (self.velocities[row] + velocities[row]);
+                for axis in 0..3 {
+                    path[axis] += if carries[axis] { integral[axis] } else { moved[axis] };
+                }
+            }
+        }
+        (self.time, self.places, self.velocities) = (time, places, velocities.to_vec());
+        velocities.iter().zip(&self.walked).map(|(&velocity, &path)| Motion { velocity, path }).collect()
+    }
+}
+
+impl State for Paths {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.number(&mut self.time);
+        for vectors in [&mut self.places, &mut self.velocities, &mut self.walked] {
+            let mut numbers: Vec<f64> = bytemuck::cast_slice(vectors).to_vec();
+            store.numbers(&mut numbers);
+            *vectors = numbers.chunks_exact(3).map(Vector::from_slice).collect();
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! `fcm-solve stats`: statistics of a run from its trajectory.
+
+use crate::run::in_full;
+use crate::statistics::Statistics;
+use anyhow::{Context, bail, ensure};
+use domain::Comm;
+use io::{Kind, Provenance, Recorded, Scene, Table, write_tables};
+use std::path::PathBuf;
+
+/// Which run, and what of it.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The folder of a run
+    folder: PathBuf,
+    /// Leave out what was before this time
+    #[arg(long, value_name = "T")]
+    from: Option<f64>,
+    /// Leave out what was after this time
+    #[arg(long, value_name = "T")]
+    to: Option<f64>,
+    /// Time lag from which motion is diffusive [default: a quarter of the time taken in]
+    #[arg(long, value_name = "T")]
+    diffusive_from: Option<f64>,
+    /// Largest distance of pairs [default: 8 of the largest radius]
+    #[arg(long, value_name = "R")]
+    distance: Option<f64>,
+    /// Folder of the tables [default: stats in the folder of the run]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Reads the trajectory frame by frame on the first rank. Collective.
+pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+    let done = if comm.is_first() { take(args) } else { Ok(()) };
+    Ok(comm.agree(done.map_err(|e| in_full(&e)))?)
+}
+
+fn take(args: &Args) -> anyhow::Result<()> {
+    let recorded = Recorded::open(&args.folder.join("trajectory.h5"))?;
+    let scene = Scene::parse(recorded.scene(), "the scene of the run", &[])?;
+    let Kind::Suspension(suspension) = scene.kind() else { bail!("there are no statistics of scenes of this kind") };
+    let mut wanted = suspension.statistics.unwrap_or(io::Statistics::ALL);
+    wanted.from = args.from.unwrap_or(f64::NEG_INFINITY);
+    wanted.diffusive_from = args.diffusive_from.or(wanted.diffusive_from);
+    wanted.distance = args.distance.or(wanted.distance);
+    let until = args.to.unwrap_or(f64::INFINITY);
+    let frames: Vec<(usize, f64)> = recorded.times().iter().copied().enumerate().collect();
+    let meant = frames.into_iter().filter(|(_, time)| (wanted.from..=until).contains(time));
+    let mut statistics: Option<Statistics> = None;
+    for (frame, time) in meant {
+        let (cell, particles) = recorded.frame(frame)?;
+        let statistics = statistics.get_or_insert_with(|| Statistics::new(suspension, wanted, &particles));
+        statistics.sample(time, &cell, &particles);
+    }
+    let Some(statistics) = statistics else {
+        bail!("the trajectory has no frame in that span; change --from and --to")
+    };
+    let out = args.out.clone().unwrap_or_else(|| args.folder.join("stats"));
+    ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
+    let provenance = Provenance {
+        scene: scene.text().to_owned(),
+        program: concat!("fcm-solve ", env!("CARGO_PKG_VERSION")).to_owned(),
+        plan: recorded.plan().to_owned(),
+        ranks: 1,
+        seed: suspension.seed,
+    };
+    write_tables(&out, "statistics", &provenance, &statistics.tables()).context("the statistics are lost")?;
+    print!("{}", in_columns(&statistics.summary()));
+    println!("tables     {}", out.display());
+    Ok(())
+}
+
+/// The summary for reading: quantity, species, value and error.
+fn in_columns(summary: &Table) -> String {
+    let line = |(words, numbers): &(Vec<String>, Vec<f64>)| {
+        let error = match (numbers[1], numbers[2]) {
+            (error, _) if error == 0.0 || error.is_nan() => String::new(),
+            (error, 0.0) => format!("+- {error:.2e} at least"),
+            (error, _) => format!("+- {error:.2e}"),
+        };
+        let line = format!("{:<28} {:<12} {:>13.6e} {error:<20} {}", words[0], words[1], numbers[0], words[2]);
+        line.trim_end().to_owned() + "\n"
+    };
+    summary.rows.iter().map(line).collect()
+}

@@ -1,0 +1,132 @@
+//! Trajectories that were written before.
+
+use crate::{FileError, text};
+use domain::{Column, Particles, PeriodicBox, Vector};
+use hdf5::{File, Group, H5Type, Hyperslab};
+use std::path::{Path, PathBuf};
+
+/// A trajectory of this program, read frame by frame.
+pub struct Recorded {
+    path: PathBuf,
+    group: Group,
+    fixed: Particles,
+    times: Vec<f64>,
+    scene: String,
+    plan: String,
+}
+
+/// The columns of a frame that may be there, and their widths.
+const COLUMNS: [(&str, usize); 3] = [("velocity", 3), ("angular_velocity", 3), ("stresslet", 5)];
+
+impl Recorded {
+    /// Opens a trajectory.
+    pub fn open(path: &Path) -> Result<Self, FileError> {
+        if !path.is_file() {
+            return Err(FileError::read(
+                path,
+                &"there is no such file; a run writes it if output.trajectory_every is set",
+            ));
+        }
+        Self::try_open(path).map_err(|e| FileError::damaged(path, &e))
+    }
+
+    fn try_open(path: &Path) -> hdf5::Result<Self> {
+        let file = File::open(path)?;
+        let group = file.group("particles/all")?;
+        let ids: Vec<u64> = group.dataset("id")?.read_raw()?;
+        let count = ids.len();
+        let fixed = Particles {
+            ids,
+            positions: vec![Vector::ZERO; count],
+            steps: vec![[0; 3]; count],
+            radii: group.dataset("radius")?.read_raw()?,
+            species: group.dataset("species")?.read_raw()?,
+            columns: Vec::new(),
+        };
+        let mut times: Vec<f64> = group.dataset("position/time")?.read_raw()?;
+        // Times are written before steps: there may be one more.
+        times.truncate(group.dataset("position/step")?.size());
+        let parameters = file.group("parameters")?;
+        let (scene, plan) = (text::read_dataset(&parameters, "scene")?, text::read_dataset(&parameters, "plan")?);
+        Ok(Self { path: path.to_owned(), group, fixed, times, scene, plan })
+    }
+
+    /// The scene of the run.
+    pub fn scene(&self) -> &str {
+        &self.scene
+    }
+
+    /// How the fluid was computed, in words.
+    pub fn plan(&self) -> &str {
+        &self.plan
+    }
+
+    /// The times of the frames.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// A frame: the box, and all particles in the order of their ids with the columns that the file has.
+    pub fn frame(&self, frame: usize) -> Result<(PeriodicBox, Particles), FileError> {
+        self.try_frame(frame).map_err(|e| FileError::damaged(&self.path, &e))
+    }
+
+    fn try_frame(&self, frame: usize) -> hdf5::Result<(PeriodicBox, Particles)> {
+        let edges: Vec<f64> = self.value("box/edges", frame)?;
+        let strains: Vec<f64> = self.group.dataset("box/strain/value")?.read_raw()?;
+        let cell = PeriodicBox::sheared(Vector::new(edges[0], edges[4], edges[8]), strains[frame]);
+        let mut particles = self.fixed.clone();
+        let positions: Vec<f64> = self.value("position", frame)?;
+        particles.positions = positions.chunks_exact(3).map(Vector::from_slice).collect();
+        let images: Vec<i32> = self.value("image", frame)?;
+        particles.steps = images.chunks_exact(3).map(|steps| [steps[0], steps[1], steps[2]]).collect();
+        for (name, width) in COLUMNS {
+            if self.group.link_exists(name) {
+                let values = self.value(name, frame)?;
+                particles.columns.push(Column { name: name.to_owned(), width, values });
+            }
+        }
+        particles.check().map_err(|e| e.to_string())?;
+        Ok((cell.map_err(|e| e.to_string())?, particles))
+    }
+
+    fn value<T: H5Type + Clone>(&self, name: &str, frame: usize) -> hdf5::Result<Vec<T>> {
+        let slice = Hyperslab::from((frame, .., ..));
+        let dataset = self.group.dataset(&format!("{name}/value"))?;
+        Ok(dataset.read_slice_2d::<T, _>(slice)?.into_raw_vec_and_offset().0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Provenance, Trajectory};
+
+    #[test]
+    fn frames_are_read_as_they_were_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trajectory.h5");
+        let provenance =
+            Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "one".into(), ranks: 1, seed: 2 };
+        let frame = |k: u32| {
+            let mut particles = Particles::default();
+            particles.push(0, Vector::new(0.1, 0.2, 0.3) * f64::from(k), 1.0, 0);
+            particles.push(1, Vector::new(1.1, 1.2, 1.3), 2.0, 1);
+            particles.steps[1] = [k as i32, -1, 0];
+            particles.vectors("velocity")[0] = Vector::X * f64::from(k);
+            (PeriodicBox::sheared(Vector::new(3.0, 4.0, 5.0), 0.1 * f64::from(k)).unwrap(), particles)
+        };
+        let mut trajectory = Trajectory::create(&path, &provenance, &frame(0).1, 3).unwrap();
+        for k in 0..3 {
+            let (cell, particles) = frame(k);
+            trajectory.append((u64::from(k), 0.5 * f64::from(k)), &cell, &particles).unwrap();
+        }
+        drop(trajectory);
+        let recorded = Recorded::open(&path).unwrap();
+        assert_eq!((recorded.scene(), recorded.plan(), recorded.times()), ("a = 1", "one", &[0.0, 0.5, 1.0][..]));
+        for k in 0..3 {
+            assert_eq!(recorded.frame(k).unwrap(), frame(k as u32));
+        }
+        assert!(Recorded::open(&folder.path().join("none.h5")).is_err());
+    }
+}
