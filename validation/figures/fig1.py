@@ -1,0 +1,39 @@
+"""Fig. 1: mean settling velocity of equal spheres against concentration. The data of Buscall et al., Nicolai et al. and Revay &
+Higdon in the paper's figure are not known as numbers and are left out."""
+
+import numpy as np
+
+import settling
+import theory
+from report import Report, main
+from runs import make, over_seeds
+
+
+def draw(mode):
+    """Places that the flow has made, and random ones."""
+    fractions = settling.MONODISPERSE
+    dynamic = {phi: settling.dynamic(settling.equal_spheres(phi), mode) for phi in fractions}
+    static = {phi: settling.static(settling.equal_spheres(phi), mode) for phi in fractions}
+    make(sum([*dynamic.values(), *static.values()], []))
+    report = Report("fig1", mode, "Fig. 1: settling of equal spheres", panels=2)
+    mean = settling.velocity("sphere")
+    found = [{phi: over_seeds(runs, mean) for phi, runs in cases.items()} for cases in (dynamic, static)]
+    report.points("runs", fractions, list(found[0].values()), 0, marker="o", fillstyle="none", linestyle="none")
+    report.points("random places", fractions, list(found[1].values()), 1, marker="^", fillstyle="none", linestyle="none")
+    phi = np.linspace(0, 0.2, 41)
+    report.curve("Richardson & Zaki, n = 4.7", phi, theory.richardson_zaki(phi), 0, color="k")
+    report.curve("Batchelor", phi[:25], theory.batchelor(phi[:25]), 1, color="k", linestyle=":")
+    report.curve("Brady & Durlofsky", phi, theory.brady_durlofsky(phi), 1, color="k")
+    for panel in (0, 1):
+        report.label(r"$\phi$", "$U/U_0$", panel, ylim=(0, 1.05))
+    for fraction in (0.05, 0.10, 0.20):
+        expected = theory.richardson_zaki(fraction)
+        report.compare(f"runs at {fraction:.0%}", "Richardson & Zaki", expected, found[0][fraction], 0.15)
+    for fraction in (0.02, 0.10, 0.20):
+        expected = theory.brady_durlofsky(fraction)
+        report.compare(f"random places at {fraction:.0%}", "Brady & Durlofsky", expected, found[1][fraction], 0.15)
+    return report
+
+
+if __name__ == "__main__":
+    main(draw)

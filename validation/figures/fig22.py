@@ -1,0 +1,42 @@
+"""Fig. 22: mean settling velocities of two sizes of equal density against the total concentration."""
+
+import numpy as np
+
+import settling
+import theory
+from report import Report, main
+from runs import make, over_seeds
+
+
+def draw(mode):
+    """From dilute to moderately concentrated."""
+    totals = settling.TOTALS[mode]
+    cases = {(ratio, phi): settling.dynamic(settling.two_sizes(ratio, phi), mode) for ratio in (2.0, 3.0) for phi in totals}
+    make(sum(cases.values(), []))
+    report = Report("fig22", mode, "Fig. 22: settling of two sizes", panels=2)
+    line = np.linspace(0, 0.16, 33)
+    for panel, ratio in enumerate((2.0, 3.0)):
+        radii = (1.0, ratio)
+        for place, (name, marker) in enumerate((("small", "o"), ("large", "^"))):
+            stokes = radii[place] ** 2
+            found = [over_seeds(cases[ratio, phi], settling.velocity(name)) for phi in totals]
+            found = [(value / stokes, error / stokes) for value, error in found]
+            colour = f"C{place}"
+            report.points(f"{name}, $\\lambda$ = {ratio:g}", totals, found, panel, marker=marker, linestyle="none", color=colour)
+            for label, formula, style in (
+                ("Batchelor & Wen", theory.batchelor_wen, "-"), ("Davis & Gecol", theory.davis_gecol, "--"),
+            ):
+                values = [formula((phi / 2, phi / 2), radii)[place] for phi in line]
+                report.curve(f"{label}, {name}", line, values, panel, color=colour, linestyle=style)
+            for phi, point in zip(totals, found):
+                if phi in (0.02, 0.10):
+                    formula = theory.batchelor_wen if phi < 0.06 else theory.davis_gecol
+                    source = "Batchelor & Wen" if phi < 0.06 else "Davis & Gecol"
+                    expected = formula((phi / 2, phi / 2), radii)[place]
+                    report.compare(f"{name}, λ = {ratio:g}, {phi:.0%}", source, expected, point, 0.15)
+        report.label(r"$\phi$", "$U_i / U_{oi}$", panel, ylim=(0, 1.05))
+    return report
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,35 @@
+"""Fig. 25: stability of suspensions of heavy and buoyant equal spheres. The experiments' points are not known as numbers and are
+left out; they and the paper have the limit at about 15% in total."""
+
+import settling
+from report import Report, main, shown
+from runs import make, over_seeds
+
+# Danckwerts' intensity of segregation beyond which species count as separating.
+SEPARATING = 0.2
+# Total concentration of the limit.
+LIMIT = 0.15
+
+
+def draw(mode):
+    """Which mixtures separate into streams."""
+    cases = {pair: settling.segregation(*pair, mode) for pair in settling.PAIRS[mode]}
+    make(sum(cases.values(), []))
+    report = Report("fig25", mode, "Fig. 25: segregation of heavy and buoyant spheres")
+    axes = report.panels[0]
+    for (first, second), runs in cases.items():
+        intensity = over_seeds(runs, lambda run: run.summary()["segregation", "all"])
+        separates = intensity[0] > SEPARATING
+        for pair in {(first, second), (second, first)}:
+            axes.plot(*pair, "o", color="k" if separates else "0.7", markersize=10)
+        report.curves.append(("intensity of segregation", first, second, intensity[0]))
+        expected = "separates" if first + second > LIMIT else "stays mixed"
+        quantity = f"intensity at {first:.0%} + {second:.0%} until {settling.SEGREGATION_TIME[mode]:g} Stokes times"
+        report.state(quantity, f"{expected} (paper)", shown(intensity), separates == (first + second > LIMIT))
+    axes.plot([0, LIMIT], [LIMIT, 0], "--", color="0.5", label="15% in total")
+    report.label(r"$\phi_1$", r"$\phi_2$", xlim=(0, 0.2), ylim=(0, 0.2))
+    return report
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,112 @@
+"""Runs of the program for the figures: each in a folder of its own, gone on with where it was left, never made twice."""
+
+import concurrent.futures
+import csv
+import math
+import os
+import pathlib
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
+FOLDER = pathlib.Path(os.environ.get("FCM_SOLVE_RUNS", ROOT / "results" / "reproduce"))
+WORKERS = int(os.environ.get("JOBS", os.cpu_count() or 1))
+
+# The weight of a sphere of radius 1 whose Stokes velocity is 1, at viscosity 1.
+WEIGHT = 6 * math.pi
+
+
+def volume(radius):
+    return 4 / 3 * math.pi * radius**3
+
+
+def toml(value):
+    """A value as TOML writes it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return repr(value)
+
+
+def scene_text(scene):
+    """A scene as TOML: tables of keys, and a list of tables for the species."""
+    lines = [f"{key} = {toml(value)}" for key, value in scene.items() if not isinstance(value, (dict, list))]
+    for name, table in scene.items():
+        for one in table if isinstance(table, list) else [table] if isinstance(table, dict) else []:
+            lines += ["", f"[[{name}]]" if isinstance(table, list) else f"[{name}]"]
+            lines += [f"{key} = {toml(value)}" for key, value in one.items()]
+    return "\n".join(lines) + "\n"
+
+
+class Run:
+    """A scene and the folder of its results."""
+
+    def __init__(self, name, scene):
+        self.name, self.text = name, scene_text(scene)
+        self.folder = FOLDER / name
+        self.finished = self.folder / "finished.toml"
+
+    def is_finished(self):
+        return self.finished.exists() and self.finished.read_text() == self.text
+
+    def make(self):
+        """Runs the scene, or goes on with it; a scene that has changed starts anew."""
+        if self.is_finished():
+            return
+        self.folder.mkdir(parents=True, exist_ok=True)
+        started = self.folder / "started.toml"
+        goes_on = started.exists() and started.read_text() == self.text and any(self.folder.glob("checkpoint-*.bin"))
+        if goes_on:
+            command = [PROGRAM, "resume", self.folder]
+        else:
+            started.write_text(self.text)
+            command = [PROGRAM, "run", started, "--out", self.folder, "--force"]
+        ended = subprocess.run([*map(str, command), "--threads", "1"], capture_output=True, text=True)
+        if ended.returncode:
+            raise SystemExit(f"{self.name}: {ended.stderr.strip().splitlines()[-1]}\nfolder: {self.folder}")
+        self.finished.write_text(self.text)
+        print(f"finished   {self.name}", flush=True)
+
+    def summary(self):
+        """Value and error by (quantity, species)."""
+        rows = self.table("summary")
+        return {(row["quantity"], row["species"]): (float(row["value"]), float(row["error"])) for row in rows}
+
+    def table(self, name):
+        """The rows of a table of statistics."""
+        with open(self.folder / "statistics" / f"{name}.csv") as file:
+            return list(csv.DictReader(file))
+
+    def columns(self, name, *wanted, **where):
+        """Columns of numbers of a table, of the rows whose words are as given."""
+        rows = [row for row in self.table(name) if all(row[key] == word for key, word in where.items())]
+        return [[float(row[column]) for row in rows] for column in wanted]
+
+    def series(self, name):
+        """A column of the time series, with its times."""
+        with open(self.folder / "observables.csv") as file:
+            rows = list(csv.DictReader(file))
+        return [float(row["time"]) for row in rows], [float(row[name]) for row in rows]
+
+
+def make(runs):
+    """Makes all runs, as many at a time as there are cores."""
+    unique = {run.name: run for run in runs}
+    with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
+        for _ in pool.map(Run.make, unique.values()):
+            pass
+
+
+def over_seeds(runs, quantity):
+    """A quantity of runs that differ in their seeds alone: its mean, and the error of that. `quantity` gives value and error
+    of one run; a single run has the error that it says."""
+    found = [quantity(run) for run in runs]
+    values = [value for value, _ in found]
+    mean = sum(values) / len(values)
+    if len(values) == 1:
+        return mean, found[0][1]
+    return mean, math.sqrt(sum((v - mean) ** 2 for v in values) / len(values) / (len(values) - 1))

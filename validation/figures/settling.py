@@ -1,0 +1,128 @@
+"""Settling suspensions, figures 1 and 19 to 25 of Abbas et al. (2006): scenes and what is taken from them.
+
+Lengths are in units of the (small) radius, velocities of the Stokes velocity of a sphere of species 1; viscosity 1. Species
+settle along -z."""
+
+from runs import WEIGHT, Run, volume
+
+# Stokes times, those before sampling, time step, seeds, spheres of the scarcer species, seeds of random placing alone.
+SIZE = {
+    "quick": {"time": 30.0, "settled": 5.0, "step": 0.01, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 6},
+    "full": {"time": 400.0, "settled": 20.0, "step": 0.01, "seeds": 2, "scarce": 100, "least": 48.0, "placings": 50},
+}
+# Force at contact over the weight of the lighter sphere and the squared ratio of radii.
+BARRIER, RANGE = 2.0, 0.2
+
+
+def scene(species, edge, mode, seed, time=None):
+    """A settling suspension of species given as (name, radius, density difference, volume fraction or count)."""
+    size = SIZE[mode]
+    time = size["time"] if time is None else time
+    largest = max(radius for _, radius, _, _ in species)
+
+    def kind(name, radius, density, amount):
+        how_many = {"count": amount} if isinstance(amount, int) else {"volume_fraction": amount}
+        return {"name": name, "radius": radius, "force": [0.0, 0.0, -WEIGHT * density * radius**3], **how_many}
+
+    return {
+        "title": "Settling suspension",
+        "seed": seed,
+        "box": {"edges": [edge] * 3},
+        "fluid": {"viscosity": 1.0},
+        "species": [kind(*one) for one in species],
+        "particles": {"initial": "random", "minimum_gap": 0.01},
+        "repulsion": {"strength": BARRIER * WEIGHT * largest**2, "range": RANGE},
+        "hydrodynamics": {"tolerance": 1e-2 if mode == "quick" else 1e-3},
+        "time": {"step": size["step"], "steps": round(time / size["step"])},
+        "output": {"trajectory_every": 0, "observables_every": 10, "checkpoint_every": 500},
+        "statistics": {"every": 10, "from": min(size["settled"], time), "axis": "z"},
+    }
+
+
+def edge_for(species, mode):
+    """The side of a box in which the scarcest species, by (name, radius, density difference, volume fraction), has enough
+    spheres."""
+    size = SIZE[mode]
+    needed = max(size["scarce"] * volume(radius) / phi for _, radius, _, phi in species)
+    return max(needed ** (1 / 3), size["least"])
+
+
+def name_of(species):
+    return "-".join(f"{radius:g}_{density:g}_{amount:g}" for _, radius, density, amount in species)
+
+
+def dynamic(species, mode, edge=None, time=None):
+    """Runs that differ in their seeds."""
+    edge = edge or edge_for(species, mode)
+    return [
+        Run(f"settling/{mode}-{name_of(species)}-{edge:.3g}-{seed}", scene(species, edge, mode, seed, time))
+        for seed in range(1, SIZE[mode]["seeds"] + 1)
+    ]
+
+
+def static(species, mode):
+    """Random places and nothing more, averaged over many."""
+    edge = edge_for(species, mode)
+    return [
+        Run(f"settling/{mode}-static-{name_of(species)}-{seed}", scene(species, edge, mode, seed, 0.0))
+        for seed in range(101, 101 + SIZE[mode]["placings"])
+    ]
+
+
+def velocity(name):
+    """Of a run: the mean velocity of a species downwards, with its error."""
+
+    def of(run):
+        value, error = run.summary()["mean_velocity_z", name]
+        return -value, error
+
+    return of
+
+
+# The cases of each figure: Stokes times are those of species 1.
+MONODISPERSE = (0.02, 0.05, 0.10, 0.15, 0.20)
+TOTALS = {"quick": (0.02, 0.06, 0.10, 0.15), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.15)}
+WIDTHS = {"quick": (16.0, 20.0, 28.0), "full": (24.0, 32.0, 48.0, 64.0, 96.0)}
+SECOND = {"quick": (0.02, 0.05, 0.10), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.13)}
+PAIRS = {
+    "quick": ((0.03, 0.03), (0.06, 0.06), (0.10, 0.10)),
+    "full": ((0.02, 0.02), (0.04, 0.04), (0.06, 0.06), (0.08, 0.08), (0.10, 0.10), (0.05, 0.15), (0.02, 0.15), (0.12, 0.12)),
+}
+SEGREGATION_TIME = {"quick": 60.0, "full": 400.0}
+TEST_RATIOS = {"quick": (1.2, 2.0, 2.8), "full": (1.0, 1.2, 1.6, 2.0, 2.4, 2.8)}
+TEST_TIME = {"quick": 60.0, "full": 400.0}
+# One test sphere in the paper; a few in the same box when time is short.
+TESTS = {"quick": 4, "full": 1}
+
+
+def equal_spheres(phi):
+    return [("sphere", 1.0, 1.0, phi)]
+
+
+def two_sizes(ratio, phi):
+    return [("small", 1.0, 1.0, phi / 2), ("large", ratio, 1.0, phi / 2)]
+
+
+def two_densities(density_ratio, second, first=0.02):
+    return [("first", 1.0, 1.0, first), ("second", 1.0, density_ratio, second)]
+
+
+def segregation(first, second, mode):
+    species = [("heavy", 1.0, 1.0, first), ("light", 1.0, -1.0, second)]
+    return dynamic(species, mode, time=SEGREGATION_TIME[mode])
+
+
+def test_sphere(stokes_ratio, mode):
+    """Spheres of the density of the others and so large that their Stokes velocity is `stokes_ratio`, in 20% of others."""
+    species = [("others", 1.0, 1.0, 0.20), ("test", round(stokes_ratio**0.5, 6), 1.0, TESTS[mode])]
+    return dynamic(species, mode, edge=SIZE[mode]["least"], time=TEST_TIME[mode])
+
+
+def fluctuation(name, component):
+    """Of a run: the standard deviation of a species' velocity, with its error."""
+
+    def of(run):
+        value, error = run.summary()[f"T_{component}", name]
+        return value**0.5, 0.5 * error / value**0.5
+
+    return of

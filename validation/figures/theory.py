@@ -1,0 +1,139 @@
+"""What theories and correlations say, from their formulas."""
+
+import functools
+import json
+import subprocess
+
+import numpy as np
+
+from runs import PROGRAM
+
+
+def richardson_zaki(phi, exponent=4.7):
+    """Richardson & Zaki, Trans. Inst. Chem. Eng. 32, 35 (1954)."""
+    return (1 - phi) ** exponent
+
+
+def batchelor(phi):
+    """Batchelor, J. Fluid Mech. 52, 245 (1972): equal spheres at random, dilute."""
+    return 1 - 6.55 * phi
+
+
+def brady_durlofsky(phi):
+    """Brady & Durlofsky, Phys. Fluids 31, 717 (1988), eq. (2.10): Rotne-Prager mobility and the Percus-Yevick hard-sphere
+    fluid."""
+    return (1 - phi) ** 3 / (1 + 2 * phi)
+
+
+def einstein(phi):
+    """Einstein (1906); the viscosity of a dilute suspension."""
+    return 1 + 2.5 * phi
+
+
+# Davis & Gecol, AIChE J. 40, 570 (1994), eq. (6): fit of Batchelor & Wen's coefficients for equal densities and no Brownian
+# motion, by the ratio of radii.
+def sedimentation_coefficient(ratio):
+    """S_ij for a_j / a_i = `ratio`."""
+    return -(3.50 + 1.10 * ratio + 1.02 * ratio**2 + 0.002 * ratio**3)
+
+
+def batchelor_wen(fractions, radii):
+    """Batchelor & Wen, J. Fluid Mech. 124, 495 (1982): velocity of each species over its own Stokes velocity."""
+    return [1 + sum(sedimentation_coefficient(b / a) * phi for phi, b in zip(fractions, radii)) for a in radii]
+
+
+def davis_gecol(fractions, radii):
+    """Davis & Gecol, AIChE J. 40, 570 (1994), eq. (5)."""
+    own, total = sedimentation_coefficient(1.0), sum(fractions)
+    extra = [sum((sedimentation_coefficient(b / a) - own) * phi for phi, b in zip(fractions, radii)) for a in radii]
+    return [(1 - total) ** -own * (1 + more) for more in extra]
+
+
+@functools.cache
+def resistance(gap):
+    """The exact resistance functions of two equal spheres at a gap in radii, by name."""
+    command = [PROGRAM, "two-sphere", "--ratio", "1", "--gap", repr(gap), "--json"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def pair_functions(gap):
+    """A and B of Batchelor & Green, J. Fluid Mech. 56, 375 (1972), for equal spheres at a gap in radii, from the exact
+    resistance functions: the motions that leave two spheres in a strain without force and torque."""
+    f, r = resistance(gap), 2 + gap
+    a = 4 / 3 / r * (f["XG11"] + f["XG21"]) / (f["XA11"] - f["XA12"])
+    coupling = [-4 * (f["YB11"] + f["YB21"]), -4 * (f["YB11"] - f["YB12"])]
+    matrix = [[6 * (f["YA11"] - f["YA12"]), coupling[0]], [coupling[1], 8 * (f["YC11"] + f["YC12"])]]
+    motion = np.linalg.solve(matrix, [8 * (f["YG11"] + f["YG21"]), 16 * (f["YH11"] + f["YH21"])])
+    return a, 2 * motion[0] / r
+
+
+def velocities_by_forces(gap):
+    """Of two equal spheres: velocity along and across the line of centres, over that of a sphere alone, of the one that is
+    pushed and of the other, torques zero."""
+    f = resistance(gap)
+    along = np.linalg.inv([[f["XA11"], f["XA12"]], [f["XA21"], f["XA22"]]])
+    forces = [[6 * f["YA11"], 6 * f["YA12"]], [6 * f["YA21"], 6 * f["YA22"]]]
+    torques = [[-4 * f["YB11"], -4 * f["YB12"]], [-4 * f["YB21"], -4 * f["YB22"]]]
+    spins = [[8 * f["YC11"], 8 * f["YC12"]], [8 * f["YC21"], 8 * f["YC22"]]]
+    across = 6 * np.linalg.inv(np.block([[np.array(forces), np.transpose(torques)], [np.array(torques), np.array(spins)]]))
+    return along[0], across[0, :2]
+
+
+def random_pairs():
+    """Coefficients `(own, other)` of the velocity of equal spheres at random whose weights differ (Batchelor, J. Fluid Mech.
+    119, 379, 1982, for uniform pairs): `U_i / U_i0 = 1 + sum_j (own + other U_j0 / U_i0) phi_j`. Their sum is Batchelor's
+    -6.55."""
+    gaps = np.geomspace(1e-5, 30.0, 60)
+    own, other = [], []
+    for gap in gaps:
+        along, across = velocities_by_forces(float(gap))
+        r = 2 + gap
+        own.append((along[0] + 2 * across[0] - 3) * r * r * gap)
+        other.append((along[1] + 2 * across[1] - 3 / r) * r * r * gap)
+    steps = np.diff(np.log(gaps))
+    # Far away the first falls as r^-4, so that the rest of the integral is that of the last value.
+    far = own[-1] / gaps[-1] * (2 + gaps[-1])
+    inner = [float(np.sum(0.5 * steps * (np.array(f)[1:] + np.array(f)[:-1]))) for f in (own, other)]
+    return inner[0] + far, inner[1] - 5
+
+
+class DilutePairs:
+    """Velocity fluctuations of a dilute sheared suspension of equal spheres by the encounters of pairs (Drazer et al., J. Fluid
+    Mech. 511, 237, 2004): a pair at r gives each sphere half of the relative velocity of eq. (11), so
+
+        T_ij = phi 3/(4 pi) / 4 integral V_i V_j q(r) d^3r,
+
+    with q = 1 for pairs at random, or for pairs on open trajectories the function of Batchelor & Green, J. Fluid Mech. 56,
+    401 (1972), q(r) = exp(integral_r^inf 3 (B - A) / (1 - A) dr / r) / (1 - A)."""
+
+    def __init__(self):
+        # Distances, dense near contact where q(r) varies fast; beyond the last, A = 5/r^3 and B = 16/(3 r^5).
+        gaps = np.geomspace(1e-5, 18.0, 60)
+        self.r = 2 + gaps
+        self.a, self.b = np.transpose([pair_functions(float(gap)) for gap in gaps])
+        rate = 3 * (self.b - self.a) / (self.r * (1 - self.a))
+        # In the variable log(gap), in which the integrand is smooth.
+        integrand = rate * gaps
+        pieces = 0.5 * (integrand[1:] + integrand[:-1]) * np.diff(np.log(gaps))
+        beyond = -5 / self.r[-1] ** 3
+        exponent = np.append(np.cumsum(pieces[::-1])[::-1], 0) + beyond
+        self.q = np.exp(exponent) / (1 - self.a)
+
+    def slopes(self, pairs):
+        """T_11, T_22 and T_33 over phi, for `pairs` "random" or "sheared"."""
+        q = self.q if pairs == "sheared" else np.ones_like(self.r)
+        a, b = self.a, self.b
+        # Averages over directions of the squares of (11), per r^2: <n1^2> = 1/3, <n1^4> = 1/5, <n1^2 n2^2> = 1/15,
+        # <n1^4 n2^2> = 3/105, <n1^2 n2^2 n3^2> = 1/105.
+        in_plane = b**2 / 4 / 3 + b * (a - b) / 15 + (a - b) ** 2 * 3 / 105
+        across = (a - b) ** 2 / 105
+        gaps = self.r - 2
+
+        def integral(f):
+            integrand = f * q * self.r**4 * gaps
+            inner = np.sum(0.5 * (integrand[1:] + integrand[:-1]) * np.diff(np.log(gaps)))
+            # The first 1e-5 counts nothing; far away f = c/r^6 with the last value.
+            return 4 * np.pi * (inner + f[-1] * self.r[-1] ** 5)
+
+        scale = 3 / (4 * np.pi) / 4
+        return scale * integral(in_plane), scale * integral(in_plane), scale * integral(across)
