@@ -6,11 +6,11 @@ import numpy as np
 import settling
 import theory
 from report import Report, main
-from runs import make, over_seeds
+from runs import make, over_seeds, volume
 
 
 def draw(mode):
-    """Places that the flow has made, and random ones."""
+    """Places that the flow has made, and random ones; compared is what the images in the box leave out."""
     fractions = settling.MONODISPERSE
     dynamic = {phi: settling.dynamic(settling.equal_spheres(phi), mode) for phi in fractions}
     static = {phi: settling.static(settling.equal_spheres(phi), mode) for phi in fractions}
@@ -18,8 +18,14 @@ def draw(mode):
     report = Report("fig1", mode, "Fig. 1: settling of equal spheres", panels=2)
     mean = settling.velocity("sphere")
     found = [{phi: over_seeds(runs, mean) for phi, runs in cases.items()} for cases in (dynamic, static)]
-    report.points("runs", fractions, list(found[0].values()), 0, marker="o", fillstyle="none", linestyle="none")
-    report.points("random places", fractions, list(found[1].values()), 1, marker="^", fillstyle="none", linestyle="none")
+    for panel, (label, marker) in enumerate((("runs", "o"), ("random places", "^"))):
+        report.points(f"{label}, in the box", fractions, list(found[panel].values()), panel, marker=marker, linestyle="none",
+                      fillstyle="none", color="0.5")
+        for phi in fractions:
+            spheres = phi * settling.edge_for(settling.equal_spheres(phi), mode) ** 3 / volume(1)
+            value, error = found[panel][phi]
+            found[panel][phi] = value + theory.periodic_images(phi, spheres), error
+        report.points(f"{label}, without images", fractions, list(found[panel].values()), panel, marker=marker, linestyle="none")
     phi = np.linspace(0, 0.2, 41)
     report.curve("Richardson & Zaki, n = 4.7", phi, theory.richardson_zaki(phi), 0, color="k")
     report.curve("Batchelor", phi[:25], theory.batchelor(phi[:25]), 1, color="k", linestyle=":")

@@ -15,7 +15,7 @@ from runs import ROOT
 DATA = ROOT / "validation" / "data" / "figures"
 PICTURES = ROOT / "docs" / "src" / "figures"
 PAGE = ROOT / "docs" / "src" / "figures.md"
-ABOUT = PAGE.with_name("figures-about.md")
+ABOUT = ROOT / "validation" / "figures" / "about.md"
 
 
 class Report:

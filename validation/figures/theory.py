@@ -25,6 +25,14 @@ def brady_durlofsky(phi):
     return (1 - phi) ** 3 / (1 + 2 * phi)
 
 
+def periodic_images(phi, spheres):
+    """What the images of a cubic box take off the mean settling velocity of spheres at random, over the Stokes velocity:
+    1.7601 S(0) (phi / N)^(1/3) / eta (Mo & Sangani, Phys. Fluids 6, 1637, 1994), with the structure factor of the
+    Percus-Yevick fluid and the viscosity 1 + 5/2 phi + 5 phi^2."""
+    structure = (1 - phi) ** 4 / (1 + 2 * phi) ** 2
+    return 1.7601 * structure * (phi / spheres) ** (1 / 3) / (einstein(phi) + 5 * phi**2)
+
+
 def einstein(phi):
     """Einstein (1906); the viscosity of a dilute suspension."""
     return 1 + 2.5 * phi
