@@ -253,17 +253,17 @@ fn bad_input_is_refused_by_key() {
         change(&mut parameters);
         Problem::new(parameters).unwrap_err().to_string()
     };
-    assert_eq!(refused(|p| p.gap = 0.0), "gap is 0; it needs a positive, finite number");
-    assert_eq!(refused(|p| p.pressure = f64::NAN), "pressure is NaN; it needs a positive, finite number");
+    assert_eq!(refused(|p| p.gap = 0.0), "cell.gap is 0; it needs a positive, finite number");
+    assert_eq!(refused(|p| p.pressure = f64::NAN), "cell.pressures is NaN; it needs a positive, finite number");
     assert_eq!(refused(|p| p.grains.restitution = 1.0), "grains.restitution is 1; it needs 1/3 <= restitution < 1");
-    assert_eq!(refused(|p| p.wall.theta = 2.0), "wall.theta is 2; it needs 0 < theta <= pi/2 (radians)");
+    assert_eq!(refused(|p| p.wall.theta = 2.0), "walls.theta is 2; it needs 0 < theta <= pi/2 (radians)");
     assert_eq!(
         refused(|p| p.wall.roughness.r7 = 1.5),
-        "wall.r7 is 1.5; it needs a factor from 0 (smooth) to 1 (rough)"
+        "walls.r7 is 1.5; it needs a factor from 0 (smooth) to 1 (rough)"
     );
     assert_eq!(
         refused(|p| p.wall.roughness.r5 = 0.0),
-        "wall.r5 is 0; it needs 0 < r5 <= 1: a smooth wall drives no flow"
+        "walls.r5 is 0; it needs 0 < r5 <= 1: a smooth wall drives no flow"
     );
     assert_eq!(refused(|p| p.start = Start::SolidFraction(0.7)), "start is 0.7; it needs 0 < solid fraction < 0.65");
 }

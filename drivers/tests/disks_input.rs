@@ -14,27 +14,33 @@ fn refusal(change: impl FnOnce(&mut Parameters)) -> ParameterError {
 fn each_parameter_is_refused_by_its_key() {
     let late = Preparation { mixed: 10.0, ..Parameters::default().preparation };
     let refusals = [
-        ("edges", refusal(|p| p.edges = [100.0, -1.0])),
-        ("edges", refusal(|p| p.edges = [20.0, 100.0])),
-        ("area_fraction", refusal(|p| p.area_fraction = 0.9)),
-        ("sizes.species", refusal(|p| p.sizes = Sizes::Species(Vec::new()))),
-        ("sizes.species.radius", refusal(|p| p.sizes = Sizes::Species(vec![Species { radius: 0.0, share: 1.0 }]))),
-        ("sizes.largest", refusal(|p| p.sizes = Sizes::Spread { smallest: 2.0, largest: 1.0, exponent: 0.0 })),
-        ("mass_exponent", refusal(|p| p.mass_exponent = 0)),
-        ("restitution", refusal(|p| p.restitution = 1.1)),
+        ("box.edges", refusal(|p| p.edges = [100.0, -1.0])),
+        ("box.edges", refusal(|p| p.edges = [20.0, 100.0])),
+        ("particles.area_fraction", refusal(|p| p.area_fraction = 0.9)),
+        ("species", refusal(|p| p.sizes = Sizes::Species(Vec::new()))),
+        ("species.radius", refusal(|p| p.sizes = Sizes::Species(vec![Species { radius: 0.0, share: 1.0 }]))),
+        (
+            "particles.spread.largest",
+            refusal(|p| p.sizes = Sizes::Spread { smallest: 2.0, largest: 1.0, exponent: 0.0 }),
+        ),
+        ("particles.mass_exponent", refusal(|p| p.mass_exponent = 0)),
+        ("contact.restitution", refusal(|p| p.restitution = 1.1)),
         ("preparation.restitution", refusal(|p| p.preparation.restitution = 0.0)),
         ("preparation.mixed", refusal(|p| p.preparation = late)),
-        ("time_step", refusal(|p| p.time_step = f64::NAN)),
-        ("viscosity", refusal(|p| p.viscosity = 0.2)),
+        ("time.step", refusal(|p| p.time_step = f64::NAN)),
+        ("fluid.viscosity", refusal(|p| p.viscosity = 0.2)),
         ("flow.rate", refusal(|p| p.flow = Flow::Shear { rate: f64::INFINITY })),
         ("flow", refusal(|p| p.flow = Flow::Shear { rate: 3.0 })),
-        ("measure_every", refusal(|p| p.measure_every = 0)),
+        ("output.measure_every", refusal(|p| p.measure_every = 0)),
     ];
     for (key, error) in refusals {
         assert_eq!(error.key, key, "{error}");
     }
     let error = refusal(|p| p.viscosity = 0.2);
-    assert_eq!(error.to_string(), "viscosity is 0.2; it needs 0 <= viscosity <= 0.093, where the integrator is stable");
+    assert_eq!(
+        error.to_string(),
+        "fluid.viscosity is 0.2; it needs 0 <= viscosity <= 0.093, where the integrator is stable"
+    );
 }
 
 #[test]

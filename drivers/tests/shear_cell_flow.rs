@@ -107,7 +107,7 @@ fn packing_reaches_dense_cells_or_says_how_far_it_came() {
     Engine::new(&model, &grains, STEPPED).unwrap();
     assert!(grains.deepest_overlap(&model) < 1e-12);
     let error = model.pack(280, 2).map(|g| g.len()).unwrap_err().to_string();
-    assert!(error.starts_with("solid_fraction is 0.7146; this cell was packed at random up to 0.6"), "{error}");
+    assert!(error.starts_with("grains.solid_fraction is 0.7146; this cell was packed at random up to 0.6"), "{error}");
 }
 
 fn paper(speed: f64, solid_fraction: f64, settle: f64, measure: f64) -> Report {
@@ -136,17 +136,17 @@ fn bad_input_is_refused_by_key() {
         change(&mut parameters);
         Model::new(parameters).unwrap_err().to_string()
     };
-    assert_eq!(refused(|p| p.diameter = -1.0), "diameter is -1; it needs a positive, finite number");
-    assert_eq!(refused(|p| p.height = 5e-4), "height is 0.0005; it needs more than a diameter");
-    assert_eq!(refused(|p| p.length = 2e-3), "length is 0.002; it needs more than three diameters");
+    assert_eq!(refused(|p| p.diameter = -1.0), "grains.diameter is -1; it needs a positive, finite number");
+    assert_eq!(refused(|p| p.height = 5e-4), "cell.height is 0.0005; it needs more than a diameter");
+    assert_eq!(refused(|p| p.length = 2e-3), "cell.length is 0.002; it needs more than three diameters");
     assert_eq!(
         refused(|p| p.wall_contact.restitution = 1.2),
-        "wall_contact.restitution is 1.2; it needs 0 <= restitution <= 1"
+        "walls.restitution is 1.2; it needs 0 <= restitution <= 1"
     );
-    assert_eq!(refused(|p| p.gravity = f64::NAN), "gravity is NaN; it needs a finite number, not negative");
+    assert_eq!(refused(|p| p.gravity = f64::NAN), "cell.gravity is NaN; it needs a finite number, not negative");
     assert_eq!(
         refused(|p| p.circumference = Some(0.05)),
-        "circumference is 0.05; it needs more than pi times the width: the inner wall has a radius"
+        "cell.circumference is 0.05; it needs more than pi times the width: the inner wall has a radius"
     );
     assert_eq!(
         refused(|p| p.top = Top::Free { pressure: 0.0, mass_per_area: 1.0 }),
@@ -154,11 +154,14 @@ fn bad_input_is_refused_by_key() {
     );
     let model = Model::new(small()).unwrap();
     let count = model.count(0.7).unwrap_err().to_string();
-    assert_eq!(count, "solid_fraction is 0.7; it needs 0 < solid_fraction <= 0.62: more can't be packed at random");
+    assert_eq!(
+        count,
+        "grains.solid_fraction is 0.7; it needs 0 < solid_fraction <= 0.62: more can't be packed at random"
+    );
     let mut grains = model.pack(20, 1).unwrap();
     let window = Sampling { window: 7e-7, ..Sampling::default() };
     let error = Run::new(&model, &grains, STEPPED, window).err().unwrap().to_string();
-    assert!(error.starts_with("window is 0.0000007; it needs a whole number of time steps"), "{error}");
+    assert!(error.starts_with("measure.window is 0.0000007; it needs a whole number of time steps"), "{error}");
     grains.positions[1] = grains.positions[0];
     let error = Engine::new(&model, &grains, Collisions::EventDriven).err().unwrap().to_string();
     assert!(error.starts_with("overlap is 1.00e0 diameters; it needs grains apart"), "{error}");

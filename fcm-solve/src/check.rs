@@ -1,5 +1,6 @@
 //! `fcm-solve check`: what a scene would cost.
 
+use crate::granular;
 use crate::run::read;
 use crate::suspension::Outline;
 use domain::Comm;
@@ -19,10 +20,10 @@ pub struct Args {
 /// Checks the scene and prints how it would be computed. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let scene = read(&args.scene, &args.overrides, comm)?;
-    let Kind::Suspension(scene) = scene.kind() else {
-        anyhow::bail!("this version of the program can't run scenes of this kind");
+    let outline = match scene.kind() {
+        Kind::Suspension(scene) => Outline::of(scene, comm)?.to_string(),
+        other => granular::outline(other),
     };
-    let outline = Outline::of(scene, comm)?;
     if comm.is_first() {
         print!("{outline}");
     }

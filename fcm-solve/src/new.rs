@@ -22,6 +22,16 @@ enum Template {
     PairSettling,
     /// Two sizes of spheres in a shear flow
     Shear,
+    /// Disks that collide in a sheared liquid, with every key explained
+    GranularDisks,
+    /// Several seeds and viscosities of such disks
+    DiskSweep,
+    /// Disks of many sizes in a Poiseuille flow
+    PoiseuilleDisks,
+    /// Grains in a shear cell, with every key explained
+    ShearCell,
+    /// The kinetic theory of a shear cell, with every key explained
+    ShearCellContinuum,
 }
 
 impl Template {
@@ -31,6 +41,11 @@ impl Template {
             Self::Settling => include_str!("../../scenes/settling.toml"),
             Self::PairSettling => include_str!("../../scenes/pair-settling.toml"),
             Self::Shear => include_str!("../../scenes/shear.toml"),
+            Self::GranularDisks => include_str!("../../scenes/granular-disks.toml"),
+            Self::DiskSweep => include_str!("../../scenes/disk-sweep.toml"),
+            Self::PoiseuilleDisks => include_str!("../../scenes/poiseuille-disks.toml"),
+            Self::ShearCell => include_str!("../../scenes/shear-cell.toml"),
+            Self::ShearCellContinuum => include_str!("../../scenes/shear-cell-continuum.toml"),
         }
     }
 }

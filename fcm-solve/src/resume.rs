@@ -2,10 +2,10 @@
 
 use crate::march::march;
 use crate::output::{Folder, Recorder};
-use crate::run::{in_full, read};
-use crate::suspension::Suspension;
+use crate::run::{Whole, in_full, read};
+use crate::{granular, simulation};
 use domain::Comm;
-use io::{Checkpoint, Kind};
+use io::Checkpoint;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -24,18 +24,18 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let folder = comm.agree(Folder::reopen(&args.folder, comm).map_err(|e| in_full(&e)))?;
     let overrides: Vec<String> = args.steps.iter().map(|n| format!("time.steps={n}")).collect();
     let scene = read(&folder.scene(), &overrides, comm)?;
-    let Kind::Suspension(suspension) = scene.kind() else {
-        anyhow::bail!("this version of the program can't run scenes of this kind");
-    };
-    let mut checkpoint = comm.agree(latest(&folder, comm))?;
-    let statistics = checkpoint.as_mut().map(|c| std::mem::take(&mut c.statistics)).unwrap_or_default();
+    if let Some(work) = Whole::of(&scene) {
+        granular::on_one_rank(comm)?;
+        return work.carry_out(&scene, &folder, comm);
+    }
+    let checkpoint = comm.agree(latest(&folder, comm))?;
     if args.steps.is_some() {
         let kept = if comm.is_first() { folder.keep(scene.text()) } else { Ok(()) };
         comm.agree(kept.map_err(|e| in_full(&e)))?;
     }
-    let mut resumed = Suspension::resume(suspension, checkpoint, comm)?;
-    let mut recorder = Recorder::resume(folder, &scene, &mut resumed, &statistics)?;
-    march(&mut resumed, &mut recorder, suspension.time.steps)
+    let mut resumed = simulation::resume(&scene, checkpoint, comm)?;
+    let mut recorder = Recorder::resume(folder, &scene, &mut *resumed)?;
+    march(&mut *resumed, &mut recorder, scene.kind().steps())
 }
 
 /// The last whole checkpoint, on the first rank.

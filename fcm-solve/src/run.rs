@@ -2,10 +2,11 @@
 
 use crate::march::march;
 use crate::output::{Folder, Recorder};
-use crate::suspension::Suspension;
+use crate::{granular, simulation};
 use anyhow::Context;
 use domain::Comm;
-use io::{Kind, Scene};
+use drivers::disks::Sweep;
+use io::{ContinuumScene, Kind, Scene};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -28,15 +29,44 @@ pub struct Args {
 /// Runs the scene. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let scene = read(&args.scene, &args.overrides, comm)?;
-    let Kind::Suspension(suspension) = scene.kind() else {
-        anyhow::bail!("this version of the program can't run scenes of this kind");
-    };
-    let folder = args.out.clone().or_else(|| suspension.output.folder.clone());
+    let folder = args.out.clone().or_else(|| scene.kind().folder().map(Path::to_owned));
     let folder = folder.unwrap_or_else(|| default_folder(&args.scene));
     let folder = comm.agree(Folder::claim(&folder, comm, args.force).map_err(|e| in_full(&e)))?;
-    let mut started = Suspension::start(suspension, comm)?;
-    let mut recorder = Recorder::create(folder, &scene, &mut started)?;
-    march(&mut started, &mut recorder, suspension.time.steps)
+    if let Some(work) = Whole::of(&scene) {
+        granular::on_one_rank(comm)?;
+        folder.start_with(scene.text())?;
+        return work.carry_out(&scene, &folder, comm);
+    }
+    let mut started = simulation::start(&scene, comm)?;
+    let mut recorder = Recorder::create(folder, &scene, &mut *started)?;
+    march(&mut *started, &mut recorder, scene.kind().steps())
+}
+
+/// A scene that has no steps of its own to march through.
+pub enum Whole<'a> {
+    /// Problems to solve.
+    Continuum(&'a ContinuumScene),
+    /// Runs to make.
+    Sweep(&'a Sweep),
+}
+
+impl<'a> Whole<'a> {
+    /// The scene as one of these, if it is one.
+    pub fn of(scene: &'a Scene) -> Option<Self> {
+        match scene.kind() {
+            Kind::Continuum(scene) => Some(Self::Continuum(scene)),
+            Kind::GranularDisks(scene) => scene.sweep.as_ref().map(Self::Sweep),
+            _ => None,
+        }
+    }
+
+    /// Does what is left to do.
+    pub fn carry_out(&self, scene: &Scene, folder: &Folder, comm: &Comm) -> anyhow::Result<ExitCode> {
+        match self {
+            Self::Continuum(problems) => granular::solve(problems, scene, folder.path(), comm),
+            Self::Sweep(runs) => granular::sweep(runs, scene, folder.path(), comm),
+        }
+    }
 }
 
 /// Reads a scene on the first rank and shares it. Collective.

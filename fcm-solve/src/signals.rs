@@ -9,12 +9,17 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Remembers a signal until the step is over. A second Ctrl-C ends the program at once; a second request to terminate
 /// does not, for launchers like to send several.
 pub struct Signals {
-    received: Arc<AtomicUsize>,
+    heard: Heard,
     comm: Comm,
 }
 
+/// What this process alone has heard, for any of its threads.
+#[derive(Clone)]
+pub struct Heard(Arc<AtomicUsize>);
+
 /// The signal that a run ends on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("stopped by signal {0}")]
 pub struct Stop(u8);
 
 impl Signals {
@@ -27,14 +32,29 @@ impl Signals {
         for signal in [SIGINT, SIGTERM] {
             signal_hook::flag::register_usize(signal, received.clone(), signal as usize)?;
         }
-        Ok(Self { received, comm: comm.clone() })
+        Ok(Self { heard: Heard(received), comm: comm.clone() })
     }
 
     /// The signal that any rank has received. Collective.
     pub fn received(&self) -> Option<Stop> {
-        let mut signal = [self.received.load(Ordering::Relaxed) as f64];
+        let mut signal = [self.heard.0.load(Ordering::Relaxed) as f64];
         self.comm.max(&mut signal);
         (signal[0] > 0.0).then_some(Stop(signal[0] as u8))
+    }
+
+    /// What this process hears.
+    pub fn heard(&self) -> Heard {
+        self.heard.clone()
+    }
+}
+
+impl Heard {
+    /// `Err` once a signal has been received.
+    pub fn none(&self) -> Result<(), Stop> {
+        match self.0.load(Ordering::Relaxed) {
+            0 => Ok(()),
+            signal => Err(Stop(signal as u8)),
+        }
     }
 }
 

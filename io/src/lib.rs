@@ -27,10 +27,10 @@ pub use placed::Placed;
 pub use provenance::Provenance;
 pub use recorded::Recorded;
 pub use scene::{
-    Axis, Evaluation, Flow, Hydrodynamics, Kind, Lattice, Multipoles, Output, Repulsion, Scene, SceneError, Species,
-    Start, Statistics, SuspensionScene, Time,
+    Axis, ContinuumScene, Evaluation, Flow, GranularDisksScene, Hydrodynamics, Kind, Lattice, Multipoles, Output,
+    Repulsion, Scene, SceneError, ShearCellScene, Species, Start, Statistics, SuspensionScene, Time,
 };
 pub use schedule::Schedule;
 pub use series::{Quantity, Series};
 pub use tables::{Table, write_tables};
-pub use trajectory::Trajectory;
+pub use trajectory::{Frame, Trajectory};

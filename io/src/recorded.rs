@@ -100,7 +100,7 @@ impl Recorded {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Provenance, Trajectory};
+    use crate::{Frame, Provenance, Trajectory};
 
     #[test]
     fn frames_are_read_as_they_were_written() {
@@ -114,18 +114,19 @@ mod tests {
             particles.push(1, Vector::new(1.1, 1.2, 1.3), 2.0, 1);
             particles.steps[1] = [k as i32, -1, 0];
             particles.vectors("velocity")[0] = Vector::X * f64::from(k);
-            (PeriodicBox::sheared(Vector::new(3.0, 4.0, 5.0), 0.1 * f64::from(k)).unwrap(), particles)
+            let cell = PeriodicBox::sheared(Vector::new(3.0, 4.0, 5.0), 0.1 * f64::from(k)).unwrap();
+            Frame { particles, cell, periodic: [true; 3] }
         };
-        let mut trajectory = Trajectory::create(&path, &provenance, &frame(0).1, 3).unwrap();
+        let mut trajectory = Trajectory::create(&path, &provenance, &frame(0), 3).unwrap();
         for k in 0..3 {
-            let (cell, particles) = frame(k);
-            trajectory.append((u64::from(k), 0.5 * f64::from(k)), &cell, &particles).unwrap();
+            trajectory.append((u64::from(k), 0.5 * f64::from(k)), &frame(k)).unwrap();
         }
         drop(trajectory);
         let recorded = Recorded::open(&path).unwrap();
         assert_eq!((recorded.scene(), recorded.plan(), recorded.times()), ("a = 1", "one", &[0.0, 0.5, 1.0][..]));
         for k in 0..3 {
-            assert_eq!(recorded.frame(k).unwrap(), frame(k as u32));
+            let Frame { cell, particles, .. } = frame(k as u32);
+            assert_eq!(recorded.frame(k).unwrap(), (cell, particles));
         }
         assert!(Recorded::open(&folder.path().join("none.h5")).is_err());
     }

@@ -21,6 +21,11 @@ impl Schedule {
         self.0 != 0 && step.is_multiple_of(self.0)
     }
 
+    /// The first step after this one at which it is due, if there is one.
+    pub fn next_after(self, step: u64) -> Option<u64> {
+        step.checked_div(self.0).map(|times| (times + 1) * self.0)
+    }
+
     /// How often it is due from step 0 to step `last`, both included.
     pub fn count_until(self, last: u64) -> u64 {
         last.checked_div(self.0).map_or(0, |times| times + 1)
@@ -37,6 +42,8 @@ mod tests {
             let schedule = Schedule::every(every);
             let due = (0..=last).filter(|&step| schedule.is_due(step)).count();
             assert_eq!(schedule.count_until(last), due as u64);
+            let next = (last + 1..=last + every).find(|&step| schedule.is_due(step));
+            assert_eq!(schedule.next_after(last), next);
         }
     }
 }

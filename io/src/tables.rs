@@ -44,6 +44,22 @@ impl Table {
         csv
     }
 
+    /// The rows of a CSV file that has the columns of this table, which has no words.
+    pub fn read_rows(&self, path: &Path) -> Result<Vec<Vec<f64>>, FileError> {
+        let csv = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
+        let mut lines = csv.lines();
+        let expected = self.columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(",");
+        if lines.next() != Some(&expected) {
+            return Err(FileError::damaged(path, &format!("its first line is not {expected}")));
+        }
+        let row = |line: &str| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>();
+        let rows: Vec<Vec<f64>> = lines.map(row).collect::<Result<_, _>>().map_err(|e| FileError::damaged(path, &e))?;
+        match rows.iter().find(|row| row.len() != self.columns.len()) {
+            Some(row) => Err(FileError::damaged(path, &format!("it has a row of {} numbers", row.len()))),
+            None => Ok(rows),
+        }
+    }
+
     fn write(&self, file: &File) -> hdf5::Result<()> {
         let group = file.create_group(self.name)?;
         for (place, name) in self.labels.iter().enumerate() {
@@ -102,5 +118,21 @@ mod tests {
         assert_eq!(file.dataset("sizes/length").unwrap().read_raw::<f64>().unwrap(), [0.1, 2.0]);
         let words = file.dataset("sizes/species").unwrap().read_raw::<VarLenUnicode>().unwrap();
         assert_eq!(words[1].as_str(), "large, \"round\"");
+    }
+
+    #[test]
+    fn a_table_of_numbers_can_be_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sizes.csv");
+        let mut table = Table::new("sizes", &[], &[("length", "length"), ("share", "")]);
+        table.add(&[], &[1.0 / 3.0, -1e-300]);
+        table.add(&[], &[f64::INFINITY, 0.0]);
+        std::fs::write(&path, table.to_csv()).unwrap();
+        assert_eq!(table.read_rows(&path).unwrap(), [[1.0 / 3.0, -1e-300], [f64::INFINITY, 0.0]]);
+        let other = Table::new("sizes", &[], &[("length", "length")]);
+        let error = other.read_rows(&path).unwrap_err().to_string();
+        assert!(error.contains("sizes.csv is damaged: its first line is not length"), "{error}");
+        std::fs::write(&path, "length,share\n1.0\n").unwrap();
+        assert!(table.read_rows(&path).unwrap_err().to_string().contains("it has a row of 1 numbers"));
     }
 }

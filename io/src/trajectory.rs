@@ -5,6 +5,17 @@ use crate::{FileError, Provenance};
 use domain::{Particles, PeriodicBox};
 use std::path::Path;
 
+/// All particles at a moment, in the order of their ids, and the box that they are in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// The particles, with the columns that are written: any of `velocity`, `angular_velocity` and `stresslet`.
+    pub particles: Particles,
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Which of its axes are periodic; the others end at walls.
+    pub periodic: [bool; 3],
+}
+
 /// A trajectory that is being written: positions inside the box, images, and those of the columns `velocity`,
 /// `angular_velocity` and `stresslet` that the particles have, all in the order of the ids. A run that is cut short
 /// leaves a file that can be read up to its last whole frame.
@@ -21,14 +32,14 @@ const COLUMNS: [(&str, &str, &str); 3] = [
 ];
 
 impl Trajectory {
-    /// A trajectory of up to `frames` frames. `particles` are all particles in the order of their ids: radii and species
-    /// are those that they have here, and the columns are those that they have here.
-    pub fn create(path: &Path, provenance: &Provenance, particles: &Particles, frames: u64) -> Result<Self, FileError> {
-        let elements = elements(particles);
+    /// A trajectory of up to `frames` frames, like the first frame given: radii, species and periodic axes are those that
+    /// it has, and the columns are those that it has.
+    pub fn create(path: &Path, provenance: &Provenance, first: &Frame, frames: u64) -> Result<Self, FileError> {
+        let elements = elements(&first.particles);
         let frames = Frames::create(path, &elements, frames)?;
         let write = || {
             provenance.write(frames.file())?;
-            write_fixed(frames.file(), particles)
+            write_fixed(frames.file(), first)
         };
         write().and_then(|()| frames.file().flush()).map_err(|e: hdf5::Error| FileError::write(path, &e))?;
         Ok(Self { frames, elements })
@@ -39,11 +50,11 @@ impl Trajectory {
     pub fn resume(
         path: &Path,
         provenance: &Provenance,
-        particles: &Particles,
+        first: &Frame,
         (last, frames): (u64, u64),
     ) -> Result<Self, FileError> {
-        let elements = elements(particles);
-        let anew = |path: &Path| Ok(Self::create(path, provenance, particles, frames)?.frames);
+        let elements = elements(&first.particles);
+        let anew = |path: &Path| Ok(Self::create(path, provenance, first, frames)?.frames);
         Ok(Self { frames: Frames::resume(path, &elements, (last, frames), anew)?, elements })
     }
 
@@ -52,8 +63,8 @@ impl Trajectory {
         Ok(self.frames.steps_written()?.last().copied())
     }
 
-    /// Adds a frame: all particles in the order of their ids.
-    pub fn append(&mut self, clock: (u64, f64), cell: &PeriodicBox, particles: &Particles) -> Result<(), FileError> {
+    /// Adds a frame.
+    pub fn append(&mut self, clock: (u64, f64), Frame { cell, particles, .. }: &Frame) -> Result<(), FileError> {
         let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
         let mut values: Vec<Values> = vec![
             bytemuck::cast_slice::<_, f64>(&particles.positions).into(),
@@ -88,7 +99,7 @@ fn elements(particles: &Particles) -> Vec<Element> {
 }
 
 /// What no frame changes.
-fn write_fixed(file: &hdf5::File, particles: &Particles) -> hdf5::Result<()> {
+fn write_fixed(file: &hdf5::File, Frame { particles, periodic, .. }: &Frame) -> hdf5::Result<()> {
     let group = file.group("particles/all")?;
     group.new_dataset_builder().with_data(&particles.ids).create("id")?;
     group.new_dataset_builder().with_data(&particles.species).create("species")?;
@@ -96,6 +107,6 @@ fn write_fixed(file: &hdf5::File, particles: &Particles) -> hdf5::Result<()> {
     crate::text::write_attribute(&radii, "unit", "length")?;
     let cell = group.group("box")?;
     cell.new_attr::<i32>().create("dimension")?.write_scalar(&3)?;
-    let periodic = ndarray::arr1(&["periodic"; 3].map(crate::text::scalar));
-    cell.new_attr::<hdf5::types::VarLenUnicode>().shape(3).create("boundary")?.write(&periodic)
+    let boundary = periodic.map(|yes| crate::text::scalar(if yes { "periodic" } else { "none" }));
+    cell.new_attr::<hdf5::types::VarLenUnicode>().shape(3).create("boundary")?.write(&ndarray::arr1(&boundary))
 }

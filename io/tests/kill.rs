@@ -3,21 +3,21 @@
 #![allow(clippy::float_cmp, reason = "what was written is read, to the bit")]
 
 use domain::{Particles, PeriodicBox, Vector};
-use io::{Provenance, Trajectory};
+use io::{Frame, Provenance, Trajectory};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 const PARTICLES: usize = 50;
 
-fn particles(step: u64) -> Particles {
+fn frame(step: u64) -> Frame {
     let mut particles = Particles::default();
     for id in 0..PARTICLES as u64 {
         particles.push(id, Vector::splat(step as f64), 1.0, 0);
     }
     particles.steps.fill([step as i32; 3]);
     particles.vectors("velocity").fill(Vector::splat(step as f64));
-    particles
+    Frame { particles, cell: PeriodicBox::new(Vector::ONE).unwrap(), periodic: [true; 3] }
 }
 
 /// Writes frames until it is killed, when it runs as the child of the test below.
@@ -27,11 +27,10 @@ fn writer_to_be_killed() {
     let path = Path::new(&path);
     let provenance =
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 };
-    let mut trajectory = Trajectory::create(path, &provenance, &particles(0), 1_000_000).unwrap();
+    let mut trajectory = Trajectory::create(path, &provenance, &frame(0), 1_000_000).unwrap();
     std::fs::write(path.with_extension("ready"), "").unwrap();
-    let cell = PeriodicBox::new(Vector::ONE).unwrap();
     for step in 0.. {
-        trajectory.append((step, 0.5 * step as f64), &cell, &particles(step)).unwrap();
+        trajectory.append((step, 0.5 * step as f64), &frame(step)).unwrap();
     }
 }
 

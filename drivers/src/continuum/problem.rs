@@ -64,22 +64,22 @@ impl Problem {
     /// Checks the parameters.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let Parameters { gap, speed, pressure, grains, wall, start } = parameters;
-        positive("gap", gap)?;
-        positive("speed", speed)?;
-        positive("pressure", pressure)?;
+        positive("cell.gap", gap)?;
+        positive("cell.speeds", speed)?;
+        positive("cell.pressures", pressure)?;
         positive("grains.diameter", grains.diameter)?;
         positive("grains.density", grains.density)?;
         // Below e = 1/3 the theory of nearly elastic spheres has negative terms in its viscosity.
         let e = grains.restitution;
         require((1.0 / 3.0..1.0).contains(&e), "grains.restitution", &e, "1/3 <= restitution < 1")?;
-        positive("wall.diameter", wall.diameter)?;
+        positive("walls.diameter", wall.diameter)?;
         let theta = wall.theta;
-        require(theta > 0.0 && theta <= FRAC_PI_2, "wall.theta", &theta, "0 < theta <= pi/2 (radians)")?;
+        require(theta > 0.0 && theta <= FRAC_PI_2, "walls.theta", &theta, "0 < theta <= pi/2 (radians)")?;
         let e = wall.restitution;
-        require((0.0..=1.0).contains(&e), "wall.restitution", &e, "0 <= restitution <= 1")?;
+        require((0.0..=1.0).contains(&e), "walls.restitution", &e, "0 <= restitution <= 1")?;
         let Roughness { r5, r6, r7, r8 } = wall.roughness;
-        require(r5 > 0.0 && r5 <= 1.0, "wall.r5", &r5, "0 < r5 <= 1: a smooth wall drives no flow")?;
-        for (key, r) in [("wall.r6", r6), ("wall.r7", r7), ("wall.r8", r8)] {
+        require(r5 > 0.0 && r5 <= 1.0, "walls.r5", &r5, "0 < r5 <= 1: a smooth wall drives no flow")?;
+        for (key, r) in [("walls.r6", r6), ("walls.r7", r7), ("walls.r8", r8)] {
             require((0.0..=1.0).contains(&r), key, &r, "a factor from 0 (smooth) to 1 (rough)")?;
         }
         if let Start::SolidFraction(v) = start {

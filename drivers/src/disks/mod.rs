@@ -11,6 +11,7 @@ mod list;
 mod motion;
 mod observe;
 mod parameters;
+mod progress;
 mod simulation;
 mod sizes;
 mod state;
@@ -27,12 +28,12 @@ pub use flow::Flow;
 pub use gear::Gear;
 use law::Law;
 pub use law::Stage;
-pub use observe::{Disk, Lanes, Snapshot, Stripe, Strips, estimated_free_path, segment, viscous_length};
+pub use observe::{Disk, Lanes, Record, Snapshot, Stripe, Strips, estimated_free_path, segment, viscous_length};
 pub use parameters::{Model, Parameters, Preparation};
+pub use progress::Progress;
 pub use simulation::Disks;
 pub use sizes::{LengthUnit, Size, Sizes, Species};
-pub use store::Progress;
-pub use sweep::{Branch, Case, Estimate, Record, Sweep};
+pub use sweep::{Branch, Case, Estimate, Keeper, Sweep};
 pub use tally::{Measurement, Tally};
 
 /// Works on parts one by one, on several threads if there are several parts.

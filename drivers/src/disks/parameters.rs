@@ -99,9 +99,14 @@ impl Model {
     /// The disks that the parameters ask for.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let p = &parameters;
-        p.edges.iter().try_for_each(|&edge| positive("edges", edge))?;
+        p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
         let covers = p.area_fraction > 0.0 && p.area_fraction <= 0.84;
-        require(covers, "area_fraction", &p.area_fraction, "0 < area_fraction <= 0.84: disks at random jam there")?;
+        require(
+            covers,
+            "particles.area_fraction",
+            &p.area_fraction,
+            "0 < area_fraction <= 0.84: disks at random jam there",
+        )?;
         p.sizes.check()?;
         let sizes = p.sizes.cover(p.area_fraction * p.edges[0] * p.edges[1], p.length_unit);
         Self::of(parameters, sizes)
@@ -117,18 +122,18 @@ impl Model {
 
     fn of(parameters: Parameters, sizes: Vec<Size>) -> Result<Self, ParameterError> {
         let p = &parameters;
-        p.edges.iter().try_for_each(|&edge| positive("edges", edge))?;
-        require(!sizes.is_empty(), "area_fraction", &p.area_fraction, "enough for one disk")?;
-        require((1..=3).contains(&p.mass_exponent), "mass_exponent", &p.mass_exponent, "1, 2 or 3")?;
-        check_restitution("restitution", p.restitution)?;
+        p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
+        require(!sizes.is_empty(), "particles.area_fraction", &p.area_fraction, "enough for one disk")?;
+        require((1..=3).contains(&p.mass_exponent), "particles.mass_exponent", &p.mass_exponent, "1, 2 or 3")?;
+        check_restitution("contact.restitution", p.restitution)?;
         check_restitution("preparation.restitution", p.preparation.restitution)?;
-        check_step("time_step", p.time_step)?;
+        check_step("time.step", p.time_step)?;
         check_step("preparation.time_step", p.preparation.time_step)?;
         let (settled, mixed) = (p.preparation.settled, p.preparation.mixed);
         require(settled >= 0.0 && settled.is_finite(), "preparation.settled", &settled, "a time, not negative")?;
         let ordered = mixed >= settled && mixed.is_finite();
         require(ordered, "preparation.mixed", &mixed, "a time that is not before preparation.settled")?;
-        require(p.measure_every > 0, "measure_every", &p.measure_every, "at least one step")?;
+        require(p.measure_every > 0, "output.measure_every", &p.measure_every, "at least one step")?;
         let radii = || sizes.iter().map(|s| s.radius);
         let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
         let model = Self { parameters, sizes, smallest, largest };
@@ -140,7 +145,7 @@ impl Model {
     fn check_box(&self) -> Result<(), ParameterError> {
         let least = 6.0 * self.largest();
         self.parameters.edges.iter().try_for_each(|edge| {
-            require(*edge >= least, "edges", edge, format!("at least three of the largest diameters, {least}"))
+            require(*edge >= least, "box.edges", edge, format!("at least three of the largest diameters, {least}"))
         })
     }
 
@@ -158,7 +163,7 @@ impl Model {
         let stable = p.viscosity >= 0.0 && p.viscosity <= most;
         require(
             stable,
-            "viscosity",
+            "fluid.viscosity",
             &p.viscosity,
             format!("0 <= viscosity <= {most:.3}, where the integrator is stable"),
         )

@@ -6,7 +6,7 @@ use super::motion::Task;
 use super::state::State;
 use super::{Measurement, Model, Stage, Tally};
 use crate::parameter::ParameterError;
-use domain::{Particles, Random};
+use domain::{Particles, PeriodicBox, Random};
 use glam::DVec2;
 
 /// A system of disks in motion.
@@ -155,6 +155,11 @@ impl Disks {
     /// Rate of shear times that time.
     pub fn strain(&self) -> f64 {
         self.model.parameters().flow.rate(self.model.parameters().edges[1]) * self.time()
+    }
+
+    /// The lattice of images now.
+    pub fn cell(&self) -> PeriodicBox {
+        self.model.cell(self.law.strain(self.step))
     }
 
     /// What was counted since the stage began or the count was restarted.

@@ -61,17 +61,22 @@ impl Sizes {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         match self {
             Self::Species(list) => {
-                require(!list.is_empty(), "sizes.species", &"an empty list", "at least one species")?;
+                require(!list.is_empty(), "species", &"an empty list", "at least one species")?;
                 list.iter().try_for_each(|s| {
-                    positive("sizes.species.radius", s.radius)?;
-                    positive("sizes.species.share", s.share)
+                    positive("species.radius", s.radius)?;
+                    positive("species.share", s.share)
                 })
             }
             &Self::Spread { smallest, largest, exponent } => {
-                positive("sizes.smallest", smallest)?;
+                positive("particles.spread.smallest", smallest)?;
                 let above = largest >= smallest && largest.is_finite();
-                require(above, "sizes.largest", &largest, "a finite number, at least sizes.smallest")?;
-                require(exponent.is_finite(), "sizes.exponent", &exponent, "a finite number")
+                require(
+                    above,
+                    "particles.spread.largest",
+                    &largest,
+                    "a finite number, at least particles.spread.smallest",
+                )?;
+                require(exponent.is_finite(), "particles.spread.exponent", &exponent, "a finite number")
             }
         }
     }

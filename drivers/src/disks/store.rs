@@ -3,7 +3,7 @@
 use super::law::Law;
 use super::list::List;
 use super::state::{Body, Identity, Motion, State};
-use super::{Disks, Model, Stage, Tally};
+use super::{Disks, Model, Progress};
 use crate::parameter::{ParameterError, require};
 use domain::{Particles, Vector};
 use glam::DVec2;
@@ -12,19 +12,6 @@ use glam::DVec2;
 /// velocity, place when the list was made and lattice steps, as the time step has them, before wrapping.
 const GEAR: (&str, usize) = ("gear", 6);
 const LIST: (&str, usize) = ("list", 9);
-
-/// What a run needs besides the particles to go on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
-    /// The stage.
-    pub stage: Stage,
-    /// Steps done in it.
-    pub step: u64,
-    /// Step at which the list of neighbours was made.
-    pub list_made: u64,
-    /// What was counted so far.
-    pub tally: Tally,
-}
 
 impl Disks {
     /// The state: particles in the order of their ids, positions inside the box, and how far the run is.
@@ -52,7 +39,7 @@ impl Disks {
     /// The state with all places inside the cell.
     pub(super) fn wrapped(&self) -> State {
         let mut state = self.state.clone();
-        state.wrap(&self.model.cell(self.law.strain(self.step)), &self.law, self.turns_since_list());
+        state.wrap(&self.cell(), &self.law, self.turns_since_list());
         state
     }
 

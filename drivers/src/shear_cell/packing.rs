@@ -21,7 +21,7 @@ const TRIES: usize = 10_000;
 pub enum PackingError {
     /// The grains jam, or don't fit at all.
     #[error(
-        "solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a larger cell"
+        "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a larger cell"
     )]
     Jammed {
         /// Solid fraction asked for.

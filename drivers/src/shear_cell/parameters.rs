@@ -85,22 +85,22 @@ impl Model {
     /// The cell with its walls.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let p = &parameters;
-        let edges = [("length", p.length), ("height", p.height), ("width", p.width)];
-        for (key, value) in edges.into_iter().chain([("diameter", p.diameter), ("density", p.density)]) {
+        let edges = [("cell.length", p.length), ("cell.height", p.height), ("cell.width", p.width)];
+        for (key, value) in edges.into_iter().chain([("grains.diameter", p.diameter), ("grains.density", p.density)]) {
             positive(key, value)?;
         }
         for (key, value) in &edges[1..] {
             require(*value > p.diameter, key, value, "more than a diameter")?;
         }
-        require(p.length > 3.0 * p.diameter, "length", &p.length, "more than three diameters")?;
-        check_contact("grain_contact.restitution", "grain_contact.friction", &p.grain_contact)?;
-        check_contact("wall_contact.restitution", "wall_contact.friction", &p.wall_contact)?;
-        not_negative("speed", p.speed)?;
-        not_negative("gravity", p.gravity)?;
-        positive("contact_time", p.contact_time)?;
+        require(p.length > 3.0 * p.diameter, "cell.length", &p.length, "more than three diameters")?;
+        check_contact("grains.restitution", "grains.friction", &p.grain_contact)?;
+        check_contact("walls.restitution", "walls.friction", &p.wall_contact)?;
+        not_negative("cell.speed", p.speed)?;
+        not_negative("cell.gravity", p.gravity)?;
+        positive("grains.contact_time", p.contact_time)?;
         if let Some(around) = p.circumference {
             let wide = around.is_finite() && around > PI * p.width;
-            require(wide, "circumference", &around, "more than pi times the width: the inner wall has a radius")?;
+            require(wide, "cell.circumference", &around, "more than pi times the width: the inner wall has a radius")?;
         }
         if let Top::Free { pressure, mass_per_area } = p.top {
             positive("top.pressure", pressure)?;
@@ -112,7 +112,7 @@ impl Model {
     /// A box that is periodic along all three axes, without walls, weight or curvature: a granular gas.
     pub fn gas(edges: Vector, diameter: f64, density: f64, contact: Contact) -> Result<Self, ParameterError> {
         let [length, height, width] = edges.to_array();
-        for (key, value) in [("length", length), ("height", height), ("width", width)] {
+        for (key, value) in [("cell.length", length), ("cell.height", height), ("cell.width", width)] {
             require(value > 3.0 * diameter, key, &value, "more than three diameters")?;
         }
         let gas = Parameters {
@@ -163,7 +163,7 @@ impl Model {
     pub fn count(&self, solid_fraction: f64) -> Result<usize, ParameterError> {
         require(
             solid_fraction > 0.0 && solid_fraction <= 0.62,
-            "solid_fraction",
+            "grains.solid_fraction",
             &solid_fraction,
             "0 < solid_fraction <= 0.62: more can't be packed at random",
         )?;

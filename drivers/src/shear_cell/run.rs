@@ -1,8 +1,10 @@
 //! A run of the shear cell: one of the two engines, and what is measured on the way.
 
 use super::{
-    Balance, Collisions, DensityMap, Engine, Estimate, Grains, Layer, Model, Profile, Side, Tally, WallStress,
+    Balance, Collisions, DensityMap, Engine, Estimate, Grains, Layer, Model, Profile, Sample, Side, State, Tally,
+    WallStress,
     measure::{Start, estimate},
+    numbers::Numbers,
 };
 use crate::parameter::{ParameterError, positive, require};
 use domain::Vector;
@@ -24,6 +26,23 @@ pub struct Sampling {
 impl Default for Sampling {
     fn default() -> Self {
         Self { window: 5e-5, every: 20, layers: 50, pixels: [95, 20] }
+    }
+}
+
+impl Sampling {
+    /// Refuses what can't be measured with an engine.
+    pub fn check(&self, collisions: Collisions) -> Result<(), ParameterError> {
+        positive("measure.window", self.window)?;
+        require(self.every > 0, "measure.every", &self.every, "at least 1")?;
+        require(self.layers > 0, "measure.layers", &self.layers, "at least 1")?;
+        let pixels = self.pixels;
+        let some = pixels[0] > 0 && pixels[1] > 0;
+        require(some, "measure.pixels", &format!("{pixels:?}"), "at least 1 along each edge")?;
+        let Collisions::TimeStepped { step } = collisions else { return Ok(()) };
+        positive("time.collision_step", step)?;
+        let steps = self.window / step;
+        let whole = steps >= 0.5 && (steps - steps.round()).abs() < 1e-6 * steps;
+        require(whole, "measure.window", &self.window, format!("a whole number of time steps of {step}"))
     }
 }
 
@@ -77,16 +96,7 @@ impl Run {
         collisions: Collisions,
         sampling: Sampling,
     ) -> Result<Self, ParameterError> {
-        positive("window", sampling.window)?;
-        require(sampling.every > 0, "every", &sampling.every, "at least 1")?;
-        require(sampling.layers > 0, "layers", &sampling.layers, "at least 1")?;
-        let pixels = sampling.pixels;
-        require(pixels[0] > 0 && pixels[1] > 0, "pixels", &format!("{pixels:?}"), "at least 1 along each edge")?;
-        if let Collisions::TimeStepped { step } = collisions {
-            let steps = sampling.window / step;
-            let whole = steps >= 0.5 && (steps - steps.round()).abs() < 1e-6 * steps;
-            require(whole, "window", &sampling.window, format!("a whole number of time steps of {step}"))?;
-        }
+        sampling.check(collisions)?;
         let engine = Engine::new(model, grains, collisions)?;
         let start = Start::new(model, &engine);
         // A free top wall may rise.
@@ -99,7 +109,7 @@ impl Run {
             impulses: Default::default(),
             heights: Vec::new(),
             profile: Profile::new(model, height, sampling.layers),
-            map: DensityMap::new(model, height, pixels),
+            map: DensityMap::new(model, height, sampling.pixels),
         })
     }
 
@@ -126,9 +136,57 @@ impl Run {
         }
     }
 
+    /// Starts the engine anew from where it is, as one that resumes does.
+    pub fn renew(&mut self) -> Result<(), ParameterError> {
+        self.engine.checkpoint(&self.model).map(drop)
+    }
+
+    /// All that a checkpoint needs besides the grains. A run that was renewed goes on as one that resumes does, to the
+    /// last bit.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let mut numbers = Numbers::default();
+        let (lid, tally) = (self.engine.lid(), *self.engine.tally());
+        State { grains: Grains::default(), lid, tally }.keep(&mut numbers);
+        self.start.keep(&mut numbers);
+        numbers.list(&self.heights);
+        for impulses in &self.impulses {
+            numbers.vectors(impulses);
+        }
+        self.profile.keep(&mut numbers);
+        self.map.keep(&mut numbers);
+        numbers.into_values()
+    }
+
+    /// Goes on from the grains and the numbers of a checkpoint; the rest as for a new run.
+    pub fn resume(
+        model: &Model,
+        grains: &Grains,
+        (collisions, sampling): (Collisions, Sampling),
+        numbers: &[f64],
+    ) -> Result<Self, ParameterError> {
+        let mut run = Self::new(model, grains, collisions, sampling)?;
+        let mut numbers = Numbers::from(numbers);
+        let state = State::kept(grains, &mut numbers);
+        run.engine = Engine::resume(model, &state, collisions)?;
+        run.start = Start::kept(&mut numbers);
+        run.heights = numbers.take_list();
+        for impulses in &mut run.impulses {
+            *impulses = numbers.take_vectors();
+        }
+        run.profile.recall(&mut numbers);
+        run.map.recall(&mut numbers);
+        require(numbers.are_spent(), "checkpoint", &"of another form", "the numbers that a run of this scene keeps")?;
+        Ok(run)
+    }
+
     /// The engine, to look at.
     pub fn engine(&self) -> &Engine {
         &self.engine
+    }
+
+    /// How the cell is now, and averages since an earlier tally.
+    pub fn sample_since(&self, before: &Tally) -> Sample {
+        Sample::of(&self.model, &self.engine, (before, self.start.balance(&self.model, &self.engine)))
     }
 
     /// The results so far; stresses and profiles of what was measured.

@@ -55,10 +55,10 @@ impl Folder {
     /// Removes what a former run left here and writes the scene of this one.
     pub fn start_with(&self, scene: &str) -> anyhow::Result<()> {
         Checkpoint::remove_all(&self.path)?;
-        for name in ["trajectory.h5", "observables.h5", "observables.csv", "fields.xdmf"] {
+        for name in FILES {
             remove(|| std::fs::remove_file(self.path.join(name)), &self.path.join(name))?;
         }
-        for name in ["fields", "statistics", "stats"] {
+        for name in ["fields", "statistics", "stats", "cases"] {
             remove(|| std::fs::remove_dir_all(self.path.join(name)), &self.path.join(name))?;
         }
         self.keep(scene)
@@ -71,6 +71,24 @@ impl Folder {
 }
 
 const SCENE: &str = "scene.toml";
+
+/// Files that a run of any kind may leave here, besides its checkpoints.
+const FILES: [&str; 14] = [
+    "trajectory.h5",
+    "observables.h5",
+    "observables.csv",
+    "fields.xdmf",
+    "averages.h5",
+    "averages.csv",
+    "profile.csv",
+    "walls.csv",
+    "map.csv",
+    "totals.csv",
+    "solution.h5",
+    "summary.csv",
+    "sweep.h5",
+    "branches.csv",
+];
 
 fn lock(path: &Path) -> anyhow::Result<File> {
     let name = path.join(".lock");

@@ -1,16 +1,12 @@
 //! What a run leaves behind.
 
-mod averages;
 mod folder;
-mod observe;
-mod rheology;
 
-use crate::suspension::{ANGULAR_VELOCITY, STRESSLET, Suspension};
-use averages::Averages;
+use crate::simulation::Simulation;
+use anyhow::Context;
 use domain::Comm;
 pub use folder::Folder;
-use io::{FileError, Kind, Output, Provenance, Scene, Series, Trajectory, VelocityField, drop_fields_after};
-use observe::Observer;
+use io::{FileError, Frame, Output, Provenance, Quantity, Scene, Series, Trajectory, drop_fields_after};
 use std::path::Path;
 
 /// Writes what is due, when it is due. The first rank writes; every call is collective.
@@ -18,8 +14,6 @@ pub struct Recorder {
     folder: Folder,
     output: Output,
     provenance: Provenance,
-    observer: Observer,
-    averages: Option<Averages>,
     files: Files,
     comm: Comm,
     /// The first step that is recorded: those before are in the files already.
@@ -35,52 +29,31 @@ struct Files {
     series: Option<Series>,
 }
 
-/// The columns of a frame of the trajectory.
-const FRAME: [&str; 3] = [crate::integrator::VELOCITY, ANGULAR_VELOCITY, STRESSLET];
-
 impl Recorder {
     /// A recorder for a run from its start, in place of any former run in the folder.
-    pub fn create(folder: Folder, scene: &Scene, suspension: &mut Suspension) -> anyhow::Result<Self> {
-        let comm = suspension.comm().clone();
+    pub fn create(folder: Folder, scene: &Scene, simulation: &mut dyn Simulation) -> anyhow::Result<Self> {
+        let comm = simulation.comm().clone();
         let emptied = if comm.is_first() { folder.start_with(scene.text()) } else { Ok(()) };
         comm.agree(emptied.map_err(|e| crate::run::in_full(&e)))?;
-        Self::open(folder, scene, suspension, None)
+        Self::open(folder, scene, simulation, None)
     }
 
-    /// A recorder for a run that goes on from where the suspension is, with what its statistics have taken in, on the first
-    /// rank.
-    pub fn resume(
-        folder: Folder,
-        scene: &Scene,
-        suspension: &mut Suspension,
-        statistics: &[u8],
-    ) -> anyhow::Result<Self> {
-        let last = suspension.clock().step();
-        let mut recorder = Self::open(folder, scene, suspension, Some(last))?;
-        let taken_up = recorder.averages.as_mut().map_or(Ok(()), |averages| averages.take_up(statistics));
-        recorder.comm.agree(taken_up)?;
-        Ok(recorder)
+    /// A recorder for a run that goes on from where it is.
+    pub fn resume(folder: Folder, scene: &Scene, simulation: &mut dyn Simulation) -> anyhow::Result<Self> {
+        let last = simulation.clock().step();
+        Self::open(folder, scene, simulation, Some(last))
     }
 
-    fn open(folder: Folder, scene: &Scene, suspension: &mut Suspension, last: Option<u64>) -> anyhow::Result<Self> {
-        let comm = suspension.comm().clone();
-        let Kind::Suspension(checked) = scene.kind() else { unreachable!("a suspension has a scene of its kind") };
-        let provenance = Provenance {
-            scene: scene.text().to_owned(),
-            program: concat!("fcm-solve ", env!("CARGO_PKG_VERSION")).to_owned(),
-            plan: suspension.plan(),
-            ranks: comm.size(),
-            seed: checked.seed,
-        };
-        let observer = Observer::new(checked, suspension.clock().step());
-        let output = checked.output.clone();
-        let frame = suspension.gathered(Some(&FRAME));
-        let open = Open { path: folder.path(), provenance: &provenance, last, steps: checked.time.steps };
-        let files = if comm.is_first() { open.files(&output, &frame, &observer) } else { Ok(Files::default()) };
+    fn open(folder: Folder, scene: &Scene, simulation: &mut dyn Simulation, last: Option<u64>) -> anyhow::Result<Self> {
+        let comm = simulation.comm().clone();
+        let output = scene.kind().output().context("scenes of this kind have no steps")?.clone();
+        let provenance = provenance(scene, simulation.plan(), &comm);
+        let (frame, quantities) = (simulation.frame(), simulation.quantities());
+        let open = Open { path: folder.path(), provenance: &provenance, last, steps: scene.kind().steps() };
+        let files = if comm.is_first() { open.files(&output, &frame, &quantities) } else { Ok(Files::default()) };
         let files = comm.agree(files)?;
         let from = last.map_or(0, |step| step + 1);
-        let averages = checked.statistics.map(|wanted| Averages::new(checked, wanted, &frame));
-        Ok(Self { folder, output, provenance, observer, averages, files, comm, from, saved: last })
+        Ok(Self { folder, output, provenance, files, comm, from, saved: last })
     }
 
     /// The folder of the results.
@@ -88,75 +61,71 @@ impl Recorder {
         self.folder.path()
     }
 
-    /// Writes what is due at the step where the suspension is.
-    pub fn record(&mut self, suspension: &mut Suspension) -> anyhow::Result<()> {
-        let step = suspension.clock().step();
+    /// The first step after this one at which anything is due.
+    pub fn next_due(&self, step: u64) -> Option<u64> {
+        let Output { trajectory, observables, checkpoints, fields, .. } = &self.output;
+        [trajectory, observables, checkpoints, fields].into_iter().filter_map(|s| s.next_after(step)).min()
+    }
+
+    /// Writes what is due at the step where the simulation is.
+    pub fn record(&mut self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {
+        let step = simulation.clock().step();
         if step < self.from {
             return Ok(());
         }
         if self.output.trajectory.is_due(step) {
-            self.frame(suspension)?;
+            self.frame(simulation)?;
         }
         if self.output.observables.is_due(step) {
-            self.row(suspension)?;
+            self.row(simulation)?;
         }
         if self.output.fields.is_due(step) {
-            self.field(suspension)?;
+            self.comm.agree(simulation.write_field(self.folder.path(), &self.provenance))?;
         }
-        if let Some(averages) = &mut self.averages {
-            averages.sample(suspension);
-        }
+        simulation.sample();
         if self.output.checkpoints.is_due(step) {
-            self.checkpoint(suspension)?;
+            self.checkpoint(simulation)?;
         }
         Ok(())
     }
 
-    fn frame(&mut self, suspension: &Suspension) -> anyhow::Result<()> {
-        let particles = suspension.gathered(Some(&FRAME));
-        let clock = (suspension.clock().step(), suspension.clock().time());
-        let append = |file: &mut Trajectory| file.append(clock, suspension.cell(), &particles);
+    fn frame(&mut self, simulation: &dyn Simulation) -> anyhow::Result<()> {
+        let frame = simulation.frame();
+        let clock = (simulation.clock().step(), simulation.clock().time());
+        let append = |file: &mut Trajectory| file.append(clock, &frame);
         Ok(self.comm.agree(self.files.trajectory.as_mut().map_or(Ok(()), append))?)
     }
 
-    fn row(&mut self, suspension: &mut Suspension) -> anyhow::Result<()> {
-        let row = self.observer.observe(suspension);
-        let clock = (suspension.clock().step(), suspension.clock().time());
+    fn row(&mut self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {
+        let row = simulation.observe();
+        let clock = (simulation.clock().step(), simulation.clock().time());
         let append = |file: &mut Series| file.append(clock, &row);
         Ok(self.comm.agree(self.files.series.as_mut().map_or(Ok(()), append))?)
     }
 
-    fn field(&mut self, suspension: &mut Suspension) -> anyhow::Result<()> {
-        let (points, values) = suspension.velocity_field();
-        let field = VelocityField {
-            step: suspension.clock().step(),
-            time: suspension.clock().time(),
-            cell: *suspension.cell(),
-            points,
-            values: &values,
-            note: "relative to the background flow",
-        };
-        let first = self.comm.is_first();
-        let written = if first { field.write(self.folder.path(), &self.provenance) } else { Ok(()) };
-        Ok(self.comm.agree(written)?)
-    }
-
-    /// Writes a checkpoint and what statistics have come to, unless there is a checkpoint of this step already.
-    pub fn checkpoint(&mut self, suspension: &mut Suspension) -> anyhow::Result<()> {
-        let step = suspension.clock().step();
+    /// Writes a checkpoint, unless there is one of this step already, and the averages so far.
+    pub fn checkpoint(&mut self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {
+        let step = simulation.clock().step();
         if self.saved == Some(step) {
             return Ok(());
         }
-        let mut checkpoint = suspension.checkpoint();
-        checkpoint.statistics = self.averages.as_mut().map(Averages::state).unwrap_or_default();
-        let write = || {
-            checkpoint.write(self.folder.path())?;
-            self.averages.as_ref().map_or(Ok(()), |averages| averages.write(self.folder.path(), &self.provenance))
-        };
+        let checkpoint = simulation.checkpoint()?;
+        let write = || checkpoint.write(self.folder.path()).map(drop);
         let written = if self.comm.is_first() { write() } else { Ok(()) };
         self.comm.agree(written)?;
         self.saved = Some(step);
-        Ok(())
+        Ok(self.comm.agree(simulation.write_averages(self.folder.path(), &self.provenance))?)
+    }
+}
+
+/// Where the results of a scene come from.
+pub fn provenance(scene: &Scene, plan: String, comm: &Comm) -> Provenance {
+    Provenance {
+        scene: scene.text().to_owned(),
+        program: concat!("fcm-solve ", env!("CARGO_PKG_VERSION")).to_owned(),
+        plan,
+        ranks: comm.size(),
+        seed: scene.kind().seed(),
     }
 }
 
@@ -169,7 +138,7 @@ struct Open<'a> {
 }
 
 impl Open<'_> {
-    fn files(&self, output: &Output, frame: &domain::Particles, observer: &Observer) -> Result<Files, FileError> {
+    fn files(&self, output: &Output, frame: &Frame, quantities: &[Quantity]) -> Result<Files, FileError> {
         if let Some(last) = self.last {
             drop_fields_after(self.path, last)?;
         }
@@ -177,11 +146,11 @@ impl Open<'_> {
         let rows = output.observables.count_until(self.steps);
         Ok(Files {
             trajectory: if frames > 0 { Some(self.trajectory(frame, frames)?) } else { None },
-            series: if rows > 0 { Some(self.series(observer, rows)?) } else { None },
+            series: if rows > 0 { Some(self.series(quantities, rows)?) } else { None },
         })
     }
 
-    fn trajectory(&self, frame: &domain::Particles, frames: u64) -> Result<Trajectory, FileError> {
+    fn trajectory(&self, frame: &Frame, frames: u64) -> Result<Trajectory, FileError> {
         let path = self.path.join("trajectory.h5");
         match self.last {
             Some(last) if path.exists() => Trajectory::resume(&path, self.provenance, frame, (last, frames)),
@@ -189,13 +158,12 @@ impl Open<'_> {
         }
     }
 
-    fn series(&self, observer: &Observer, rows: u64) -> Result<Series, FileError> {
-        let quantities = observer.quantities();
+    fn series(&self, quantities: &[Quantity], rows: u64) -> Result<Series, FileError> {
         match self.last {
             Some(last) if self.path.join("observables.h5").exists() => {
-                Series::resume(self.path, self.provenance, &quantities, (last, rows))
+                Series::resume(self.path, self.provenance, quantities, (last, rows))
             }
-            _ => Series::create(self.path, self.provenance, &quantities, rows),
+            _ => Series::create(self.path, self.provenance, quantities, rows),
         }
     }
 }

@@ -1,13 +1,17 @@
 //! A suspension of spheres in Stokes flow.
 
+mod averages;
 mod dynamics;
 mod fluid;
 mod forces;
 mod initial;
 mod moving_box;
 mod near;
+mod observe;
+mod observed;
 mod outline;
 mod plan;
+mod rheology;
 mod setup;
 mod stress;
 mod warm_start;
@@ -19,6 +23,7 @@ pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
 use dynamics::{Dynamics, Outcome};
 use integrator::VELOCITY;
 use io::{Checkpoint, SuspensionScene};
+pub use observed::Observed;
 pub use outline::Outline;
 use setup::Setup;
 pub use stress::ParticleStress;

@@ -21,7 +21,7 @@ pub struct Checkpoint {
     pub plan: String,
     /// All particles in the order of their ids, with all their columns.
     pub particles: Particles,
-    /// What statistics have taken in so far, as they store it; empty without statistics.
+    /// What the run has counted and averaged so far, as it stores it; empty where there is nothing of the kind.
     pub statistics: Vec<u8>,
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Provenance, Trajectory};
+use crate::{Frame, Provenance, Trajectory};
 use domain::{Particles, PeriodicBox};
 
 fn read(name: &str, text: &str) -> Result<Placed, String> {
@@ -41,15 +41,16 @@ fn the_last_frame_of_a_run_is_read() {
     let provenance =
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 };
     let path = folder.path().join("trajectory.h5");
-    let mut trajectory = Trajectory::create(&path, &provenance, &particles, 10).unwrap();
     let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+    let mut frame = Frame { particles, cell, periodic: [true; 3] };
+    let mut trajectory = Trajectory::create(&path, &provenance, &frame, 10).unwrap();
     for step in 0..3 {
-        particles.positions[0].x = 1.0 + step as f64;
-        trajectory.append((step, 0.1), &cell, &particles).unwrap();
+        frame.particles.positions[0].x = 1.0 + step as f64;
+        trajectory.append((step, 0.1), &frame).unwrap();
     }
     drop(trajectory);
     let placed = Placed::read(folder.path()).unwrap();
-    assert_eq!(placed.positions, particles.positions);
+    assert_eq!(placed.positions, frame.particles.positions);
     assert_eq!((placed.radii, placed.species), (Some(vec![1.0, 2.0]), Some(vec![0, 1])));
 }
 

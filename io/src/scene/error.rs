@@ -59,6 +59,13 @@ impl Fault {
     }
 }
 
+/// What a driver says of a key of its own.
+impl From<drivers::ParameterError> for Fault {
+    fn from(error: drivers::ParameterError) -> Self {
+        Self::new(error.key, format!("is {}; it needs {}", error.found, error.allowed))
+    }
+}
+
 /// Puts what the parser and the checks found into words.
 pub(super) struct Explain<'a> {
     pub(super) text: &'a str,

@@ -1,18 +1,26 @@
 //! Scenes: the files that say what to compute.
 
+mod checks;
+mod course;
 mod error;
+mod granular_disks;
 mod names;
 mod overrides;
 mod places;
+mod shear_cell;
+mod shear_cell_continuum;
 mod suspension;
 
+pub use course::{Output, Time};
 pub use error::SceneError;
 use error::{Explain, Fault};
+pub use granular_disks::GranularDisksScene;
 use places::Places;
+pub use shear_cell::ShearCellScene;
+pub use shear_cell_continuum::ContinuumScene;
 use std::path::Path;
 pub use suspension::{
-    Axis, Evaluation, Flow, Hydrodynamics, Lattice, Multipoles, Output, Repulsion, Species, Start, Statistics,
-    SuspensionScene, Time,
+    Axis, Evaluation, Flow, Hydrodynamics, Lattice, Multipoles, Repulsion, Species, Start, Statistics, SuspensionScene,
 };
 
 /// A scene that has been checked: every number is in its range, and whatever the file left out has its default. Only
@@ -29,7 +37,16 @@ pub struct Scene {
 pub enum Kind {
     /// Spheres in Stokes flow.
     Suspension(Box<SuspensionScene>),
+    /// Disks that collide in a sheared liquid.
+    GranularDisks(Box<GranularDisksScene>),
+    /// Grains in a shear cell.
+    ShearCell(Box<ShearCellScene>),
+    /// The kinetic theory of a shear cell.
+    Continuum(Box<ContinuumScene>),
 }
+
+/// The kinds by name.
+const KINDS: [&str; 4] = ["suspension", "granular-disks", "shear-cell", "shear-cell-continuum"];
 
 impl Scene {
     /// Reads a scene file and sets the keys of `overrides`, each a text `key=value` such as `time.step=0.1`. Paths in
@@ -56,15 +73,18 @@ impl Scene {
     fn check(text: &str, name: &str, folder: &Path) -> Result<Self, SceneError> {
         let explain = Explain { text, name };
         let places = Places::of(text).map_err(|error| explain.syntax(&error))?;
-        let kind = match places.text_at("kind").as_deref() {
-            None | Some("suspension") => {
-                let raw = toml::from_str(text).map_err(|error| explain.structure(&places, &error))?;
-                let scene = SuspensionScene::checked(raw, folder).map_err(|fault| explain.fault(&places, &fault))?;
-                Kind::Suspension(Box::new(scene))
+        let named = places.text_at("kind");
+        let reading = Reading { text, folder, explain, places };
+        let kind = match named.as_deref().unwrap_or(KINDS[0]) {
+            "suspension" => Kind::Suspension(reading.check(|raw, folder| SuspensionScene::checked(raw, folder))?),
+            "granular-disks" => {
+                Kind::GranularDisks(reading.check(|raw, folder| GranularDisksScene::checked(&raw, folder))?)
             }
-            Some(other) => {
-                let message = format!("is \"{other}\"; {}", names::known(other, &["suspension"]));
-                return Err(explain.fault(&places, &Fault::new("kind", message)));
+            "shear-cell" => Kind::ShearCell(reading.check(|raw, _| ShearCellScene::checked(raw))?),
+            "shear-cell-continuum" => Kind::Continuum(reading.check(|raw, _| ContinuumScene::checked(raw))?),
+            other => {
+                let message = format!("is \"{other}\"; {}", names::known(other, &KINDS));
+                return Err(reading.explain.fault(&reading.places, &Fault::new("kind", message)));
             }
         };
         Ok(Self { text: text.to_owned(), kind })
@@ -78,5 +98,65 @@ impl Scene {
     /// What it computes.
     pub fn kind(&self) -> &Kind {
         &self.kind
+    }
+}
+
+/// A text on its way to a scene.
+struct Reading<'a> {
+    text: &'a str,
+    folder: &'a Path,
+    explain: Explain<'a>,
+    places: Places,
+}
+
+impl Reading<'_> {
+    /// The file's keys, then what they mean.
+    fn check<Raw: serde::de::DeserializeOwned, Checked>(
+        &self,
+        checked: impl FnOnce(Raw, &Path) -> Result<Checked, Fault>,
+    ) -> Result<Box<Checked>, SceneError> {
+        let raw = toml::from_str(self.text).map_err(|error| self.explain.structure(&self.places, &error))?;
+        let scene = checked(raw, self.folder).map_err(|fault| self.explain.fault(&self.places, &fault))?;
+        Ok(Box::new(scene))
+    }
+}
+
+impl Kind {
+    /// What is written, where and when. A continuum is written once, when it is solved.
+    pub fn output(&self) -> Option<&Output> {
+        match self {
+            Self::Suspension(scene) => Some(&scene.output),
+            Self::GranularDisks(scene) => Some(&scene.output),
+            Self::ShearCell(scene) => Some(&scene.output),
+            Self::Continuum(_) => None,
+        }
+    }
+
+    /// The folder that the scene names for its results.
+    pub fn folder(&self) -> Option<&Path> {
+        match self {
+            Self::Continuum(scene) => scene.folder.as_deref(),
+            _ => self.output().and_then(|output| output.folder.as_deref()),
+        }
+    }
+
+    /// Where random numbers start.
+    pub fn seed(&self) -> u64 {
+        match self {
+            Self::Suspension(scene) => scene.seed,
+            Self::GranularDisks(scene) => scene.model.parameters().seed,
+            Self::ShearCell(scene) => scene.seed,
+            Self::Continuum(_) => 0,
+        }
+    }
+
+    /// The last step.
+    pub fn steps(&self) -> u64 {
+        match self {
+            Self::Suspension(scene) => scene.time.steps,
+            Self::GranularDisks(scene) => scene.time.steps,
+            Self::ShearCell(scene) => scene.time.steps,
+            Self::Continuum(_) => 0,
+        }
     }
 }

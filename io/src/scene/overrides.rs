@@ -22,6 +22,10 @@ fn value_of(text: &str) -> Value {
 }
 
 fn set(root: &mut Value, key: &str, value: Value) -> Result<(), String> {
+    if let (Some(end), Some(time)) = (key.strip_prefix("time."), root.get_mut("time").and_then(Value::as_table_mut)) {
+        let replaced = ENDS.iter().filter(|other| ENDS.contains(&end) && **other != end);
+        replaced.for_each(|other| drop(time.remove(*other)));
+    }
     let dotted = key.replace('[', ".").replace(']', "");
     let mut place = root;
     for part in dotted.split('.') {
@@ -39,6 +43,9 @@ fn set(root: &mut Value, key: &str, value: Value) -> Result<(), String> {
     Ok(())
 }
 
+/// Ways to say when a run ends: one takes the place of another.
+const ENDS: [&str; 3] = ["steps", "duration", "strain"];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,6 +62,8 @@ mod tests {
         assert_eq!(with("species[1].radius = 3").unwrap()["species"][1]["radius"], Value::Integer(3));
         assert_eq!(with("species.0.force=[0, 0, -1]").unwrap()["species"][0]["force"].as_array().unwrap().len(), 3);
         assert_eq!(with("hydrodynamics.method=direct").unwrap()["hydrodynamics"]["method"].as_str(), Some("direct"));
+        let ended = apply("[time]\nduration = 2.0\n", &["time.steps=3".to_owned()]).unwrap();
+        assert_eq!(ended.trim(), "[time]\nsteps = 3");
         assert_eq!(with("title=two words").unwrap()["title"].as_str(), Some("two words"));
     }
 

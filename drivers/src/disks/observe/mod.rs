@@ -3,11 +3,13 @@
 mod lanes;
 mod lengths;
 mod profile;
+mod record;
 mod snapshot;
 mod strips;
 
 pub use lanes::Lanes;
 pub use lengths::{estimated_free_path, viscous_length};
 pub use profile::Stripe;
+pub use record::Record;
 pub use snapshot::{Disk, Snapshot};
 pub use strips::{Strips, segment};

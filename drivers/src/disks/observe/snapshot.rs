@@ -43,7 +43,7 @@ impl Disks {
     /// All disks now.
     pub fn snapshot(&self) -> Snapshot {
         let (law, model) = (&self.law, &self.model);
-        let cell = model.cell(law.strain(self.step));
+        let cell = self.cell();
         let state = self.wrapped();
         let disk = |row: usize| {
             let (identity, body) = (&state.identities[row], &state.bodies[row]);

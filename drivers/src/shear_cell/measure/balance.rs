@@ -1,6 +1,6 @@
 //! Whether what a run booked explains how it changed.
 
-use super::super::{Engine, Model};
+use super::super::{Engine, Model, numbers::Numbers};
 use domain::Vector;
 
 /// What is left over of the balances, over what went through them.
@@ -23,6 +23,16 @@ impl Start {
     pub fn new(model: &Model, engine: &Engine) -> Self {
         let grains = engine.grains();
         Self { energy: grains.energy(model) + engine.lid().energy(model), momentum: grains.momentum(model) }
+    }
+
+    pub fn keep(&self, numbers: &mut Numbers) {
+        numbers.put(&[self.energy]);
+        numbers.put(&self.momentum.to_array());
+    }
+
+    pub fn kept(numbers: &mut Numbers) -> Self {
+        let [energy, x, y, z] = numbers.take();
+        Self { energy, momentum: Vector::new(x, y, z) }
     }
 
     /// The balance from the start of the engine's tally until now.

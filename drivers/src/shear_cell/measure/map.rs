@@ -1,6 +1,6 @@
 //! A map of the solid fraction across the cell, averaged along the flow and over time.
 
-use super::super::{Grains, Model};
+use super::super::{Grains, Model, numbers::Numbers};
 
 /// Points along each edge of a pixel at which the solid fraction is taken.
 const POINTS: usize = 3;
@@ -47,6 +47,24 @@ impl DensityMap {
             }
         }
         self.samples += 1;
+    }
+
+    pub(in super::super) fn keep(&self, numbers: &mut Numbers) {
+        numbers.put(&[self.samples as f64]);
+        numbers.list(&self.sums);
+    }
+
+    pub(in super::super) fn recall(&mut self, numbers: &mut Numbers) {
+        let [samples] = numbers.take();
+        self.samples = samples as u64;
+        self.sums = numbers.take_list();
+    }
+
+    /// Middles of the pixels along z and along y.
+    pub fn middles(&self) -> [Vec<f64>; 2] {
+        let middles =
+            |count: usize, length: f64| (0..count).map(|k| (k as f64 + 0.5) * length / count as f64).collect();
+        [middles(self.pixels[0], self.width), middles(self.pixels[1], self.height)]
     }
 
     /// Solid fractions, a row of pixels along z for each height, from the bottom up.

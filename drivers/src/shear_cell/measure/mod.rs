@@ -3,9 +3,11 @@
 mod balance;
 mod map;
 mod profile;
+mod sample;
 mod stress;
 
 pub use balance::{Balance, Start};
 pub use map::DensityMap;
 pub use profile::{Layer, Profile};
+pub use sample::Sample;
 pub use stress::{Estimate, WallStress, estimate};

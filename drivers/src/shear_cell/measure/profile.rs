@@ -1,6 +1,6 @@
 //! Profiles across the gap, averaged over the volume of the grains in each layer and over time.
 
-use super::super::{Grains, Model};
+use super::super::{Grains, Model, numbers::Numbers};
 use domain::Vector;
 use std::f64::consts::PI;
 
@@ -63,6 +63,21 @@ impl Profile {
             }
         }
         self.samples += 1;
+    }
+
+    pub(in super::super) fn keep(&self, numbers: &mut Numbers) {
+        numbers.put(&[self.samples as f64]);
+        numbers.list(&self.volumes);
+        numbers.vectors(&self.velocities);
+        numbers.list(&self.squares);
+    }
+
+    pub(in super::super) fn recall(&mut self, numbers: &mut Numbers) {
+        let [samples] = numbers.take();
+        self.samples = samples as u64;
+        self.volumes = numbers.take_list();
+        self.velocities = numbers.take_vectors();
+        self.squares = numbers.take_list();
     }
 
     /// The layers from the bottom up.

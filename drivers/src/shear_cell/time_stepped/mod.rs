@@ -25,7 +25,7 @@ impl TimeStepped {
     /// Starts from grains inside the cell.
     pub fn new(model: &Model, state: &State, step: f64) -> Result<Self, ParameterError> {
         let grains = &state.grains;
-        positive("time_step", step)?;
+        positive("time.collision_step", step)?;
         state.check(model)?;
         let mut engine = Self {
             model: *model,

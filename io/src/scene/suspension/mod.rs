@@ -1,18 +1,18 @@
 //! Scenes of spheres in Stokes flow.
 
-mod checks;
 mod particles;
 mod raw;
 mod statistics;
 
-use super::Fault;
+use super::checks::{self, positive, vector};
+use super::course::{Output, Time, share};
+use super::error::Fault;
 use crate::Schedule;
-use checks::{positive, vector};
 use domain::{PeriodicBox, Vector};
 pub use particles::{Lattice, Species, Start};
 pub use raw::{Evaluation, Multipoles};
 pub use statistics::{Axis, Statistics};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
 #[derive(Debug)]
@@ -91,32 +91,6 @@ pub struct Hydrodynamics {
     pub lubrication: bool,
     /// The gap where lubrication ends over the mean radius of the two; the program's default where the scene has none.
     pub lubrication_cutoff: Option<f64>,
-}
-
-/// Time step and number of steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Time {
-    /// The time step.
-    pub step: f64,
-    /// The last step.
-    pub steps: u64,
-}
-
-/// What is written, where and when.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Output {
-    /// The folder; the caller's choice where the scene has none.
-    pub folder: Option<PathBuf>,
-    /// Frames of the trajectory.
-    pub trajectory: Schedule,
-    /// Rows of the time series.
-    pub observables: Schedule,
-    /// Checkpoints.
-    pub checkpoints: Schedule,
-    /// Velocity fields.
-    pub fields: Schedule,
 }
 
 impl SuspensionScene {
@@ -224,25 +198,16 @@ fn lubrication(raw: &raw::Hydrodynamics) -> Result<(), Fault> {
 }
 
 fn time(raw: &raw::Time) -> Result<Time, Fault> {
-    let step = positive("time.step", raw.step)?;
     let raw::Integrator::AdamsBashforth = raw.integrator;
-    let steps = match (raw.steps, raw.duration) {
-        (Some(steps), None) => steps,
-        // A duration that is a whole number of steps up to round-off is that number.
-        (None, Some(duration)) => (positive("time.duration", duration)? / step - 1e-9).ceil() as u64,
-        (None, None) => return Err(Fault::new("time", "has neither steps nor duration; set one of them")),
-        (Some(_), Some(_)) => return Err(Fault::new("time", "has both steps and duration; leave one of them out")),
-    };
-    Ok(Time { step, steps })
+    Time::until(raw.step, raw.steps, raw.duration)
 }
 
 fn output(raw: raw::Output, steps: u64) -> Output {
-    let share = |parts: u64| steps.div_ceil(parts).max(1);
     Output {
         folder: raw.folder,
-        trajectory: Schedule::every(raw.trajectory_every.unwrap_or(share(100))),
+        trajectory: Schedule::every(raw.trajectory_every.unwrap_or(share(steps, 100))),
         observables: Schedule::every(raw.observables_every.unwrap_or(1)),
-        checkpoints: Schedule::every(raw.checkpoint_every.unwrap_or(share(10))),
+        checkpoints: Schedule::every(raw.checkpoint_every.unwrap_or(share(steps, 10))),
         fields: Schedule::every(raw.fields_every),
     }
 }

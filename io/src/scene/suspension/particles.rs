@@ -1,6 +1,6 @@
 //! The spheres of a scene: their species and where they start.
 
-use super::checks::{DENSEST, finite, positive, vector, volume};
+use super::super::checks::{DENSEST, finite, positive, vector, volume};
 use super::{Fault, raw};
 use domain::{PeriodicBox, Vector};
 use serde::Deserialize;

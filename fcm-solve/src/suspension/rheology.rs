@@ -1,6 +1,6 @@
 //! What is observed of the stress of a sheared suspension.
 
-use crate::suspension::ParticleStress;
+use super::ParticleStress;
 use domain::Tensor;
 use io::{Flow, Multipoles, Quantity, SuspensionScene};
 

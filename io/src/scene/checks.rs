@@ -1,6 +1,6 @@
 //! Ranges that numbers have to be in.
 
-use super::Fault;
+use super::error::Fault;
 use domain::Vector;
 
 /// The largest volume fraction that spheres of a scene may have together.

@@ -1,7 +1,7 @@
 //! Statistics in the course of a run.
 
+use super::Suspension;
 use crate::statistics::{COLUMNS, Statistics};
-use crate::suspension::Suspension;
 use domain::Particles;
 use io::{FileError, Provenance, Schedule, SuspensionScene, write_tables};
 use statistics::State;

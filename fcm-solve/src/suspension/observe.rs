@@ -1,7 +1,7 @@
 //! What is observed of a suspension in the course of time.
 
 use super::rheology::Rheology;
-use crate::suspension::{StepReport, Suspension};
+use super::{StepReport, Suspension};
 use domain::Vector;
 use io::{Quantity, SuspensionScene};
 use std::time::Instant;

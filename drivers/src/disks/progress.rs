@@ -1,0 +1,82 @@
+//! How far a run is, as numbers for a checkpoint.
+
+use super::{Measurement, Stage, Tally};
+use domain::Vector;
+
+/// What a run needs besides the particles to go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// The stage.
+    pub stage: Stage,
+    /// Steps done in it.
+    pub step: u64,
+    /// Step at which the list of neighbours was made.
+    pub list_made: u64,
+    /// What was counted so far.
+    pub tally: Tally,
+}
+
+const STAGES: [Stage; 3] = [Stage::Settle, Stage::Mix, Stage::Flow];
+
+impl Progress {
+    /// All of it, to the bit.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let Tally { first, latest, input, drag, damping, path, stress, collisions } = self.tally;
+        let stage = STAGES.iter().position(|&s| s == self.stage).unwrap_or_default();
+        let mut numbers = vec![stage as f64, self.step as f64, self.list_made as f64, input, drag, damping, path];
+        numbers.extend(stress.to_array());
+        numbers.extend(collisions.map(|n| n as f64));
+        numbers.extend(first.to_numbers());
+        numbers.extend(latest.to_numbers());
+        numbers
+    }
+
+    /// The progress that has these numbers, if they are as many as one has.
+    pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let (&[stage, step, list_made, input, drag, damping, path], rest) = numbers.split_first_chunk::<7>()?;
+        let (&stress, rest) = rest.split_first_chunk::<3>()?;
+        let (&collisions, rest) = rest.split_first_chunk::<3>()?;
+        let (&first, rest) = rest.split_first_chunk()?;
+        let latest = rest.try_into().ok()?;
+        let tally = Tally {
+            first: Measurement::from_numbers(first),
+            latest: Measurement::from_numbers(latest),
+            input,
+            drag,
+            damping,
+            path,
+            stress: Vector::from_array(stress),
+            collisions: collisions.map(|n| n as u64),
+        };
+        let stage = *STAGES.get(stage as usize)?;
+        Some(Self { stage, step: step as u64, list_made: list_made as u64, tally })
+    }
+}
+
+/// Numbers of a measurement.
+const MEASURED: usize = 14;
+
+impl Measurement {
+    fn to_numbers(self) -> [f64; MEASURED] {
+        let Self { time, kinetic, elastic, mean_speed, contacts, input, drag, damping, .. } = self;
+        let [a, b, c] = self.kinetic_stress.to_array();
+        let [d, e, f] = self.contact_stress.to_array();
+        [time, kinetic, elastic, a, b, c, d, e, f, mean_speed, contacts as f64, input, drag, damping]
+    }
+
+    fn from_numbers(numbers: [f64; MEASURED]) -> Self {
+        let [time, kinetic, elastic, a, b, c, d, e, f, mean_speed, contacts, input, drag, damping] = numbers;
+        Self {
+            time,
+            kinetic,
+            elastic,
+            kinetic_stress: Vector::new(a, b, c),
+            contact_stress: Vector::new(d, e, f),
+            mean_speed,
+            contacts: contacts as u64,
+            input,
+            drag,
+            damping,
+        }
+    }
+}

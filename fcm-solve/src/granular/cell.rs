@@ -1,0 +1,122 @@
+//! Grains in a shear cell as the march and the recorder see them.
+
+use super::cell_tables::{WALLS, tables};
+use super::{from_bytes, on_one_rank, outline, to_bytes};
+use crate::clock::Clock;
+use crate::simulation::Simulation;
+use domain::{Comm, PeriodicBox, Vector};
+use drivers::shear_cell::{Grains, Model, Run, Sample, Side};
+use io::{Checkpoint, FileError, Frame, Provenance, Quantity, ShearCellScene, write_tables};
+use std::path::Path;
+
+/// A run of the shear cell. A step is the time from one look at the grains to the next.
+pub struct CellRun {
+    run: Run,
+    model: Model,
+    clock: Clock,
+    settle: u64,
+    sample: Option<Sample>,
+    plan: String,
+    comm: Comm,
+}
+
+impl CellRun {
+    /// A scene at time zero: grains packed at random and set moving.
+    pub fn start(scene: &ShearCellScene, comm: &Comm) -> anyhow::Result<Self> {
+        on_one_rank(comm)?;
+        let mut grains = scene.model.pack(scene.count, scene.seed)?;
+        grains.stir(&scene.model, scene.agitation, scene.seed);
+        let run = Run::new(&scene.model, &grains, scene.collisions, scene.sampling)?;
+        Ok(Self::of(scene, run, (0, comm)))
+    }
+
+    /// A scene as a checkpoint has it.
+    pub fn resume(scene: &ShearCellScene, checkpoint: &Checkpoint, comm: &Comm) -> anyhow::Result<Self> {
+        on_one_rank(comm)?;
+        let grains = Grains::from_particles(&scene.model, &checkpoint.particles)?;
+        let how = (scene.collisions, scene.sampling);
+        let run = Run::resume(&scene.model, &grains, how, &from_bytes(&checkpoint.statistics))?;
+        Ok(Self::of(scene, run, (checkpoint.step, comm)))
+    }
+
+    fn of(scene: &ShearCellScene, run: Run, (step, comm): (u64, &Comm)) -> Self {
+        let clock = Clock::at(step, scene.time.step);
+        let plan = outline::cell(scene);
+        Self { run, model: scene.model, clock, settle: scene.settle, sample: None, plan, comm: comm.clone() }
+    }
+}
+
+impl Simulation for CellRun {
+    fn comm(&self) -> &Comm {
+        &self.comm
+    }
+
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    fn plan(&mut self) -> String {
+        self.plan.clone()
+    }
+
+    /// Takes one step. The engine starts anew after each, as it does from a checkpoint, so that a run is the same
+    /// wherever it was interrupted.
+    fn advance(&mut self, _last: u64) -> anyhow::Result<()> {
+        let before = *self.run.engine().tally();
+        if self.clock.step() < self.settle {
+            self.run.settle(self.clock.dt());
+        } else {
+            self.run.measure(self.clock.dt());
+        }
+        self.run.renew()?;
+        self.sample = Some(self.run.sample_since(&before));
+        self.clock.tick();
+        Ok(())
+    }
+
+    fn frame(&self) -> Frame {
+        let engine = self.run.engine();
+        let edges = Vector { y: engine.lid().height, ..self.model.edges() };
+        let cell = PeriodicBox::new(edges).expect("a cell's edges are positive");
+        Frame { particles: engine.grains().to_particles(&self.model), cell, periodic: [true, false, false] }
+    }
+
+    fn quantities(&self) -> Vec<Quantity> {
+        let stress = Quantity {
+            name: "wall_stress",
+            unit: "force/length^2",
+            table: Some((WALLS.map(String::from).to_vec(), ["normal", "along", "across"].map(String::from).to_vec())),
+        };
+        let numbers = Sample::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit));
+        [stress].into_iter().chain(numbers).collect()
+    }
+
+    /// Stresses are averages over the last step; there are none at the start.
+    fn observe(&mut self) -> Vec<Vec<f64>> {
+        let none = *self.run.engine().tally();
+        let sample = self.sample.unwrap_or_else(|| self.run.sample_since(&none));
+        let stresses = Side::ALL.iter().flat_map(|&side| sample.stresses[side as usize]).collect();
+        [stresses].into_iter().chain(sample.values().map(|value| vec![value])).collect()
+    }
+
+    fn checkpoint(&mut self) -> anyhow::Result<Checkpoint> {
+        Ok(Checkpoint {
+            step: self.clock.step(),
+            strain: 0.0,
+            plan: self.plan.clone(),
+            particles: self.run.engine().grains().to_particles(&self.model),
+            statistics: to_bytes(&self.run.to_numbers()),
+        })
+    }
+
+    fn write_averages(&mut self, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
+        if self.clock.step() <= self.settle {
+            return Ok(());
+        }
+        write_tables(folder, "averages", provenance, &tables(&self.run.report()))
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.run.report().warnings
+    }
+}

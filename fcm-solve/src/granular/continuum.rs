@@ -1,0 +1,103 @@
+//! The kinetic theory of a shear cell: solved once for each speed and pressure.
+
+use super::outline;
+use crate::output::provenance;
+use anyhow::Context;
+use domain::Comm;
+use drivers::continuum::{Point, Problem, Solution};
+use io::{ContinuumScene, Scene, Table, write_tables};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Solves all problems and writes their profiles. Those that have no solution are named at the end.
+pub fn solve(problems: &ContinuumScene, scene: &Scene, folder: &Path, comm: &Comm) -> anyhow::Result<ExitCode> {
+    let (mut summary, mut profile) = (summary(), profile());
+    let mut failure = None;
+    for problem in &problems.problems {
+        match problem.solve().with_context(|| title(problem)) {
+            Ok(solution) => {
+                report(problem, &solution);
+                summary.add(&[], &summary_of(problem, &solution));
+                add_profile(&mut profile, problem, &solution.profile(problems.points));
+            }
+            Err(error) => failure = failure.or(Some(error)),
+        }
+    }
+    let provenance = provenance(scene, outline::continuum(problems), comm);
+    write_tables(folder, "solution", &provenance, &[summary, profile])?;
+    eprintln!("finished; results in {}", folder.display());
+    failure.map_or(Ok(ExitCode::SUCCESS), Err)
+}
+
+fn title(problem: &Problem) -> String {
+    let p = problem.parameters();
+    format!("at a speed of {} and a pressure of {}", p.speed, p.pressure)
+}
+
+fn report(problem: &Problem, solution: &Solution) {
+    eprintln!(
+        "{}: mean solid fraction {:.4}, slip {:.4} of the speed, shear stress {:.5}",
+        title(problem),
+        solution.mean_solid_fraction(),
+        solution.slip() / problem.parameters().speed,
+        solution.shear_stress()
+    );
+    if let Some(notice) = solution.notice() {
+        eprintln!("warning: {notice}");
+    }
+}
+
+fn summary() -> Table {
+    let stress = "force/length^2";
+    Table::new(
+        "summary",
+        &[],
+        &[
+            ("speed", "length/time"),
+            ("pressure", stress),
+            ("mean_solid_fraction", ""),
+            ("slip", "length/time"),
+            ("shear_stress", stress),
+            ("residual", ""),
+            ("intervals", ""),
+            ("dilute", ""),
+        ],
+    )
+}
+
+fn summary_of(problem: &Problem, solution: &Solution) -> [f64; 8] {
+    let p = problem.parameters();
+    [
+        p.speed,
+        p.pressure,
+        solution.mean_solid_fraction(),
+        solution.slip(),
+        solution.shear_stress(),
+        solution.residual(),
+        solution.intervals() as f64,
+        f64::from(solution.is_dilute()),
+    ]
+}
+
+fn profile() -> Table {
+    Table::new(
+        "profile",
+        &[],
+        &[
+            ("speed", "length/time"),
+            ("pressure", "force/length^2"),
+            ("y", "length"),
+            ("velocity", "length/time"),
+            ("solid_fraction", ""),
+            ("temperature", "length^2/time^2"),
+            ("energy_flux", "force/(length*time)"),
+        ],
+    )
+}
+
+fn add_profile(table: &mut Table, problem: &Problem, points: &[Point]) {
+    let p = problem.parameters();
+    for Point { y, velocity, solid_fraction, temperature, energy_flux } in points {
+        table.add(&[], &[p.speed, p.pressure, *y, *velocity, *solid_fraction, *temperature, *energy_flux]);
+    }
+}

@@ -1,0 +1,36 @@
+//! Scenes of grains without a fluid grid: sheared disks, the shear cell and its kinetic theory. They run in one process,
+//! on any number of threads.
+
+mod cell;
+mod cell_tables;
+mod continuum;
+mod disks;
+mod keeper;
+mod outline;
+mod sweep;
+
+use anyhow::ensure;
+pub use cell::CellRun;
+pub use continuum::solve;
+pub use disks::DiskRun;
+use domain::Comm;
+pub use outline::outline;
+pub use sweep::sweep;
+
+/// Refuses several processes. Collective.
+pub fn on_one_rank(comm: &Comm) -> anyhow::Result<()> {
+    ensure!(
+        comm.size() == 1,
+        "scenes of grains run in one process, on as many threads as there are cores; start this one without mpirun"
+    );
+    Ok(())
+}
+
+/// Numbers as a checkpoint stores them, to the bit.
+fn to_bytes(numbers: &[f64]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+fn from_bytes(bytes: &[u8]) -> Vec<f64> {
+    bytes.as_chunks::<8>().0.iter().map(|&bytes| f64::from_le_bytes(bytes)).collect()
+}

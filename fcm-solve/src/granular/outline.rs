@@ -1,0 +1,103 @@
+//! Scenes of grains in numbers, before they are run.
+
+use drivers::disks::{Model, Sweep, estimated_free_path, viscous_length};
+use drivers::shear_cell::Collisions;
+use io::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene, Time};
+
+/// Disks that one core moves by a step in a second: a measured order of magnitude.
+const DISK_STEPS: f64 = 2.5e7;
+/// Grains that one core moves by a step of time-stepped collisions in a second, likewise.
+const GRAIN_STEPS: f64 = 2.5e7;
+
+/// What a scene would be made of and cost.
+pub fn outline(kind: &Kind) -> String {
+    match kind {
+        Kind::GranularDisks(scene) => disks_and_cost(scene),
+        Kind::ShearCell(scene) => cell(scene) + &cell_cost(scene),
+        Kind::Continuum(scene) => continuum(scene),
+        _ => String::new(),
+    }
+}
+
+/// A system of disks.
+pub fn disks(model: &Model, time: &Time) -> String {
+    let (p, sizes) = (model.parameters(), model.sizes());
+    let (zeta, path) = (viscous_length(model), estimated_free_path(model.area_fraction()));
+    let strain = p.flow.rate(p.edges[1]).abs() * time.step * time.steps as f64;
+    format!(
+        "disks      {}, radii {:.4} to {:.4}, {:.2}% of the area\n\
+         lengths    viscous length {zeta:.4}, estimated mean free path {path:.4}\n\
+         steps      {}, until time {} and strain {strain:.4}\n",
+        sizes.len(),
+        model.smallest(),
+        model.largest(),
+        100.0 * model.area_fraction(),
+        time.steps,
+        time.steps as f64 * time.step,
+    )
+}
+
+fn disks_and_cost(scene: &GranularDisksScene) -> String {
+    let count = scene.model.sizes().len() as f64;
+    let mut text = disks(&scene.model, &scene.time);
+    if let Some(path) = &scene.start {
+        text += &format!("start      from {}, whose disks take the place of these\n", path.display());
+    }
+    let work = match &scene.sweep {
+        None => count * scene.time.steps as f64,
+        Some(sweep) => {
+            text += &cases(sweep);
+            let steps = |rate: f64| sweep.strain / (rate.abs() * sweep.base.time_step);
+            sweep.cases().iter().map(|case| count * steps(case.rate)).sum()
+        }
+    };
+    text + &format!("cost       about {:.0} s of one core\n", work / DISK_STEPS)
+}
+
+/// The runs of a sweep.
+pub fn cases(sweep: &Sweep) -> String {
+    format!(
+        "sweep      {} runs: {} seeds, {} viscosities, {} rates, {} area fractions, each to strain {:.4}\n",
+        sweep.cases().len(),
+        sweep.seeds.len(),
+        sweep.viscosities.len(),
+        sweep.rates.len(),
+        sweep.area_fractions.len(),
+        sweep.strain
+    )
+}
+
+/// A shear cell.
+pub fn cell(scene: &ShearCellScene) -> String {
+    let (p, model) = (scene.model.parameters(), &scene.model);
+    let volume = std::f64::consts::PI / 6.0 * p.diameter.powi(3);
+    let fraction = scene.count as f64 * volume / model.edges().element_product();
+    let engine = match scene.collisions {
+        Collisions::EventDriven => "at their exact times".to_owned(),
+        Collisions::TimeStepped { step } => format!("on a time step of {step:e}"),
+    };
+    format!(
+        "grains     {}, solid fraction {fraction:.4}\n\
+         top        {}\n\
+         collisions {engine}\n\
+         steps      {}, until time {}; measured from time {}\n",
+        scene.count,
+        if model.is_lid_free() { "free under its load" } else { "fixed" },
+        scene.time.steps,
+        scene.time.steps as f64 * scene.time.step,
+        scene.settle as f64 * scene.time.step,
+    )
+}
+
+fn cell_cost(scene: &ShearCellScene) -> String {
+    let Collisions::TimeStepped { step } = scene.collisions else { return String::new() };
+    let steps = scene.time.steps as f64 * scene.time.step / step;
+    format!("cost       about {:.0} s of one core\n", scene.count as f64 * steps / GRAIN_STEPS)
+}
+
+/// The problems of a continuum.
+pub fn continuum(scene: &ContinuumScene) -> String {
+    let radial = scene.problems.first().map(|p| p.parameters().grains.radial);
+    let name = radial.map(|radial| format!("{radial:?}")).unwrap_or_default();
+    format!("problems   {}, radial distribution of {name}\n", scene.problems.len())
+}

@@ -1,0 +1,68 @@
+//! Many runs of sheared disks, and their averages over the seeds.
+
+use super::{keeper::Cases, outline};
+use crate::output::provenance;
+use crate::signals::{Signals, Stop};
+use domain::Comm;
+use drivers::disks::{Branch, Record, Sweep, estimated_free_path};
+use io::{Scene, Table, write_tables};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Makes the runs that are left to make, several at a time, and writes the averages.
+pub fn sweep(sweep: &Sweep, scene: &Scene, folder: &Path, comm: &Comm) -> anyhow::Result<ExitCode> {
+    let signals = Signals::watch(comm)?;
+    let plan = outline::cases(sweep);
+    eprint!("{plan}results    {}\n", folder.display());
+    let cases = Cases::of(folder, signals.heard(), sweep.cases().len())?;
+    let runs = match sweep.run(&cases) {
+        Ok(runs) => runs,
+        Err(error) => return stopped(error, folder),
+    };
+    let branches = sweep.branches(&runs)?;
+    write_tables(folder, "sweep", &provenance(scene, plan, comm), &[averages(&branches), summary(&branches)])?;
+    eprintln!("finished; results in {}", folder.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A signal is no error.
+fn stopped(error: anyhow::Error, folder: &Path) -> anyhow::Result<ExitCode> {
+    let stop: Stop = error.downcast()?;
+    eprintln!("stopped; go on with: fcm-solve resume {}", folder.display());
+    Ok(stop.exit_code())
+}
+
+/// What a branch is of.
+const OF: [(&str, &str); 3] = [("viscosity", "force*time/length^2"), ("rate", "1/time"), ("area_fraction", "")];
+
+fn of(branch: &Branch) -> [f64; 3] {
+    [branch.case.viscosity, branch.case.rate, branch.case.area_fraction]
+}
+
+/// Mean and standard error over the seeds of each number at each strain.
+fn averages(branches: &[Branch]) -> Table {
+    let mut table = Table::new("averages", &[], &OF);
+    for (name, unit) in Record::COLUMNS {
+        table.columns.extend([(name.to_owned(), unit), (format!("{name}_error"), unit)]);
+    }
+    for branch in branches {
+        for numbers in &branch.averages {
+            let numbers: Vec<f64> = numbers.iter().flat_map(|e| [e.mean, e.error]).collect();
+            table.add(&[], &[&of(branch)[..], &numbers].concat());
+        }
+    }
+    table
+}
+
+/// The segregation in the last tenth of the runs against the two lengths.
+fn summary(branches: &[Branch]) -> Table {
+    let lengths = [("viscous_length", "length"), ("estimated_free_path", "length")];
+    let last = [("last_segregation", ""), ("last_segregation_error", "")];
+    let mut table = Table::new("branches", &[], &[&OF[..], &lengths, &last].concat());
+    for branch in branches {
+        let path = estimated_free_path(branch.case.area_fraction);
+        let numbers = [branch.viscous_length, path, branch.last.mean, branch.last.error];
+        table.add(&[], &[&of(branch)[..], &numbers].concat());
+    }
+    table
+}

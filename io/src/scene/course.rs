@@ -1,0 +1,80 @@
+//! The course of a run: its steps, and what is written on the way.
+
+use super::checks::positive;
+use super::error::Fault;
+use crate::Schedule;
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// Time step and number of steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Time {
+    /// The time step.
+    pub step: f64,
+    /// The last step.
+    pub steps: u64,
+}
+
+/// What is written, where and when.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Output {
+    /// The folder; the caller's choice where the scene has none.
+    pub folder: Option<PathBuf>,
+    /// Frames of the trajectory.
+    pub trajectory: Schedule,
+    /// Rows of the time series.
+    pub observables: Schedule,
+    /// Checkpoints.
+    pub checkpoints: Schedule,
+    /// Velocity fields.
+    pub fields: Schedule,
+}
+
+impl Time {
+    /// A run that ends after so many steps or so much time, one of which is given.
+    pub(super) fn until(step: f64, steps: Option<u64>, duration: Option<f64>) -> Result<Self, Fault> {
+        positive("time.step", step)?;
+        let steps = match (steps, duration) {
+            (Some(steps), None) => steps,
+            (None, Some(duration)) => steps_in(positive("time.duration", duration)?, step),
+            (None, None) => return Err(Fault::new("time", "has neither steps nor duration; set one of them")),
+            (Some(_), Some(_)) => return Err(Fault::new("time", "has both steps and duration; leave one of them out")),
+        };
+        Ok(Self { step, steps })
+    }
+}
+
+/// The steps that cover a time. One that is a whole number of steps up to round-off takes that number.
+pub(super) fn steps_in(duration: f64, step: f64) -> u64 {
+    (duration / step * (1.0 - 1e-12) - 1e-9).ceil().max(0.0) as u64
+}
+
+/// One of so many parts of a run, at least a step.
+pub(super) fn share(steps: u64, parts: u64) -> u64 {
+    steps.div_ceil(parts).max(1)
+}
+
+/// The section `output` of scenes without a fluid.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct RawOutput {
+    pub(super) folder: Option<PathBuf>,
+    pub(super) trajectory_every: Option<u64>,
+    pub(super) observables_every: Option<u64>,
+    pub(super) checkpoint_every: Option<u64>,
+}
+
+impl RawOutput {
+    /// Rows of the time series are so many by default.
+    pub(super) fn checked(self, steps: u64, rows: u64) -> Output {
+        Output {
+            folder: self.folder,
+            trajectory: Schedule::every(self.trajectory_every.unwrap_or(share(steps, 100))),
+            observables: Schedule::every(self.observables_every.unwrap_or(share(steps, rows))),
+            checkpoints: Schedule::every(self.checkpoint_every.unwrap_or(share(steps, 10))),
+            fields: Schedule::NEVER,
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Scenes of disks that collide in a sheared liquid.
+
+mod raw;
+
+use super::course::{Output, Time, steps_in};
+use super::error::Fault;
+use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species, Sweep};
+pub(super) use raw::Raw;
+use std::path::{Path, PathBuf};
+
+/// A checked scene of granular disks; only [`Scene`](super::Scene) makes one.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct GranularDisksScene {
+    /// What the scene is called in plots and files.
+    pub title: String,
+    /// The disks, what moves them and their seed. Those of a file bring sizes of their own.
+    pub model: Model,
+    /// The file that the disks' places come from; at random where there is none.
+    pub start: Option<PathBuf>,
+    /// Strips over the height in the profile.
+    pub profile_strips: usize,
+    /// The runs to make instead of a single one.
+    pub sweep: Option<Sweep>,
+    /// Time step and number of steps.
+    pub time: Time,
+    /// What is written, where and when.
+    pub output: Output,
+}
+
+/// Rows of the time series by default.
+const ROWS: u64 = 500;
+/// Strips of the profile by default.
+const STRIPS: usize = 50;
+
+impl GranularDisksScene {
+    pub(super) fn checked(raw: &Raw, folder: &Path) -> Result<Self, Fault> {
+        let parameters = parameters(raw)?;
+        let model = Model::new(parameters)?;
+        let time = time(raw, model.parameters())?;
+        let output = raw.output.schedules().checked(time.steps, ROWS);
+        let profile_strips = raw.output.profile_strips.unwrap_or(STRIPS);
+        if profile_strips == 0 {
+            return Err(Fault::new("output.profile_strips", "is 0; a profile needs at least one strip"));
+        }
+        Ok(Self {
+            title: raw.title.clone().unwrap_or_default(),
+            sweep: raw.sweep.as_ref().map(|sweep| self::sweep(sweep, raw, (&model, &time))).transpose()?,
+            start: raw.particles.path.as_ref().map(|path| folder.join(path)),
+            model,
+            profile_strips,
+            time,
+            output,
+        })
+    }
+}
+
+fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
+    let usual = Parameters::default();
+    Ok(Parameters {
+        edges: raw.cell.edges,
+        area_fraction: area_fraction(raw)?,
+        sizes: sizes(raw)?,
+        length_unit: raw.particles.length_unit.map_or(usual.length_unit, Into::into),
+        mass_exponent: raw.particles.mass_exponent.unwrap_or(usual.mass_exponent),
+        restitution: raw.contact.restitution.unwrap_or(usual.restitution),
+        clip_attraction: raw.contact.clip_attraction,
+        viscosity: raw.fluid.viscosity,
+        flow: flow(&raw.flow)?,
+        gear: raw.time.integrator.map_or(usual.gear, Into::into),
+        time_step: raw.time.step.unwrap_or(usual.time_step),
+        preparation: preparation(&raw.preparation, usual.preparation),
+        seed: raw.seed.unwrap_or(usual.seed),
+        measure_every: raw.output.measure_every.unwrap_or(usual.measure_every),
+    })
+}
+
+fn preparation(raw: &raw::Preparation, usual: Preparation) -> Preparation {
+    Preparation {
+        restitution: raw.restitution.unwrap_or(usual.restitution),
+        settled: raw.settled.unwrap_or(usual.settled),
+        mixed: raw.mixed.unwrap_or(usual.mixed),
+        gear: raw.integrator.map_or(usual.gear, Into::into),
+        time_step: raw.time_step.unwrap_or(usual.time_step),
+    }
+}
+
+fn area_fraction(raw: &Raw) -> Result<f64, Fault> {
+    let key = "particles.area_fraction";
+    match (raw.particles.area_fraction, &raw.particles.path) {
+        (Some(_), Some(_)) => {
+            Err(Fault::new(key, "is set, but particles.path brings the disks; leave one of them out"))
+        }
+        (None, None) => {
+            Err(Fault::new(key, "is missing; say how much of the area disks cover, or name a particles.path"))
+        }
+        (fraction, _) => Ok(fraction.unwrap_or(Parameters::default().area_fraction)),
+    }
+}
+
+fn sizes(raw: &Raw) -> Result<Sizes, Fault> {
+    let species = |s: &raw::Species| Species { radius: s.radius, share: s.share };
+    match (&raw.particles.spread, raw.species.is_empty(), &raw.particles.path) {
+        (Some(_), false, _) => {
+            Err(Fault::new("particles.spread", "is set, and [[species]] too; leave one of them out"))
+        }
+        (Some(s), true, _) => Ok(Sizes::Spread { smallest: s.smallest, largest: s.largest, exponent: s.exponent }),
+        (None, true, None) => Err(Fault::new(
+            "species",
+            "is missing; write [[species]] sections with radius and share, or particles.spread",
+        )),
+        (None, true, Some(_)) => Ok(Sizes::monodisperse()),
+        (None, false, _) => Ok(Sizes::Species(raw.species.iter().map(species).collect())),
+    }
+}
+
+fn flow(raw: &raw::Flow) -> Result<Flow, Fault> {
+    use raw::FlowKind::{None as Still, Poiseuille, Shear};
+    for (key, is_set, kind, name) in
+        [("flow.rate", raw.rate.is_some(), Shear, "shear"), ("flow.peak", raw.peak.is_some(), Poiseuille, "poiseuille")]
+    {
+        if is_set != (raw.kind == kind) {
+            let message = if is_set {
+                format!("goes with flow.kind = \"{name}\" only; leave it out or change that")
+            } else {
+                format!("is missing; a flow of kind \"{name}\" needs it")
+            };
+            return Err(Fault::new(key, message));
+        }
+    }
+    Ok(match raw.kind {
+        Still => Flow::Still,
+        Shear => Flow::Shear { rate: raw.rate.unwrap_or_default() },
+        Poiseuille => Flow::Poiseuille { peak: raw.peak.unwrap_or_default() },
+    })
+}
+
+fn time(raw: &Raw, parameters: &Parameters) -> Result<Time, Fault> {
+    let (time, step) = (&raw.time, parameters.time_step);
+    let Some(strain) = time.strain else { return Time::until(step, time.steps, time.duration) };
+    if time.steps.is_some() || time.duration.is_some() {
+        return Err(Fault::new("time.strain", "is set, and steps or duration too; leave all but one of them out"));
+    }
+    let rate = parameters.flow.rate(parameters.edges[1]).abs();
+    let possible = rate > 0.0 && strain > 0.0 && strain.is_finite();
+    if !possible {
+        return Err(Fault::new("time.strain", format!("is {strain}; it needs to be above 0, in a flow that shears")));
+    }
+    Time::until(step, Some(steps_in(strain / rate, step)), None)
+}
+
+fn sweep(raw: &raw::Sweep, scene: &Raw, (model, time): (&Model, &Time)) -> Result<Sweep, Fault> {
+    let base = model.parameters().clone();
+    let Flow::Shear { rate } = base.flow else {
+        return Err(Fault::new("sweep", "goes with flow.kind = \"shear\" only; leave it out or change that"));
+    };
+    if scene.particles.path.is_some() {
+        return Err(Fault::new("sweep", "starts its disks at random; leave out particles.path or the sweep"));
+    }
+    let strain = |steps: u64| rate.abs() * base.time_step * steps as f64;
+    let every = scene.output.observables_every.filter(|&steps| steps > 0);
+    let sweep = Sweep {
+        seeds: listed("sweep.seeds", raw.seeds.as_ref(), base.seed)?,
+        viscosities: listed("sweep.viscosities", raw.viscosities.as_ref(), base.viscosity)?,
+        rates: listed("sweep.rates", raw.rates.as_ref(), rate)?,
+        area_fractions: listed("sweep.area_fractions", raw.area_fractions.as_ref(), base.area_fraction)?,
+        strain: strain(time.steps),
+        record_every: strain(every.unwrap_or(time.steps.div_ceil(ROWS).max(1))),
+        base,
+    };
+    for case in sweep.cases() {
+        sweep.model(&case).map_err(|e| Fault::new("sweep", format!("has a case whose {e}")))?;
+    }
+    Ok(sweep)
+}
+
+fn listed<T: Clone>(key: &str, values: Option<&Vec<T>>, usual: T) -> Result<Vec<T>, Fault> {
+    match values {
+        Some(values) if values.is_empty() => Err(Fault::new(key, "is empty; list at least one value, or leave it out")),
+        Some(values) => Ok(values.clone()),
+        None => Ok(vec![usual]),
+    }
+}

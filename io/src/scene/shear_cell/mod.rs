@@ -1,0 +1,153 @@
+//! Scenes of grains in a shear cell.
+
+mod raw;
+
+use super::course::{Output, Time};
+use super::error::Fault;
+use drivers::shear_cell::{Collisions, Contact, FrictionLaw, Model, Parameters, Sampling, Top};
+pub(super) use raw::Raw;
+
+/// A checked scene of grains in a shear cell; only [`Scene`](super::Scene) makes one.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct ShearCellScene {
+    /// What the scene is called in plots and files.
+    pub title: String,
+    /// Where random numbers start.
+    pub seed: u64,
+    /// The cell, its walls and its grains.
+    pub model: Model,
+    /// How many grains.
+    pub count: usize,
+    /// Standard deviation of each component of the velocities at the start.
+    pub agitation: f64,
+    /// How hits are found.
+    pub collisions: Collisions,
+    /// What is measured: a sample of the grains each step.
+    pub sampling: Sampling,
+    /// Steps before measuring.
+    pub settle: u64,
+    /// Time step, from one look at the cell to the next, and number of steps.
+    pub time: Time,
+    /// What is written, where and when.
+    pub output: Output,
+}
+
+/// Initial standard deviation of the velocities over the walls' speed.
+const AGITATION: f64 = 0.05;
+
+impl ShearCellScene {
+    pub(super) fn checked(raw: Raw) -> Result<Self, Fault> {
+        let model = Model::new(parameters(&raw)?)?;
+        let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
+        let collisions = collisions(&raw)?;
+        let sampling = sampling(&raw, collisions)?;
+        let agitation = raw.grains.agitation.unwrap_or(AGITATION * raw.cell.speed);
+        if !(agitation >= 0.0 && agitation.is_finite()) {
+            let message = format!("is {agitation}; it needs to be a finite speed, 0 or more");
+            return Err(Fault::new("grains.agitation", message));
+        }
+        Ok(Self {
+            title: raw.title.unwrap_or_default(),
+            seed: raw.seed,
+            count: count(&raw.grains, &model)?,
+            agitation,
+            collisions,
+            sampling,
+            settle: whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?,
+            output: raw.output.checked(time.steps, time.steps),
+            model,
+            time,
+        })
+    }
+}
+
+fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
+    let (cell, grains, walls) = (&raw.cell, &raw.grains, &raw.walls);
+    let law = match walls.friction_law {
+        raw::FrictionLaw::Box => FrictionLaw::Box,
+        raw::FrictionLaw::Cone => FrictionLaw::Cone,
+    };
+    Ok(Parameters {
+        length: cell.length,
+        height: cell.height,
+        width: cell.width,
+        diameter: grains.diameter,
+        density: grains.density,
+        grain_contact: Contact { restitution: grains.restitution, friction: grains.friction, law },
+        wall_contact: Contact { restitution: walls.restitution, friction: walls.friction, law },
+        speed: cell.speed,
+        top: top(&raw.top)?,
+        gravity: cell.gravity,
+        circumference: cell.circumference,
+        coriolis: cell.coriolis,
+        contact_time: grains.contact_time.unwrap_or(Parameters::default().contact_time),
+    })
+}
+
+fn top(raw: &raw::Top) -> Result<Top, Fault> {
+    match (raw.kind, raw.pressure, raw.mass_per_area) {
+        (raw::TopKind::Fixed, None, None) => Ok(Top::Fixed),
+        (raw::TopKind::Fixed, ..) => {
+            Err(Fault::new("top", "is fixed, but has a pressure or a mass; set top.kind = \"free\" or leave them out"))
+        }
+        (raw::TopKind::Free, Some(pressure), Some(mass_per_area)) => Ok(Top::Free { pressure, mass_per_area }),
+        (raw::TopKind::Free, ..) => {
+            Err(Fault::new("top", "is free, so it needs both a pressure that loads it and a mass_per_area"))
+        }
+    }
+}
+
+fn collisions(raw: &Raw) -> Result<Collisions, Fault> {
+    let key = "time.collision_step";
+    match (raw.collisions, raw.time.collision_step) {
+        (raw::Collisions::EventDriven, None) => Ok(Collisions::EventDriven),
+        (raw::Collisions::EventDriven, Some(_)) => {
+            Err(Fault::new(key, "goes with collisions = \"time-stepped\" only; leave it out or change that"))
+        }
+        (raw::Collisions::TimeStepped, Some(step)) => Ok(Collisions::TimeStepped { step }),
+        (raw::Collisions::TimeStepped, None) => Err(Fault::new(key, "is missing; time-stepped collisions need it")),
+    }
+}
+
+fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
+    let usual = Sampling::default();
+    let sampling = Sampling {
+        window: raw.measure.window.unwrap_or(usual.window),
+        every: 1,
+        layers: raw.measure.layers.unwrap_or(usual.layers),
+        pixels: raw.measure.pixels.unwrap_or(usual.pixels),
+    };
+    sampling.check(collisions)?;
+    let every = whole("time.step", raw.time.step, ("measure.window", sampling.window))?;
+    Ok(Sampling { every, ..sampling })
+}
+
+/// How often a time fits into another, which has to be a whole number of times.
+fn whole(key: &str, time: f64, (unit, length): (&str, f64)) -> Result<u64, Fault> {
+    let times = time / length;
+    let fits = time >= 0.0 && (times - times.round()).abs() <= 1e-6 * times && times < 1e15;
+    let fault = || Fault::new(key, format!("is {time}; it needs a whole number of {unit}, which is {length}"));
+    if fits { Ok(times.round() as u64) } else { Err(fault()) }
+}
+
+fn count(raw: &raw::Grains, model: &Model) -> Result<usize, Fault> {
+    match (raw.count, raw.solid_fraction) {
+        (Some(count), None) => {
+            let volume = std::f64::consts::PI / 6.0 * model.parameters().diameter.powi(3);
+            let fraction = count as f64 * volume / model.edges().element_product();
+            if count > 0 && fraction <= 0.62 {
+                return Ok(count as usize);
+            }
+            let message =
+                format!("is {count}, a solid fraction of {fraction:.3}; it needs at least 1 and at most 0.62");
+            Err(Fault::new("grains.count", message))
+        }
+        (None, Some(fraction)) => match model.count(fraction)? {
+            0 => Err(Fault::new("grains.solid_fraction", format!("is {fraction}, which is less than one grain"))),
+            count => Ok(count),
+        },
+        (None, None) => Err(Fault::new("grains", "has neither count nor solid_fraction; set one of them")),
+        (Some(_), Some(_)) => Err(Fault::new("grains", "has both count and solid_fraction; leave one of them out")),
+    }
+}

@@ -1,0 +1,80 @@
+//! Scenes of the continuum shear cell.
+
+mod raw;
+
+use super::error::Fault;
+use drivers::continuum::{Grains, Parameters, Problem, RadialDistribution, Roughness, Start, Wall, WallShape};
+pub(super) use raw::Raw;
+use std::path::PathBuf;
+
+/// A checked scene of the continuum shear cell; only [`Scene`](super::Scene) makes one.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct ContinuumScene {
+    /// What the scene is called in plots and files.
+    pub title: String,
+    /// The problems to solve: every pressure at every speed, by pressure.
+    pub problems: Vec<Problem>,
+    /// Heights in each profile.
+    pub points: usize,
+    /// The folder; the caller's choice where the scene has none.
+    pub folder: Option<PathBuf>,
+}
+
+/// Heights in a profile by default.
+const POINTS: usize = 101;
+
+impl ContinuumScene {
+    pub(super) fn checked(raw: Raw) -> Result<Self, Fault> {
+        for (key, list) in [("cell.speeds", &raw.cell.speeds), ("cell.pressures", &raw.cell.pressures)] {
+            if list.is_empty() {
+                return Err(Fault::new(key, "is empty; list at least one value"));
+            }
+        }
+        let points = raw.output.points.unwrap_or(POINTS);
+        if points < 2 {
+            return Err(Fault::new("output.points", format!("is {points}; a profile needs at least 2 heights")));
+        }
+        let (grains, wall) = (grains(&raw.grains), wall(&raw)?);
+        let start = raw.start.map_or(Start::Densest, Start::SolidFraction);
+        let mut problems = Vec::new();
+        for &pressure in &raw.cell.pressures {
+            for &speed in &raw.cell.speeds {
+                problems.push(Problem::new(Parameters { gap: raw.cell.gap, speed, pressure, grains, wall, start })?);
+            }
+        }
+        Ok(Self { title: raw.title.unwrap_or_default(), problems, points, folder: raw.output.folder })
+    }
+}
+
+fn grains(raw: &raw::Grains) -> Grains {
+    let radial = match raw.radial_distribution {
+        raw::RadialDistribution::CarnahanStarling => RadialDistribution::CarnahanStarling,
+        raw::RadialDistribution::LunSavage => RadialDistribution::LunSavage,
+        raw::RadialDistribution::JohnsonJackson => RadialDistribution::JohnsonJackson,
+        raw::RadialDistribution::SinclairJackson => RadialDistribution::SinclairJackson,
+        raw::RadialDistribution::MaAhmadi => RadialDistribution::MaAhmadi,
+        raw::RadialDistribution::Torquato => RadialDistribution::Torquato,
+    };
+    Grains { diameter: raw.diameter, density: raw.density, restitution: raw.restitution, radial }
+}
+
+fn wall(raw: &Raw) -> Result<Wall, Fault> {
+    let walls = &raw.walls;
+    let degrees = walls.theta.unwrap_or(90.0);
+    if !(degrees > 0.0 && degrees <= 90.0) {
+        return Err(Fault::new("walls.theta", format!("is {degrees}; it needs 0 < theta <= 90 (degrees)")));
+    }
+    let shape = match walls.shape {
+        raw::Shape::Disk => WallShape::Disk,
+        raw::Shape::Sphere => WallShape::Sphere,
+    };
+    Ok(Wall {
+        shape,
+        theta: degrees.to_radians(),
+        gradient: walls.gradient,
+        diameter: walls.diameter.unwrap_or(raw.grains.diameter),
+        restitution: walls.restitution,
+        roughness: Roughness { r5: walls.r5, r6: walls.r6, r7: walls.r7, r8: walls.r8 },
+    })
+}

@@ -1,0 +1,194 @@
+"""Scenes of grains: sheared disks, the shear cell and its kinetic theory, as a user runs them."""
+
+import csv
+import os
+import pathlib
+import random
+import signal
+import tempfile
+import time
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ROOT, run, start
+
+# What makes a run short: about a second each, with checkpoints on the way.
+DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}
+EVENTS = {"time.steps": 120, "time.settle": 0.02, "output.checkpoint_every": 7, "grains.solid_fraction": 0.45}
+RUNS = {
+    "disks": ("granular-disks", DISKS),
+    "event-driven": ("shear-cell", EVENTS),
+    "time-stepped": ("shear-cell", EVENTS | {"collisions": "time-stepped", "time.collision_step": 1e-6, "time.steps": 60}),
+    "free": ("shear-cell", EVENTS | {"top": '{ kind = "free", pressure = 300.0, mass_per_area = 0.2 }'}),
+}
+
+
+def words(name, sets):
+    return [ROOT / "scenes" / f"{name}.toml", *(word for item in sets.items() for word in ("--set", "=".join(map(str, item))))]
+
+
+def rows(path):
+    with open(path) as file:
+        return [{key: float(value) for key, value in row.items() if key != "wall"} for row in csv.DictReader(file)]
+
+
+def end_state(out):
+    """Everything that a run determines."""
+    state = {path.name: path.read_bytes() for path in sorted(out.glob("*.csv"))}
+    checkpoint = max(out.glob("checkpoint-*.bin"))
+    state[checkpoint.name] = checkpoint.read_bytes()
+    with h5py.File(out / "trajectory.h5") as file:
+        for name in ("position/step", "position/value", "velocity/value", "image/value", "box/strain/value"):
+            state[name] = file[f"particles/all/{name}"][:].tobytes()
+    return state
+
+
+class Grains(unittest.TestCase):
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.addCleanup(self.place.cleanup)
+        self.out = pathlib.Path(self.place.name) / "out"
+
+    def run_scene(self, name, sets, out=None, expect=0):
+        return run(["run", *words(name, sets), "--out", out or self.out], expect=expect)
+
+    def wait_for_a_checkpoint(self, process, out):
+        deadline = time.monotonic() + 60
+        while not list(out.glob("checkpoint-*.bin")):
+            self.assertIsNone(process.poll(), "it ended")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.001)
+
+    def test_a_killed_run_goes_on_to_the_same_end(self):
+        random.seed(2)
+        for kind, (name, sets) in RUNS.items():
+            whole = self.out.with_name(f"{kind}-whole")
+            began = time.monotonic()
+            self.run_scene(name, sets, whole)
+            seconds = time.monotonic() - began
+            for attempt in range(3):
+                out = self.out.with_name(f"{kind}-{attempt}")
+                process = start(["run", *words(name, sets), "--out", out])
+                self.wait_for_a_checkpoint(process, out)
+                time.sleep(random.uniform(0, 0.7 * seconds))
+                process.kill()
+                process.communicate()
+                run(["resume", out])
+                with self.subTest(kind=kind, attempt=attempt):
+                    self.assertEqual(end_state(out), end_state(whole))
+
+    def test_a_signal_ends_a_run_anywhere_and_it_goes_on_to_the_same_end(self):
+        for kind, (name, sets) in RUNS.items():
+            whole, out = (self.out.with_name(f"{kind}-{part}") for part in ("whole", "parts"))
+            self.run_scene(name, sets, whole)
+            process = start(["run", *words(name, sets | {"output.checkpoint_every": 100000}), "--out", out])
+            self.wait_for_a_checkpoint(process, out)
+            time.sleep(0.1)
+            os.kill(process.pid, signal.SIGTERM)
+            _, said = process.communicate()
+            with self.subTest(kind=kind):
+                self.assertEqual(process.returncode, 128 + 15, said)
+                self.assertIn(f"go on with: fcm-solve resume {out}", said)
+                run(["resume", out])
+                self.assertEqual(end_state(out), end_state(whole))
+
+    def test_threads_do_not_change_a_run(self):
+        ends = []
+        for threads in (1, 2):
+            out = self.out.with_name(f"threads-{threads}")
+            run(["run", *words("granular-disks", {"box.edges": "[260.0, 260.0]", "time.steps": 60}), "--out", out, "--threads", threads])
+            ends.append(end_state(out))
+        self.assertEqual(*ends)
+
+    def test_a_run_of_disks_balances_and_says_where_it_comes_from(self):
+        self.run_scene("granular-disks", DISKS)
+        series = rows(self.out / "observables.csv")
+        # 5e-4 at a time step of 0.15; measuring every fifth step adds to it.
+        self.assertLess(max(abs(row["energy_imbalance"]) for row in series[2:]), 5e-3)
+        self.assertTrue(all(row["stress_xy"] < 0 < row["segregation"] for row in series[2:]))
+        info = run(["info", self.out / "trajectory.h5"])
+        self.assertIn("viscous length 0.1911", info)
+        profile = rows(self.out / "profile.csv")
+        self.assertEqual(sum(row["disks"] for row in profile), 289)
+        # The disks move with the liquid, whose velocity rises by 0.5 from bottom to top.
+        slope = np.polyfit([row["height"] for row in profile], [row["velocity"] for row in profile], 1)[0]
+        self.assertAlmostEqual(slope, 0.01, delta=0.001)
+
+    def test_a_run_of_the_shear_cell_balances_and_bears_the_weight(self):
+        self.run_scene("shear-cell", EVENTS)
+        totals = rows(self.out / "totals.csv")[0]
+        self.assertLess(max(totals["energy_imbalance"], totals["momentum_imbalance"]), 1e-9)
+        walls = rows(self.out / "walls.csv")
+        grains = totals["solid_fraction"] * 0.004 * 2550.0 * 9.81
+        error = np.hypot(walls[0]["normal_error"], walls[1]["normal_error"])
+        self.assertAlmostEqual(walls[0]["normal"] - walls[1]["normal"], grains, delta=4 * error)
+        # The rows of the time series add up to the averages.
+        series = [row for row in rows(self.out / "observables.csv") if row["step"] > 20]
+        mean = np.mean([row["wall_stress_normal[top]"] for row in series])
+        self.assertAlmostEqual(mean / walls[1]["normal"], 1, delta=1e-12)
+        pixels = rows(self.out / "map.csv")
+        self.assertEqual(len(pixels), 95 * 20)
+        with h5py.File(self.out / "averages.h5") as file:
+            self.assertEqual(file["walls"].attrs["wall"], "bottom,top,outer,inner")
+            np.testing.assert_array_equal(file["profile/y"], [row["y"] for row in rows(self.out / "profile.csv")])
+
+    def test_a_dense_cell_is_packed_or_refused_with_what_it_reached(self):
+        self.run_scene("shear-cell", {"grains.solid_fraction": 0.6, "time.steps": 1, "time.settle": 0})
+        said = self.run_scene("shear-cell", {"grains.solid_fraction": 0.63}, self.out.with_name("dense"), expect=1)
+        self.assertIn("grains.solid_fraction is 0.63; it needs 0 < solid_fraction <= 0.62", said)
+
+    def test_a_stopped_sweep_makes_no_run_twice(self):
+        sets = {"box.edges": "[30.0, 30.0]", "time.strain": 40.0, "sweep.seeds": "[1, 2, 3]"}
+        whole = self.out.with_name("whole")
+        self.run_scene("disk-sweep", sets, whole)
+        process = start(["run", *words("disk-sweep", sets), "--out", self.out])
+        while not list(self.out.glob("cases/*.csv")):
+            self.assertIsNone(process.poll())
+            time.sleep(0.001)
+        os.kill(process.pid, signal.SIGINT)
+        _, said = process.communicate()
+        self.assertEqual(process.returncode, 128 + 2, said)
+        again = run(["resume", self.out])
+        self.assertIn("made before", again)
+        for name in ("averages.csv", "branches.csv"):
+            self.assertEqual((self.out / name).read_bytes(), (whole / name).read_bytes())
+        averages, last = rows(whole / "averages.csv"), rows(whole / "branches.csv")
+        self.assertEqual(len(last), 2)
+        cases = [rows(path)[-1]["segregation"] for path in sorted((whole / "cases").glob("*.csv"))][:3]
+        final = [row for row in averages if row["viscosity"] == 0.001][-1]
+        self.assertAlmostEqual(final["segregation"], np.mean(cases), delta=1e-14)
+        self.assertAlmostEqual(final["segregation_error"], np.std(cases, ddof=1) / 3**0.5, delta=1e-14)
+
+    def test_disks_start_from_a_file_and_from_a_former_run(self):
+        self.run_scene("granular-disks", DISKS | {"time.steps": 10})
+        scene = pathlib.Path(self.place.name) / "again.toml"
+        text = (self.out / "scene.toml").read_text().replace("area_fraction = 0.6", f'path = "{self.out}"')
+        scene.write_text(text)
+        run(["run", scene, "--out", self.out.with_name("again")])
+        run(["resume", self.out.with_name("again"), "--steps", 20])
+        with h5py.File(self.out / "trajectory.h5") as first, h5py.File(self.out.with_name("again") / "trajectory.h5") as then:
+            np.testing.assert_array_equal(
+                first["particles/all/position/value"][-1], then["particles/all/position/value"][0]
+            )
+
+    def test_kinetic_theory_gives_the_known_flow_or_says_where_it_failed(self):
+        said = self.run_scene("shear-cell-continuum", {})
+        self.assertIn("at a speed of 2 and a pressure of 5500: mean solid fraction 0.5803", said)
+        summary = rows(self.out / "summary.csv")
+        for row, (fraction, stress) in zip(summary, [(0.6123, 1588.5), (0.5803, 1578.6), (0.5326, 1562.2)]):
+            self.assertAlmostEqual(row["mean_solid_fraction"], fraction, delta=1e-4)
+            self.assertAlmostEqual(row["shear_stress"] / stress, 1, delta=1e-3)
+            self.assertLess(row["residual"], 1e-8)
+        self.assertEqual(len(rows(self.out / "profile.csv")), 3 * 101)
+        again = run(["resume", self.out])
+        self.assertIn("finished", again)
+        sets = {"cell.speeds": "[2.0, 400.0]", "start": 0.64}
+        failed = self.run_scene("shear-cell-continuum", sets, self.out.with_name("failed"), expect=1)
+        self.assertIn("did not converge from a uniform solid fraction of 0.6400", failed)
+
+    def test_grains_run_in_one_process(self):
+        said = run(["run", *words("granular-disks", {}), "--out", self.out], ranks=2, expect=1)
+        self.assertIn("start this one without mpirun", said)
+        self.assertFalse((self.out / "scene.toml").exists())
