@@ -105,7 +105,7 @@ impl Sweep {
     pub fn model(&self, case: &Case) -> Result<Model, ParameterError> {
         let &Case { seed, viscosity, rate, area_fraction, .. } = case;
         let flow = Flow::Shear { rate };
-        Model::new(Parameters { seed, viscosity, flow, area_fraction, ..self.base.clone() })
+        Model::new(Parameters { area_fraction, viscosity, flow, seed, ..self.base.clone() })
     }
 
     /// Makes all runs that the keeper has no records of, several at a time, each on one core as long as it is small.

@@ -66,7 +66,9 @@ impl Keeper for Cases {
 
     fn keep(&self, case: &Case, records: &[Record]) -> anyhow::Result<()> {
         let mut table = table();
-        records.iter().for_each(|record| table.add(&[], &[&name(case)[..], &record.values()].concat()));
+        for record in records {
+            table.add(&[], &[&name(case)[..], &record.values()].concat());
+        }
         replace_file(&self.path(case), table.to_csv().as_bytes())?;
         self.say(case, "");
         Ok(())

@@ -39,19 +39,18 @@ pub fn disks(model: &Model, time: &Time) -> String {
 
 fn disks_and_cost(scene: &GranularDisksScene) -> String {
     let count = scene.model.sizes().len() as f64;
-    let mut text = disks(&scene.model, &scene.time);
-    if let Some(path) = &scene.start {
-        text += &format!("start      from {}, whose disks take the place of these\n", path.display());
-    }
-    let work = match &scene.sweep {
-        None => count * scene.time.steps as f64,
+    let start = scene.start.as_ref().map_or_else(String::new, |path| {
+        format!("start      from {}, whose disks take the place of these\n", path.display())
+    });
+    let steps = match &scene.sweep {
+        None => scene.time.steps as f64,
         Some(sweep) => {
-            text += &cases(sweep);
             let steps = |rate: f64| sweep.strain / (rate.abs() * sweep.base.time_step);
-            sweep.cases().iter().map(|case| count * steps(case.rate)).sum()
+            sweep.cases().iter().map(|case| steps(case.rate)).sum()
         }
     };
-    text + &format!("cost       about {:.0} s of one core\n", work / DISK_STEPS)
+    let cost = format!("cost       about {:.0} s of one core\n", count * steps / DISK_STEPS);
+    disks(&scene.model, &scene.time) + &start + &scene.sweep.as_ref().map_or_else(String::new, cases) + &cost
 }
 
 /// The runs of a sweep.

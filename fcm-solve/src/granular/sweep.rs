@@ -13,7 +13,7 @@ use std::process::ExitCode;
 pub fn sweep(sweep: &Sweep, scene: &Scene, folder: &Path, comm: &Comm) -> anyhow::Result<ExitCode> {
     let signals = Signals::watch(comm)?;
     let plan = outline::cases(sweep);
-    eprint!("{plan}results    {}\n", folder.display());
+    eprintln!("{plan}results    {}", folder.display());
     let cases = Cases::of(folder, signals.heard(), sweep.cases().len())?;
     let runs = match sweep.run(&cases) {
         Ok(runs) => runs,

@@ -76,7 +76,7 @@ impl Scene {
         let named = places.text_at("kind");
         let reading = Reading { text, folder, explain, places };
         let kind = match named.as_deref().unwrap_or(KINDS[0]) {
-            "suspension" => Kind::Suspension(reading.check(|raw, folder| SuspensionScene::checked(raw, folder))?),
+            "suspension" => Kind::Suspension(reading.check(SuspensionScene::checked)?),
             "granular-disks" => {
                 Kind::GranularDisks(reading.check(|raw, folder| GranularDisksScene::checked(&raw, folder))?)
             }

@@ -117,19 +117,21 @@ pub(super) struct Preparation {
 }
 
 #[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "kebab-case")]
 pub(super) enum Integrator {
-    GearFour,
-    GearFive,
-    GearFivePositional,
+    #[serde(rename = "gear-four")]
+    Four,
+    #[serde(rename = "gear-five")]
+    Five,
+    #[serde(rename = "gear-five-positional")]
+    FivePositional,
 }
 
 impl From<Integrator> for Gear {
     fn from(integrator: Integrator) -> Self {
         match integrator {
-            Integrator::GearFour => Self::FourValue,
-            Integrator::GearFive => Self::FiveValue,
-            Integrator::GearFivePositional => Self::FiveValuePositional,
+            Integrator::Four => Self::FourValue,
+            Integrator::Five => Self::FiveValue,
+            Integrator::FivePositional => Self::FiveValuePositional,
         }
     }
 }
