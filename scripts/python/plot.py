@@ -1,7 +1,10 @@
-"""Draws a run: its spheres at the end, coloured by velocity, and its time series."""
+"""Draws a page to judge a run by: its spheres at the end, coloured by velocity, its time series, and its statistics:
+fluctuations and pair distributions."""
 
 import argparse
+import os
 import pathlib
+import subprocess
 
 import matplotlib
 
@@ -12,6 +15,10 @@ from matplotlib.collections import LineCollection
 
 import spheres
 from results import Results
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PROGRAM = pathlib.Path(os.environ.get("FCM_SOLVE", TARGET / "release" / "fcm-solve"))
 
 
 def draw_spheres(axes, run):
@@ -26,8 +33,8 @@ def draw_spheres(axes, run):
     # The fastest and slowest hundredth would leave all others one colour.
     norm = plt.Normalize(*np.percentile(value, [1, 99]), clip=True)
     colours = plt.cm.viridis(norm(value))
-    image, extent = spheres.render(positions, run.radii, colours, run.edges, pixels=900)
-    axes.add_collection(LineCollection(spheres.corners(run.edges), colors="0.6", linewidths=0.8, zorder=0))
+    image, extent = spheres.render(positions, run.radii, colours, run.lattice, pixels=900)
+    axes.add_collection(LineCollection(spheres.corners(run.lattice), colors="0.6", linewidths=0.8, zorder=0))
     axes.imshow(image, origin="lower", extent=extent, interpolation="antialiased", zorder=1)
     axes.set_axis_off()
     axes.set_title(f"{run.title}: time {time:.3g}", fontsize=10)
@@ -48,19 +55,72 @@ def draw_velocities(axes, run):
             axes.plot(run.time, fluctuation, color=f"C{index}", label=f"{name}: fluctuation")
     axes.set_ylabel("velocity / Stokes velocity" if settling else "velocity")
     axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
+
+
+def draw_gap(axes, run):
+    """The smallest gap, and in shear the viscosity."""
+    axes.plot(run.time, run.smallest_gap, color="0.3")
+    axes.axhline(0, color="0.7", linewidth=0.8)
+    axes.set_ylabel("smallest gap")
+    axes.set_xlabel("time")
+    if run.viscosity is not None:
+        other = axes.twinx()
+        other.plot(run.time, run.viscosity, color="C3")
+        other.set_ylabel("relative viscosity", color="C3")
+
+
+def draw_fluctuations(axes, summary):
+    """The fluctuation tensor of each species."""
+    components = ["xx", "yy", "zz", "xy", "xz", "yz"]
+    rows = {(q.decode(), s.decode()): i for i, (q, s) in enumerate(zip(summary["quantity"], summary["species"]))}
+    species = [name for quantity, name in rows if quantity == "T_xx"]
+    for index, name in enumerate(species):
+        chosen = [rows[f"T_{component}", name] for component in components]
+        places = np.arange(6) + 0.8 * (index + 0.5) / len(species) - 0.4
+        errors = np.nan_to_num(summary["error"][chosen], posinf=0)
+        axes.bar(places, summary["value"][chosen], 0.8 / len(species), yerr=errors, capsize=2, label=name)
+    axes.axhline(0, color="0.7", linewidth=0.8)
+    axes.set_xticks(range(6), components)
+    axes.set_ylabel("fluctuation tensor of velocity")
+    axes.legend(fontsize=7)
+
+
+def draw_pairs(axes, pairs):
+    """The pair distribution of each pair of species."""
+    names = list(zip(pairs["first"], pairs["second"]))
+    for pair in dict.fromkeys(names):
+        rows = [name == pair for name in names]
+        label = " - ".join(name.decode() for name in dict.fromkeys(pair))
+        axes.plot(pairs["distance"][rows], pairs["g"][rows], label=label)
+    axes.axhline(1, color="0.7", linewidth=0.8)
+    axes.set_xlabel("distance")
+    axes.set_ylabel("g(r)")
+    axes.legend(fontsize=7)
+
+
+def make_statistics(run):
+    """Statistics of the trajectory, if the run made none; nothing if the program isn't there."""
+    tables = run.statistics()
+    if not tables and PROGRAM.exists():
+        subprocess.run([PROGRAM, "stats", run.folder], check=True, stdout=subprocess.DEVNULL)
+        tables = run.statistics()
+    return tables
 
 
 def draw(run, path):
-    figure = plt.figure(figsize=(11, 5.6), layout="constrained")
-    left, right = figure.subfigures(1, 2, width_ratios=[5, 4])
-    draw_spheres(left.subplots(), run)
-    upper, lower = right.subplots(2, sharex=True)
+    tables = make_statistics(run)
+    figure = plt.figure(figsize=(15 if tables else 11, 5.8), layout="constrained")
+    widths = [5, 4, 4] if tables else [5, 4]
+    parts = figure.subfigures(1, len(widths), width_ratios=widths)
+    draw_spheres(parts[0].subplots(), run)
+    upper, lower = parts[1].subplots(2, sharex=True)
     draw_velocities(upper, run)
-    lower.plot(run.time, run.smallest_gap, color="0.3")
-    lower.axhline(0, color="0.7", linewidth=0.8)
-    lower.set_xlabel("time")
-    lower.set_ylabel("smallest gap")
+    draw_gap(lower, run)
+    if tables:
+        upper, lower = parts[2].subplots(2)
+        draw_fluctuations(upper, tables["summary"])
+        draw_pairs(lower, tables["pairs"])
     figure.savefig(path, dpi=100)
 
 

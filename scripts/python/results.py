@@ -19,11 +19,12 @@ class Results:
             self.mean_velocity = series["mean_velocity/value"][:]
             self.velocity_variance = series["velocity_variance/value"][:]
             self.smallest_gap = series["smallest_gap/value"][:]
+            self.viscosity = series["relative_viscosity/value"][:] if "relative_viscosity" in series else None
         with h5py.File(self.folder / "trajectory.h5") as file:
             particles = file["particles/all"]
             self.species = particles["species"][:]
             self.radii = particles["radius"][:]
-            self.edges = np.diag(particles["box/edges/value"][-1])
+            self.lattice = particles["box/edges/value"][-1]
         self.title = self.scene.get("title", self.folder.name)
         self.names = [kind["name"] for kind in self.scene["species"]]
 
@@ -34,9 +35,20 @@ class Results:
             last = len(particles["position/step"]) - 1
             return [particles[name][last] for name in ("position/time", "position/value", "velocity/value")]
 
+    def statistics(self):
+        """The tables of statistics, made during the run or afterwards: lists of columns by table and column. Empty if there
+        are none."""
+        for name in ("statistics", "stats"):
+            path = self.folder / name / "statistics.h5"
+            if path.exists():
+                with h5py.File(path) as file:
+                    tables = {key: group for key, group in file.items() if key not in ("h5md", "parameters")}
+                    return {key: {name: data[()] for name, data in group.items()} for key, group in tables.items()}
+        return {}
+
     def volume_fraction(self):
         """The share of the box that particles fill."""
-        return float(np.sum(4 / 3 * np.pi * self.radii**3) / np.prod(self.edges))
+        return float(np.sum(4 / 3 * np.pi * self.radii**3) / np.linalg.det(self.lattice))
 
     def stokes_velocities(self):
         """Velocity of each species' spheres, alone in unbounded fluid, under the force and weight of the scene."""

@@ -15,20 +15,20 @@ def view():
     return np.array([right, np.cross(towards, right), towards])
 
 
-def corners(edges):
-    """The twelve edges of the box as pairs of points on the picture, (12, 2, 2)."""
+def corners(lattice):
+    """The twelve edges of the box, whose lattice vectors are rows, as pairs of points on the picture, (12, 2, 2)."""
     points = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     pairs = [(a, b) for i, a in enumerate(points) for b in points[i + 1 :] if np.abs(a - b).sum() == 1]
-    return np.array(pairs) * edges @ view().T[:, :2]
+    return np.array(pairs) @ lattice @ view().T[:, :2]
 
 
-def render(positions, radii, colours, edges, pixels):
+def render(positions, radii, colours, lattice, pixels):
     """An image (height, width, 4) of the spheres, transparent where there are none, and its extent (left, right, bottom,
     top) on the picture. Each pixel shows the sphere nearest to the viewer, lit from the upper left."""
     places = positions @ view().T
     margin = radii.max()
-    low = corners(edges).min(axis=(0, 1)) - margin
-    high = corners(edges).max(axis=(0, 1)) + margin
+    low = corners(lattice).min(axis=(0, 1)) - margin
+    high = corners(lattice).max(axis=(0, 1)) + margin
     scale = pixels / (high - low).max()
     width, height = np.ceil((high - low) * scale).astype(int)
     image, depth = np.zeros((height, width, 4)), np.full((height, width), -np.inf)

@@ -7,11 +7,11 @@ import numpy as np
 import settling
 import theory
 from report import Report, main
-from runs import make, over_seeds
+from runs import make, over_seeds, volume
 
 
 def draw(mode):
-    """Both sink, or one rises."""
+    """Both sink, or one rises; what the images in the box take off is added back."""
     seconds = settling.SECOND[mode]
     own, other = theory.random_pairs()
     report = Report("fig24", mode, "Fig. 24: settling of two densities", panels=2)
@@ -25,8 +25,13 @@ def draw(mode):
         for place, (name, stokes) in enumerate((("first", 1.0), ("second", ratio))):
             velocities = {}
             for kind, cases, marker in (("runs", dynamic, "o"), ("random places", static, "^")):
-                found = [over_seeds(runs, settling.velocity(name)) for runs in cases.values()]
-                velocities[kind] = [(value / stokes, error / abs(stokes)) for value, error in found]
+                velocities[kind] = []
+                for phi, runs in cases.items():
+                    value, error = over_seeds(runs, settling.velocity(name))
+                    spheres = (0.02 + phi) * settling.edge_for(both[phi], mode) ** 3 / volume(1)
+                    weight = (0.02 + phi * ratio) / (0.02 + phi) / stokes
+                    images = theory.periodic_images(0.02 + phi, spheres, weight)
+                    velocities[kind].append((value / stokes + images, error / abs(stokes)))
                 style = {"marker": marker, "linestyle": "none", "color": f"C{place}", "fillstyle": "none"}
                 report.points(f"{name}: {kind}", totals, velocities[kind], panel, **style)
             of_first = own + other * (1 / stokes)

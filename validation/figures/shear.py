@@ -8,10 +8,10 @@ from runs import Run, volume
 # paper's 20% of the radius in figures 4 and 10, or 2.5% with lubrication.
 BARRIER, RANGE, RANGE_WITH_LUBRICATION = 80.0, 0.2, 0.025
 
-# Particles at each volume fraction, length in strains, strain before sampling, time step, seeds.
+# Particles at each volume fraction, length in strains, strain before sampling, time step, seeds of one size and of two.
 SIZE = {
-    "quick": {"particles": 150, "strain": 80.0, "settled": 10.0, "step": 0.01, "seeds": 1, "edge": 22.0},
-    "full": {"particles": None, "strain": None, "settled": 20.0, "step": 0.005, "seeds": 2, "edge": 48.0},
+    "quick": {"particles": 150, "strain": 80.0, "settled": 10.0, "step": 0.01, "seeds": 2, "mixed": 1, "edge": 22.0},
+    "full": {"particles": None, "strain": None, "settled": 20.0, "step": 0.005, "seeds": 2, "mixed": 2, "edge": 48.0},
 }
 FRACTIONS = (0.01, 0.05, 0.10, 0.15, 0.20)
 # Correlations last for about this long (figure 8), and motion is diffusive after it (figure 9).
@@ -63,7 +63,7 @@ def bidisperse(ratio, large_to_small, mode, fraction=0.10):
     species = [("small", 1.0, fraction - large), ("large", ratio, large)]
     return [
         Run(f"shear/{mode}-{ratio:g}-{large_to_small:.3g}-{seed}", scene(species, size["edge"], mode, seed))
-        for seed in range(1, size["seeds"] + 1)
+        for seed in range(1, size["mixed"] + 1)
     ]
 
 

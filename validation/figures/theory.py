@@ -25,11 +25,12 @@ def brady_durlofsky(phi):
     return (1 - phi) ** 3 / (1 + 2 * phi)
 
 
-def periodic_images(phi, spheres):
+def periodic_images(phi, spheres, weight=1.0):
     """What the images of a cubic box take off the mean settling velocity of spheres at random, over the Stokes velocity:
-    1.7601 S(0) (phi / N)^(1/3) / eta (Mo & Sangani, Phys. Fluids 6, 1637, 1994), with the structure factor of the
-    Percus-Yevick fluid and the viscosity 1 + 5/2 phi + 5 phi^2."""
-    structure = (1 - phi) ** 4 / (1 + 2 * phi) ** 2
+    1.7601 S (phi / N)^(1/3) / eta (Mo & Sangani, Phys. Fluids 6, 1637, 1994), with the viscosity 1 + 5/2 phi + 5 phi^2. S is
+    the structure factor S(0) of the Percus-Yevick fluid; for a species among others of the same size, whose mean weight is
+    `weight` times its own, it is 1 + (S(0) - 1) weight."""
+    structure = 1 + ((1 - phi) ** 4 / (1 + 2 * phi) ** 2 - 1) * weight
     return 1.7601 * structure * (phi / spheres) ** (1 / 3) / (einstein(phi) + 5 * phi**2)
 
 
