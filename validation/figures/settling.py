@@ -82,13 +82,13 @@ def velocity(name):
 # The cases of each figure: Stokes times are those of species 1.
 MONODISPERSE = (0.02, 0.05, 0.10, 0.15, 0.20)
 TOTALS = {"quick": (0.02, 0.06, 0.10, 0.15), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.15)}
-WIDTHS = {"quick": (16.0, 20.0, 28.0), "full": (24.0, 32.0, 48.0, 64.0, 96.0)}
+WIDTHS = {"quick": (20.0, 28.0, 40.0), "full": (24.0, 32.0, 48.0, 64.0, 96.0)}
 SECOND = {"quick": (0.02, 0.05, 0.10), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.13)}
 PAIRS = {
     "quick": ((0.03, 0.03), (0.06, 0.06), (0.10, 0.10)),
     "full": ((0.02, 0.02), (0.04, 0.04), (0.06, 0.06), (0.08, 0.08), (0.10, 0.10), (0.05, 0.15), (0.02, 0.15), (0.12, 0.12)),
 }
-SEGREGATION_TIME = {"quick": 60.0, "full": 400.0}
+SEGREGATION_TIME = {"quick": 150.0, "full": 400.0}
 TEST_RATIOS = {"quick": (1.2, 2.0, 2.8), "full": (1.0, 1.2, 1.6, 2.0, 2.4, 2.8)}
 TEST_TIME = {"quick": 60.0, "full": 400.0}
 # One test sphere in the paper; a few in the same box when time is short.

@@ -39,7 +39,7 @@ struct About {
     flow: BackgroundFlow,
     rigid: bool,
     axis: usize,
-    column_width: f64,
+    columns: Columns,
     wanted: Wanted,
 }
 
@@ -105,7 +105,7 @@ impl Statistics {
         self.lagrangian.add(time, &motions);
         self.pairs.add(cell, &particles.positions, &particles.species);
         self.profile.add(&particles.positions, &particles.radii, &particles.species);
-        self.segregation.add(self.about.segregation(cell, particles));
+        self.segregation.add(counted(&self.about.columns, particles).intensity());
         let [first, _, samples] = self.times;
         self.times = [if samples == 0.0 { time } else { first }, time, samples + 1.0];
     }
@@ -127,18 +127,26 @@ impl About {
             flow,
             rigid: scene.hydrodynamics.multipoles == Multipoles::Dipole,
             axis: wanted.axis.map_or_else(|| default_axis(scene), index),
-            column_width: COLUMN_WIDTH * particles.radii.iter().copied().fold(0.0, f64::max),
+            columns: columns(scene),
             wanted,
         }
     }
+}
 
-    fn segregation(&self, cell: &PeriodicBox, particles: &Particles) -> f64 {
-        let mut columns = Columns::new(cell, self.axis, self.column_width, self.names.len());
-        for (&position, &species) in particles.positions.iter().zip(&particles.species) {
-            columns.add(position, species);
-        }
-        columns.intensity()
+/// Columns in which to look for the segregation of a scene's species: along the axis of its statistics.
+pub fn columns(scene: &SuspensionScene) -> Columns {
+    let axis = scene.statistics.and_then(|wanted| wanted.axis).map_or_else(|| default_axis(scene), index);
+    let largest = scene.species.iter().map(|s| s.radius).fold(0.0, f64::max);
+    Columns::new(&scene.cell, axis, COLUMN_WIDTH * largest, scene.species.len())
+}
+
+/// The particles of this rank counted in columns that are empty.
+pub fn counted(empty: &Columns, particles: &Particles) -> Columns {
+    let mut columns = empty.clone();
+    for (&position, &species) in particles.positions.iter().zip(&particles.species) {
+        columns.add(position, species);
     }
+    columns
 }
 
 /// The axis along which forces act most; without forces, that of the gradient.

@@ -2,14 +2,18 @@
 
 use super::rheology::Rheology;
 use super::{StepReport, Suspension};
+use crate::statistics::{columns, counted};
 use domain::Vector;
 use io::{Quantity, SuspensionScene};
+use statistics::Columns;
 use std::time::Instant;
 
 /// Computes the rows of the time series.
 pub struct Observer {
     species: Vec<String>,
     rheology: Option<Rheology>,
+    /// Columns in which species may separate, if there is more than one.
+    columns: Option<Columns>,
     last: (u64, Instant),
 }
 
@@ -17,7 +21,8 @@ impl Observer {
     /// An observer of a scene's species from step `step` on.
     pub fn new(scene: &SuspensionScene, step: u64) -> Self {
         let species = scene.species.iter().map(|s| s.name.clone()).collect();
-        Self { species, rheology: Rheology::of(scene), last: (step, Instant::now()) }
+        let columns = (scene.species.len() > 1).then(|| columns(scene));
+        Self { species, rheology: Rheology::of(scene), columns, last: (step, Instant::now()) }
     }
 
     /// What a row consists of. Velocities are relative to the background flow; their variance is component by component.
@@ -27,6 +32,7 @@ impl Observer {
             Quantity::vectors("velocity_variance", "length^2/time^2", &self.species),
         ];
         quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
+        quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
         quantities.extend([
             Quantity::number("smallest_gap", "length"),
             Quantity::number("iterations", ""),
@@ -46,6 +52,11 @@ impl Observer {
         let mut row = vec![components(&means), components(&variances)];
         if let Some(rheology) = &self.rheology {
             row.extend(rheology.row(&suspension.stress(self.species.len())));
+        }
+        if let Some(columns) = &self.columns {
+            let mut counted = counted(columns, suspension.particles());
+            suspension.comm().sum(counted.counts());
+            row.push(vec![counted.intensity()]);
         }
         row.extend([smallest_gap, iterations as f64, residual, divergence, seconds].map(|number| vec![number]));
         row
