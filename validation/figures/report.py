@@ -2,6 +2,7 @@
 
 import argparse
 import csv
+import fnmatch
 import json
 import math
 
@@ -14,8 +15,8 @@ from runs import ROOT
 
 DATA = ROOT / "validation" / "data" / "figures"
 PICTURES = ROOT / "docs" / "src" / "figures"
-PAGE = ROOT / "docs" / "src" / "figures.md"
-ABOUT = ROOT / "validation" / "figures" / "about.md"
+# The pages: which figures are on each, and the text that says what to make of them.
+PAGES = {"figures": ("fig*", "about"), "disks": ("disks-fig*", "about_disks"), "shear-cell": ("shear-cell", "about_shear_cell")}
 
 
 class Report:
@@ -68,7 +69,7 @@ class Report:
             table.writerows([label, *(f"{number:.6g}" for number in numbers)] for label, *numbers in self.curves)
         judged = {"title": self.title, "mode": self.mode, "rows": self.rows}
         (DATA / f"{self.name}.json").write_text(json.dumps(judged, indent=1, ensure_ascii=False) + "\n")
-        write_page()
+        write_page(next(page for page, (figures, _) in PAGES.items() if fnmatch.fnmatch(self.name, figures)))
         print(f"{self.title} ({self.mode})")
         for row in self.rows:
             print("  " + " | ".join(row))
@@ -82,19 +83,20 @@ def shown(found):
 
 
 def number(path):
-    return int(path.stem.removeprefix("fig"))
+    return int(path.stem.partition("fig")[2] or 0)
 
 
-def write_page():
-    """The page of all figures that have been made, after the text that says what to make of them."""
-    lines = [ABOUT.read_text().rstrip()]
-    for path in sorted(DATA.glob("fig*.json"), key=number):
+def write_page(page):
+    """The page of all its figures that have been made, after the text that says what to make of them."""
+    figures, about = PAGES[page]
+    lines = [(ROOT / "validation" / "figures" / f"{about}.md").read_text().rstrip()]
+    for path in sorted(DATA.glob(f"{figures}.json"), key=number):
         judged = json.loads(path.read_text())
         lines += ["", f"## {judged['title']}", "", f"`scripts/reproduce {path.stem} --{judged['mode']}`", ""]
         lines += ["| quantity | paper or theory | here | verdict |", "|---|---|---|---|"]
         lines += ["| " + " | ".join(row) + " |" for row in judged["rows"]]
         lines += ["", f"![{judged['title']}](figures/{path.stem}.png)"]
-    PAGE.write_text("\n".join(lines) + "\n")
+    (ROOT / "docs" / "src" / f"{page}.md").write_text("\n".join(lines) + "\n")
 
 
 def main(make):

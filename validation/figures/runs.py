@@ -45,13 +45,17 @@ def scene_text(scene):
 class Run:
     """A scene and the folder of its results."""
 
-    def __init__(self, name, scene):
-        self.name, self.text = name, scene_text(scene)
+    def __init__(self, name, scene, threads=1):
+        self.name, self.text, self.threads = name, scene_text(scene), threads
         self.folder = FOLDER / name
         self.finished = self.folder / "finished.toml"
 
     def is_finished(self):
         return self.finished.exists() and self.finished.read_text() == self.text
+
+    def has_a_part(self):
+        """Whether something of it has been made that `resume` goes on from."""
+        return any(self.folder.glob("checkpoint-*.bin")) or any(self.folder.glob("cases/*.csv"))
 
     def make(self):
         """Runs the scene, or goes on with it; a scene that has changed starts anew."""
@@ -59,13 +63,13 @@ class Run:
             return
         self.folder.mkdir(parents=True, exist_ok=True)
         started = self.folder / "started.toml"
-        goes_on = started.exists() and started.read_text() == self.text and any(self.folder.glob("checkpoint-*.bin"))
+        goes_on = started.exists() and started.read_text() == self.text and self.has_a_part()
         if goes_on:
             command = [PROGRAM, "resume", self.folder]
         else:
             started.write_text(self.text)
             command = [PROGRAM, "run", started, "--out", self.folder, "--force"]
-        ended = subprocess.run([*map(str, command), "--threads", "1"], capture_output=True, text=True)
+        ended = subprocess.run([*map(str, command), "--threads", str(self.threads)], capture_output=True, text=True)
         if ended.returncode:
             raise SystemExit(f"{self.name}: {ended.stderr.strip().splitlines()[-1]}\nfolder: {self.folder}")
         self.finished.write_text(self.text)

@@ -93,6 +93,14 @@ impl Engine {
         }
     }
 
+    /// Whether rigid grains have jammed, so that the engine gave up before its time.
+    pub fn is_jammed(&self) -> bool {
+        match self {
+            Self::TimeStepped(_) => false,
+            Self::EventDriven(engine) => engine.is_jammed(),
+        }
+    }
+
     /// The grains now.
     pub fn grains(&self) -> Grains {
         match self {

@@ -4,6 +4,7 @@ use super::cell_tables::{WALLS, tables};
 use super::{from_bytes, on_one_rank, outline, to_bytes};
 use crate::clock::Clock;
 use crate::simulation::Simulation;
+use anyhow::ensure;
 use domain::{Comm, PeriodicBox, Vector};
 use drivers::shear_cell::{Grains, Model, Run, Sample, Side};
 use io::{Checkpoint, FileError, Frame, Provenance, Quantity, ShearCellScene, write_tables};
@@ -68,6 +69,12 @@ impl Simulation for CellRun {
         } else {
             self.run.measure(self.clock.dt());
         }
+        ensure!(
+            !self.run.engine().is_jammed(),
+            "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower \
+             grains.solid_fraction, let the top go with top.kind = \"free\", or take collisions = \"time-stepped\"",
+            self.clock.time()
+        );
         self.run.renew()?;
         self.sample = Some(self.run.sample_since(&before));
         self.clock.tick();

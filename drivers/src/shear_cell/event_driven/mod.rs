@@ -31,6 +31,9 @@ const TURN: f64 = 0.01;
 /// Events for each grain between two moments at which all are brought to the same time.
 const LAPS: u64 = 16;
 
+/// Hits for each grain in one call to [`EventDriven::advance`] beyond which they count as jammed.
+const JAMMED: u64 = 20_000;
+
 /// No grain.
 const NONE: u32 = u32::MAX;
 
@@ -58,6 +61,7 @@ pub struct EventDriven {
     lid: lid::Moving,
     tally: Tally,
     events: Events,
+    jammed: bool,
 }
 
 /// What the engine did.
@@ -123,14 +127,26 @@ impl EventDriven {
             lid: lid::Moving::new(state.lid, -model.lid_fall()),
             tally: state.tally,
             events: Events::default(),
+            jammed: false,
         };
         engine.sort_and_plan();
         engine
     }
 
-    /// Runs for a time.
+    /// Runs for a time, or until the grains have jammed.
     pub fn advance(&mut self, duration: f64) {
-        self.run(duration, u64::MAX);
+        if self.jammed {
+            return;
+        }
+        let end = self.tally.time + duration;
+        self.run(duration, JAMMED * self.grains.len() as u64);
+        self.jammed = self.tally.time < end * (1.0 - 1e-9);
+    }
+
+    /// Whether the grains have jammed: rigid grains without room rattle against each other ever faster, and time stands
+    /// still.
+    pub fn is_jammed(&self) -> bool {
+        self.jammed
     }
 
     /// Runs until this many more hits have happened; stops early if none is left to come.
