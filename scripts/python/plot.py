@@ -1,5 +1,5 @@
 """Draws a page to judge a run by: its spheres at the end, coloured by velocity, its time series, and its statistics:
-fluctuations and pair distributions."""
+fluctuations and pair distributions. Of grains: the disks and how they segregate, or the averages of a shear cell."""
 
 import argparse
 import os
@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
+import grains
 import spheres
 from results import Results
 
@@ -128,9 +129,14 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/plot", description=__doc__)
     parser.add_argument("folder", type=pathlib.Path, help="the results of a run")
     parser.add_argument("picture", type=pathlib.Path, nargs="?", help="where the picture goes [its picture.png]")
+    parser.add_argument("--by", choices=("excess", "speed", "species"), default="excess", help="what the gray of disks says")
+    parser.add_argument("--animate", action="store_true", help="all frames of disks, as a GIF")
     arguments = parser.parse_args()
-    picture = arguments.picture or arguments.folder / "picture.png"
-    draw(Results(arguments.folder), picture)
+    picture = arguments.picture or arguments.folder / ("picture.gif" if arguments.animate else "picture.png")
+    if grains.scene_of(arguments.folder).get("kind") in grains.KINDS:
+        grains.draw(arguments.folder, picture, arguments.by, arguments.animate)
+    else:
+        draw(Results(arguments.folder), picture)
     print(f"picture    {picture}")
 
 
