@@ -7,7 +7,7 @@ use domain::{Particles, Vector};
 pub const VELOCITY: &str = "velocity";
 
 /// Velocities of the steps before, the last one first.
-const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocity 3"];
+pub const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocity 3"];
 
 /// Velocities of the stages within a Runge-Kutta step; there is no such column between steps.
 const STAGES: [&str; 2] = ["stage velocity 2", "stage velocity 3"];
@@ -68,7 +68,7 @@ fn runge_kutta<E>(
 }
 
 /// Adds the sum of `weights[k] * column[k]` to the positions.
-fn move_by<const N: usize>(particles: &mut Particles, columns: [&str; N], weights: [f64; N]) {
+pub fn move_by<const N: usize>(particles: &mut Particles, columns: [&str; N], weights: [f64; N]) {
     for name in columns {
         particles.column(name, 3);
     }
@@ -80,7 +80,7 @@ fn move_by<const N: usize>(particles: &mut Particles, columns: [&str; N], weight
 }
 
 /// Makes the velocities of now the last past ones.
-fn remember(particles: &mut Particles) {
+pub fn remember(particles: &mut Particles) {
     copy(particles, PAST[1], PAST[2]);
     copy(particles, PAST[0], PAST[1]);
     copy(particles, VELOCITY, PAST[0]);

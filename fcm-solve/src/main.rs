@@ -2,8 +2,10 @@
 
 mod args;
 mod bench;
+mod calibrate;
 mod check;
 mod clock;
+mod extrapolation;
 mod granular;
 mod info;
 mod integrator;

@@ -33,6 +33,7 @@ A case for N particles:
   rigid       whether to solve for the stresslets that keep the particles rigid (default: true)
   multipoles  \"monopole\" or \"dipole\" (default)
   lubrication whether near pairs of rigid particles feel lubrication (default: false)
+  lubrication_cutoff  the gap where it ends, in mean radii of the pair (default: 2.5)
   background  {\"velocity_gradient\": 3 x 3, G[i][j] = du_i/dx_j}
   strain      the box's Lees-Edwards strain: its second lattice vector is (strain Ly, Ly, 0)
 What is absent is zero. The answer has velocities and angular_velocities relative to the background
@@ -59,7 +60,8 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let plan = Plan::choose(&problem(&case, &cell, args.tolerance)).context("this case can't be evaluated")?;
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
     let mut particles = place(&case, &cell, &partition);
-    let range = case.lubrication.then(Range::default);
+    let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
+    let range = case.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
     let mut hydrodynamics = comm.agree(Hydrodynamics::new(&plan, &partition, range))?;
     let start = Instant::now();
     let solved = evaluate(&case, &cell, &mut particles, &mut hydrodynamics)?;

@@ -41,6 +41,9 @@ pub struct Case {
     /// Whether near pairs of rigid particles feel lubrication.
     #[serde(default)]
     pub lubrication: bool,
+    /// The gap where lubrication ends over the mean radius of the two; the program's default if absent.
+    #[serde(default)]
+    pub lubrication_cutoff: Option<f64>,
     /// The background flow.
     #[serde(default)]
     pub background: Background,
@@ -176,6 +179,11 @@ impl Case {
                         multipoles to \"dipole\", or lubrication to false"
                 .to_owned());
         }
+        if let Some(cutoff) = self.lubrication_cutoff.filter(|c| !(self.lubrication && *c > 1e-3 && *c <= 8.0)) {
+            return Err(format!(
+                "lubrication_cutoff is {cutoff}; it needs 0.001 < lubrication_cutoff <= 8, in mean radii, and lubrication true"
+            ));
+        }
         if self.multipoles == Terms::Monopole {
             let twisted = self.torques.iter().flatten().any(|&t| t != 0.0);
             if twisted || given(&self.stresslets) {
@@ -303,6 +311,7 @@ mod tests {
         assert!(message(r#", "stresslets": [[1, 0, 0, 0, 0]]"#).contains("set rigid to false"));
         assert!(message(r#", "multipoles": "monopole", "torques": [[1, 0, 0]]"#).contains("use \"dipole\""));
         assert!(message(r#", "lubrication": true, "rigid": false"#).contains("set rigid to true"));
+        assert!(message(r#", "lubrication": true, "lubrication_cutoff": 9.0"#).contains("<= 8"));
         assert!(message(r#", "multipoles": "quadrupole""#).contains("unknown variant"));
         assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `box`"));
     }

@@ -34,6 +34,8 @@ impl Range {
     pub const WIDE: f64 = 2.5;
     /// Cutoff of Dance & Maxey (2003) and Yeo & Maxey (2010); the correction still is large there.
     pub const NARROW: f64 = 0.2;
+    /// Gap below which lubrication grows no more unless the user says so.
+    pub const CLOSEST: f64 = 1e-6;
     /// Fraction of the cutoff up to which the correction is whole.
     pub const TAPER: f64 = 0.75;
 
@@ -67,6 +69,6 @@ impl Range {
 
 impl Default for Range {
     fn default() -> Self {
-        Self { cutoff: Self::WIDE, closest: 1e-6 }
+        Self { cutoff: Self::WIDE, closest: Self::CLOSEST }
     }
 }

@@ -1,5 +1,6 @@
 //! From positions to velocities.
 
+use super::approach::Approach;
 use super::fluid;
 use super::forces::Forces;
 use super::moving_box::MovingBox;
@@ -26,6 +27,17 @@ pub enum StepError {
     /// A position that is no place.
     #[error("{0}")]
     NotFinite(Failure),
+    /// Near pairs come together faster than steps can follow.
+    #[error(
+        "step {step}: two spheres {gap:.1e} apart come together faster than any time step can follow; give the scene a \
+         [repulsion], or a larger repulsion.strength, or time.integrator = \"adams-bashforth\", which lets spheres overlap"
+    )]
+    Collision {
+        /// Steps taken before.
+        step: u64,
+        /// The smallest gap.
+        gap: f64,
+    },
     /// The fluid could not be computed.
     #[error("step {step}: {source}")]
     Solve {
@@ -35,9 +47,6 @@ pub enum StepError {
         source: SolveError,
     },
 }
-
-/// Gap over the mean radius below which lubrication grows no more.
-const CLOSEST: f64 = 1e-6;
 
 /// Edges of the box that a particle may be away from it at the end of a step, as far as counting them goes.
 const FARTHEST: f64 = 1e9;
@@ -49,6 +58,27 @@ pub struct Outcome {
     pub iterations: usize,
     /// Their relative residual.
     pub residual: f64,
+}
+
+/// When an evaluation is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// The clock at the start of its step.
+    pub clock: Clock,
+    /// How much of that step is over.
+    pub fraction: f64,
+    /// How old the solutions that were remembered were when the last of them was: 0 first.
+    pub ages: Vec<f64>,
+    /// The time since then.
+    pub ahead: f64,
+}
+
+impl Moment {
+    /// When a fraction of a step is over, solutions being remembered at the start of each step.
+    pub fn in_step(clock: &Clock, fraction: f64) -> Self {
+        let ages = (0..=clock.step().min(2)).map(|k| k as f64 * clock.dt()).collect();
+        Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt() }
+    }
 }
 
 /// Everything that moves the particles.
@@ -67,7 +97,7 @@ impl Dynamics {
     pub fn new(scene: &SuspensionScene, setup: Setup) -> anyhow::Result<(Self, Particles)> {
         let chosen = &scene.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
-        let range = chosen.lubrication.then(|| Range::new(cutoff, CLOSEST)).transpose()?;
+        let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
         let dynamics = Self {
             hydrodynamics: Hydrodynamics::new(&setup.plan, &setup.partition, range)?,
             warm_start: WarmStart::new(chosen.lubrication),
@@ -88,15 +118,16 @@ impl Dynamics {
     }
 
     /// Brings the particles into the box and to their ranks, and computes their velocities, angular velocities and
-    /// stresslets when a fraction of the clock's step is over. Collective; fails on every rank or on none.
-    pub fn evaluate(&mut self, particles: &mut Particles, clock: &Clock, fraction: f64) -> Result<Outcome, StepError> {
+    /// stresslets at a moment. Collective; fails on every rank or on none.
+    pub fn evaluate(&mut self, particles: &mut Particles, moment: &Moment) -> Result<Outcome, StepError> {
+        let clock = &moment.clock;
         self.check_positions(particles, clock)?;
-        self.moving.go_to(clock.time_at(fraction), particles);
+        self.moving.go_to(clock.time_at(moment.fraction), particles);
         let cell = *self.moving.cell();
         particles.migrate(&self.partition, &cell);
         let loads = self.forces.on(particles, &cell, &self.partition);
         let guess =
-            if self.rigid { self.warm_start.guess(particles, clock.step(), fraction) } else { Guess::default() };
+            if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
         let ambient = self.flow.strain_rate();
         let solved = self.hydrodynamics.solve(&cell, particles, &loads, ambient, &guess);
         let solved = solved.map_err(|source| StepError::Solve { step: clock.step(), source })?;
@@ -135,6 +166,11 @@ impl Dynamics {
             particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
             self.warm_start.record(particles, loads, solved);
         }
+    }
+
+    /// The relative motion of near pairs, with the velocities of the columns named. Collective.
+    pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> Approach<N> {
+        Approach::find(particles, &self.moving, &self.partition, columns)
     }
 
     /// The box as it is.

@@ -1,5 +1,7 @@
 //! A suspension of spheres in Stokes flow.
 
+mod adaptive;
+mod approach;
 mod averages;
 mod dynamics;
 mod fluid;
@@ -20,9 +22,9 @@ use crate::clock::Clock;
 use crate::integrator;
 use domain::{Column, Comm, Particles, PeriodicBox, Vector};
 pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
-use dynamics::{Dynamics, Outcome};
+use dynamics::{Dynamics, Moment, Outcome};
 use integrator::VELOCITY;
-use io::{Checkpoint, SuspensionScene};
+use io::{Adaptive, Checkpoint, SuspensionScene};
 pub use observed::Observed;
 pub use outline::Outline;
 use setup::Setup;
@@ -34,6 +36,7 @@ pub struct Suspension {
     particles: Particles,
     dynamics: Dynamics,
     clock: Clock,
+    control: Option<Adaptive>,
     outcome: Outcome,
     comm: Comm,
 }
@@ -56,8 +59,8 @@ impl Suspension {
     pub fn start(scene: &SuspensionScene, comm: &Comm) -> anyhow::Result<Self> {
         let (mut dynamics, mut particles) = Dynamics::new(scene, Setup::start(scene, comm)?)?;
         let clock = Clock::at(0, scene.time.step);
-        let outcome = dynamics.evaluate(&mut particles, &clock, 0.0)?;
-        Ok(Self { particles, dynamics, clock, outcome, comm: comm.clone() })
+        let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0))?;
+        Ok(Self { particles, dynamics, clock, control: scene.adaptive, outcome, comm: comm.clone() })
     }
 
     /// A scene as a checkpoint has it, which the first rank brings. Collective.
@@ -69,7 +72,8 @@ impl Suspension {
         initial::share_columns(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(scene, Setup::at(scene, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], scene.time.step);
-        let mut resumed = Self { particles, dynamics, clock, outcome: Outcome::default(), comm: comm.clone() };
+        let (control, outcome) = (scene.adaptive, Outcome::default());
+        let mut resumed = Self { particles, dynamics, clock, control, outcome, comm: comm.clone() };
         if then.is_some_and(|plan| plan != resumed.plan()) {
             eprintln!(
                 "warning: the fluid is computed in another way than before, so the run goes on, but not bit for bit"
@@ -80,12 +84,11 @@ impl Suspension {
 
     /// Takes one step. `Err` on every rank or on none.
     pub fn step(&mut self) -> Result<(), StepError> {
-        let Self { particles, dynamics, clock, outcome, .. } = self;
-        dynamics.remember(particles);
-        integrator::advance(particles, clock, |particles, fraction| {
-            *outcome = dynamics.evaluate(particles, clock, fraction)?;
-            Ok(())
-        })?;
+        let Self { particles, dynamics, clock, outcome, control, .. } = self;
+        *outcome = match control {
+            Some(control) => adaptive::advance(particles, clock, control, dynamics)?,
+            None => fixed_step(particles, clock, dynamics)?,
+        };
         self.clock.tick();
         Ok(())
     }
@@ -158,6 +161,17 @@ impl Suspension {
     pub fn velocity_field(&mut self) -> ([usize; 3], Vec<Vector>) {
         self.dynamics.velocity_field(&self.particles)
     }
+}
+
+/// One step of the method of fixed steps.
+fn fixed_step(particles: &mut Particles, clock: &Clock, dynamics: &mut Dynamics) -> Result<Outcome, StepError> {
+    let mut outcome = Outcome::default();
+    dynamics.remember(particles);
+    integrator::advance(particles, clock, |particles, fraction| {
+        outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction))?;
+        Ok(())
+    })?;
+    Ok(outcome)
 }
 
 #[cfg(test)]

@@ -29,6 +29,11 @@ impl MovingBox {
         &self.cell
     }
 
+    /// The velocity of the image that is `steps` lattice vectors away, relative to its particle.
+    pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
+        if self.shear_rate == 0.0 { Vector::ZERO } else { self.gradient * self.cell.lattice(steps) }
+    }
+
     fn shape_at(&self, time: f64) -> (PeriodicBox, i32) {
         let strain = self.start.strain() + self.shear_rate * time;
         let cell = PeriodicBox::sheared(self.start.edges(), strain).expect("times and rates are finite");

@@ -39,6 +39,20 @@ impl Near {
         sums
     }
 
+    /// Of vectors that each particle of this rank has, for each pair that of the second less that of the first. Collective.
+    pub fn differences(&self, values: &[Vector]) -> Vec<Vector> {
+        let mut present = values.to_vec();
+        self.exchange.extend(&mut present);
+        let difference = |pair: &Pair| present[pair.j as usize] - present[pair.i as usize];
+        self.pairs.list().iter().map(difference).collect()
+    }
+
+    /// The pairs: from the first centre to the second, both radii, and how many lattice steps the second is from its own place.
+    pub fn pairs(&self) -> impl Iterator<Item = (Vector, [f64; 2], [i32; 3])> + '_ {
+        let one = |pair: &Pair| (self.separation(pair), self.radii_of(pair), pair.steps.map(i32::from));
+        self.pairs.list().iter().map(one)
+    }
+
     /// The smallest gap between the surfaces of any pair on any rank; infinite if there is no pair. Collective.
     pub fn smallest_gap(&self, partition: &Partition) -> f64 {
         let gap = |pair: &Pair| self.separation(pair).length() - self.radii_of(pair).iter().sum::<f64>();

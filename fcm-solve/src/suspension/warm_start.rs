@@ -1,6 +1,7 @@
 //! Where the search for stresslets and lubrication starts: at what they would be if they went on as in the last steps.
 
 use super::dynamics::STRESSLET;
+use crate::extrapolation;
 use crate::lubricated::{Guess, Solved};
 use domain::{Particles, Traceless, Vector};
 use fcm::Loads;
@@ -80,14 +81,14 @@ impl WarmStart {
         }
     }
 
-    /// What the solution should be near when a fraction of step `step` is over, by the polynomials through the values at
-    /// the start of this step and of those before it.
-    pub fn guess(&self, particles: &mut Particles, step: u64, fraction: f64) -> Guess {
-        let known = PAST.min(step as usize + 1);
+    /// What the solution should be near at a time `ahead` of that of the last values that were remembered, by the polynomial
+    /// through those; `ages` says how old they were then, the last ones 0.
+    pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
+        let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
         let mut at = |name: &str, width: usize| -> Vec<f64> {
             let mut sum = vec![0.0; width * particles.len()];
-            for k in 0..known {
-                let weight = weight(k, known, fraction);
+            for k in 0..times.len() {
+                let weight = extrapolation::weight(&times, k, ahead);
                 let past = &particles.column(&past(name, k + 1), width).values;
                 sum.iter_mut().zip(past).for_each(|(sum, value)| *sum += weight * value);
             }
@@ -107,12 +108,6 @@ fn past(name: &str, k: usize) -> String {
     format!("past {name} {k}")
 }
 
-/// Lagrange's weight at `time` of the value at time `-k`, of values at `0, -1, ..., -(known - 1)`.
-fn weight(k: usize, known: usize, time: f64) -> f64 {
-    let others = (0..known).filter(|&j| j != k);
-    others.map(|j| (time + j as f64) / (j as f64 - k as f64)).product()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,11 +123,11 @@ mod tests {
             warm_start.remember(&mut particles);
         }
         for fraction in [0.5, 1.0] {
-            let found = warm_start.guess(&mut particles, 5, fraction).stresslets_far[0];
+            let found = warm_start.guess(&mut particles, &[0.0, 1.0, 2.0], fraction).stresslets_far[0];
             let difference = found - parabola(5.0 + fraction);
             assert!(difference.0.iter().all(|c| c.abs() < 1e-13), "{difference:?}");
         }
-        let first = warm_start.guess(&mut particles, 0, 1.0).stresslets_far[0];
+        let first = warm_start.guess(&mut particles, &[0.0], 1.0).stresslets_far[0];
         assert_eq!(first, parabola(5.0), "with nothing known but the last value, that");
     }
 }

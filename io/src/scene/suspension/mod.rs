@@ -40,6 +40,8 @@ pub struct SuspensionScene {
     pub hydrodynamics: Hydrodynamics,
     /// Time step and number of steps.
     pub time: Time,
+    /// How steps are divided where that is needed; `None` for steps that are all alike.
+    pub adaptive: Option<Adaptive>,
     /// What is written, where and when.
     pub output: Output,
     /// What is averaged.
@@ -69,6 +71,8 @@ pub struct Repulsion {
     pub strength: f64,
     /// The gap where it starts over the mean radius of the two; the program's default where the scene has none.
     pub range: Option<f64>,
+    /// Whether the strength is only where the search for the least sufficient one starts.
+    pub calibrate: bool,
 }
 
 /// How the fluid is computed; what is `None` is chosen from the tolerance.
@@ -93,6 +97,22 @@ pub struct Hydrodynamics {
     pub lubrication_cutoff: Option<f64>,
 }
 
+/// What limits the length of a substep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Adaptive {
+    /// Largest error of a substep in a position, over the radius.
+    pub tolerance: f64,
+    /// Largest part of a gap between two spheres that a substep may take away.
+    pub gap_fraction: f64,
+}
+
+impl Default for Adaptive {
+    fn default() -> Self {
+        Self { tolerance: 1e-4, gap_fraction: 0.25 }
+    }
+}
+
 impl SuspensionScene {
     pub(super) fn checked(raw: raw::Raw, folder: &Path) -> Result<Self, Fault> {
         let cell = cell(&raw.cell)?;
@@ -105,12 +125,13 @@ impl SuspensionScene {
             seed: raw.seed,
             viscosity: positive("fluid.viscosity", raw.fluid.viscosity)?,
             start: particles::start(&raw.particles, &species, folder)?,
-            flow: flow(raw.flow.as_ref(), &cell)?,
+            flow: in_flow(flow(raw.flow.as_ref(), &cell)?, &raw.hydrodynamics)?,
             repulsion: raw.repulsion.as_ref().map(repulsion).transpose()?,
             hydrodynamics: hydrodynamics(&raw.hydrodynamics)?,
             output: output(raw.output, time.steps),
             statistics: raw.statistics.as_ref().map(|s| Statistics::checked(s, &cell)).transpose()?,
             cell,
+            adaptive: adaptive(&raw.time)?,
             gravity,
             species,
             time,
@@ -141,6 +162,19 @@ fn flow(raw: Option<&raw::Flow>, cell: &PeriodicBox) -> Result<Flow, Fault> {
     }
 }
 
+/// Lubrication needs a box in which the images of a sphere move with the flow.
+fn in_flow(flow: Flow, hydrodynamics: &raw::Hydrodynamics) -> Result<Flow, Fault> {
+    match flow {
+        Flow::Shear { lees_edwards: false, .. } if hydrodynamics.lubrication => {
+            let message = "is true, but the box of flow.kind = \"shear\" stays straight, and spheres on either side of its y \
+                           boundary would rub against images that do not move with the flow; set flow.lees_edwards = true, \
+                           or lubrication = false";
+            Err(Fault::new("hydrodynamics.lubrication", message))
+        }
+        flow => Ok(flow),
+    }
+}
+
 fn repulsion(raw: &raw::Repulsion) -> Result<Repulsion, Fault> {
     if raw.strength < 0.0 || !raw.strength.is_finite() {
         let message = format!("is {}; the force at contact needs to be 0 or more", raw.strength);
@@ -150,7 +184,11 @@ fn repulsion(raw: &raw::Repulsion) -> Result<Repulsion, Fault> {
         let message = format!("is {range}; the gap where the barrier starts needs 0 < range <= 1, in mean radii");
         return Err(Fault::new("repulsion.range", message));
     }
-    Ok(Repulsion { strength: raw.strength, range: raw.range })
+    if raw.calibrate && raw.strength == 0.0 {
+        let message = "is 0, but repulsion.calibrate is true; give the strength where the search starts";
+        return Err(Fault::new("repulsion.strength", message));
+    }
+    Ok(Repulsion { strength: raw.strength, range: raw.range, calibrate: raw.calibrate })
 }
 
 fn hydrodynamics(raw: &raw::Hydrodynamics) -> Result<Hydrodynamics, Fault> {
@@ -198,8 +236,26 @@ fn lubrication(raw: &raw::Hydrodynamics) -> Result<(), Fault> {
 }
 
 fn time(raw: &raw::Time) -> Result<Time, Fault> {
-    let raw::Integrator::AdamsBashforth = raw.integrator;
     Time::until(raw.step, raw.steps, raw.duration)
+}
+
+fn adaptive(raw: &raw::Time) -> Result<Option<Adaptive>, Fault> {
+    let mut chosen = Adaptive::default();
+    for (name, given, value) in [
+        ("tolerance", raw.tolerance, &mut chosen.tolerance),
+        ("gap_fraction", raw.gap_fraction, &mut chosen.gap_fraction),
+    ] {
+        let key = format!("time.{name}");
+        match given {
+            Some(_) if raw.integrator != raw::Integrator::Adaptive => {
+                let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or leave it out";
+                return Err(Fault::new(key, message));
+            }
+            Some(given) => *value = checks::between(&key, given, [1e-10, 0.9])?,
+            None => {}
+        }
+    }
+    Ok((raw.integrator == raw::Integrator::Adaptive).then_some(chosen))
 }
 
 fn output(raw: raw::Output, steps: u64) -> Output {

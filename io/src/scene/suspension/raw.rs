@@ -102,6 +102,8 @@ pub(super) enum FlowKind {
 pub(super) struct Repulsion {
     pub(super) strength: f64,
     pub(super) range: Option<f64>,
+    #[serde(default)]
+    pub(super) calibrate: bool,
 }
 
 #[derive(Deserialize)]
@@ -162,13 +164,16 @@ pub(super) struct Time {
     pub(super) duration: Option<f64>,
     #[serde(default)]
     pub(super) integrator: Integrator,
+    pub(super) tolerance: Option<f64>,
+    pub(super) gap_fraction: Option<f64>,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Integrator {
     #[default]
     AdamsBashforth,
+    Adaptive,
 }
 
 #[derive(Deserialize, Default)]

@@ -1,0 +1,140 @@
+//! Runs of near spheres: accuracy, safety, and the same answer on any ranks and after a stop.
+
+use crate::suspension::{StepError, Suspension};
+use domain::{Comm, Particles, Vector};
+use io::{Kind, Scene};
+
+/// Two spheres pressed together, and one that falls by.
+const PRESSED: &str = r#"
+box.edges = [16.0, 16.0, 16.0]
+fluid.viscosity = 1.0
+particles = { initial = "positions", positions = [[5.0, 5.0, 5.0], [9.0, 5.5, 5.5], [7.0, 5.5, 5.2]] }
+hydrodynamics = { tolerance = 1e-3, lubrication = true }
+time = { step = 0.1, steps = 4, integrator = "adaptive", tolerance = 1e-3 }
+[[species]]
+name = "pushed right"
+radius = 1.0
+count = 1
+force = [20.0, 1.0, 0.0]
+[[species]]
+name = "pushed left"
+radius = 1.0
+count = 1
+force = [-20.0, 0.0, 1.0]
+[[species]]
+name = "between"
+radius = 0.9
+count = 1
+"#;
+
+/// Equal spheres that touch, in a chain, settling.
+const CHAIN: &str = r#"
+box.edges = [16.0, 16.0, 16.0]
+fluid.viscosity = 1.0
+gravity.acceleration = [0.0, 0.6, -1.0]
+particles = { initial = "positions", positions = [[4.0, 8.0, 8.0], [6.0, 8.0, 8.0], [8.0, 8.0, 8.0], [8.0, 10.0, 8.0]] }
+hydrodynamics = { tolerance = 1e-3, lubrication = true }
+repulsion.strength = 5.0
+time = { step = 0.2, steps = 3, integrator = "adaptive", tolerance = 1e-3 }
+[[species]]
+radius = 1.0
+count = 4
+density_difference = 4.5
+"#;
+
+fn parsed(text: &str, overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    Scene::parse(text, "scene.toml", &overrides).unwrap()
+}
+
+/// The particles after all steps, and whatever ended the run before.
+fn run(scene: &Scene, ranks: usize) -> (Particles, Option<StepError>) {
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    let all = Comm::threads(ranks, |comm| {
+        let mut suspension = Suspension::start(scene, &comm).unwrap();
+        let failed = (0..scene.time.steps).find_map(|_| suspension.step().err());
+        (suspension.gathered(None), failed)
+    });
+    all.into_iter().next().unwrap()
+}
+
+fn gap(particles: &Particles, i: usize, j: usize) -> f64 {
+    let distance = (particles.positions[j] - particles.positions[i]).length();
+    distance - particles.radii[i] - particles.radii[j]
+}
+
+fn difference(a: &Particles, b: &Particles) -> f64 {
+    a.positions.iter().zip(&b.positions).map(|(&a, &b)| (a - b).length()).fold(0.0, f64::max)
+}
+
+#[test]
+fn spheres_pressed_together_come_near_and_never_touch() {
+    let (particles, failed) = run(&parsed(PRESSED, &[]), 1);
+    assert!(failed.is_none(), "{}", failed.unwrap());
+    for (i, j) in [(0, 2), (2, 1)] {
+        let gap = gap(&particles, i, j);
+        assert!(gap > 0.0 && gap < 0.08, "spheres {i} and {j}: {gap}");
+    }
+}
+
+#[test]
+fn what_no_step_can_follow_is_an_error_that_says_what_to_do() {
+    // Lubrication grows no more below a gap of 1e-6, and the spheres go on.
+    let head_on = [
+        "time.step=1.0",
+        "particles.positions=[[5.8, 8.0, 8.0], [9.8, 8.0, 8.0], [7.8, 8.0, 8.0]]",
+        "species[0].force=[200.0, 0.0, 0.0]",
+        "species[1].force=[-200.0, 0.0, 0.0]",
+    ];
+    let (_, failed) = run(&parsed(PRESSED, &head_on), 1);
+    let message = failed.expect("they collide").to_string();
+    assert!(message.contains("come together faster") && message.contains("repulsion.strength"), "{message}");
+}
+
+#[test]
+fn a_cluster_of_touching_spheres_settles() {
+    let (particles, failed) = run(&parsed(CHAIN, &[]), 1);
+    assert!(failed.is_none(), "{}", failed.unwrap());
+    assert!(particles.positions.iter().all(|p| p.is_finite()));
+    for (i, j) in [(0, 1), (1, 2), (2, 3)] {
+        assert!(gap(&particles, i, j) > -1e-9, "spheres {i} and {j} overlap");
+    }
+}
+
+#[test]
+fn ranks_and_threads_agree() {
+    let scene = parsed(PRESSED, &["hydrodynamics.iteration_tolerance=1e-8", "time.steps=2"]);
+    let (alone, _) = run(&scene, 1);
+    let (again, _) = run(&scene, 1);
+    assert_eq!(alone, again, "the same bits whatever thread does what");
+    for ranks in [2, 3] {
+        let (together, _) = run(&scene, ranks);
+        assert!(difference(&alone, &together) < 1e-8, "{ranks} ranks: {}", difference(&alone, &together));
+    }
+}
+
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    let scene = parsed(CHAIN, &[]);
+    let Kind::Suspension(checked) = scene.kind() else { panic!("a suspension") };
+    let comm = Comm::alone();
+    let mut whole = Suspension::start(checked, &comm).unwrap();
+    whole.step().unwrap();
+    let mut resumed = Suspension::resume(checked, Some(whole.checkpoint()), &comm).unwrap();
+    for _ in 0..2 {
+        whole.step().unwrap();
+        resumed.step().unwrap();
+    }
+    assert_eq!(whole.gathered(None), resumed.gathered(None));
+}
+
+/// One sphere that turns about another without touching it, against steps far shorter.
+#[test]
+fn the_error_follows_the_tolerance() {
+    let place = |tolerance: &str| run(&parsed(PRESSED, &[tolerance, "time.gap_fraction=0.5"]), 1).0.positions[2];
+    let exact = place("time.tolerance=1e-7");
+    let errors = ["time.tolerance=1e-3", "time.tolerance=1e-5"].map(|t| (place(t) - exact).length());
+    // A few substeps, each with an error of at most the tolerance, and the gaps' own limit.
+    assert!(errors[0] < 5e-3 && errors[1] < 0.3 * errors[0] + 1e-4, "{errors:?}");
+    assert!(exact.distance(Vector::new(7.0, 5.5, 5.2)) > 1e-3, "it moves");
+}
