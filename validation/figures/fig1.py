@@ -6,7 +6,7 @@ import numpy as np
 import settling
 import theory
 from report import Report, main
-from runs import make, over_seeds, volume
+from runs import make
 
 
 def draw(mode):
@@ -14,18 +14,21 @@ def draw(mode):
     fractions = settling.MONODISPERSE
     dynamic = {phi: settling.dynamic(settling.equal_spheres(phi), mode) for phi in fractions}
     static = {phi: settling.static(settling.equal_spheres(phi), mode) for phi in fractions}
-    make(sum([*dynamic.values(), *static.values()], []))
+    forces = {phi: settling.static(settling.equal_spheres(phi), mode, "monopole") for phi in fractions}
+    make(sum([*dynamic.values(), *static.values(), *forces.values()], []))
     report = Report("fig1", mode, "Fig. 1: settling of equal spheres", panels=2)
-    mean = settling.velocity("sphere")
-    found = [{phi: over_seeds(runs, mean) for phi, runs in cases.items()} for cases in (dynamic, static)]
-    for panel, (label, marker) in enumerate((("runs", "o"), ("random places", "^"))):
-        report.points(f"{label}, in the box", fractions, list(found[panel].values()), panel, marker=marker, linestyle="none",
-                      fillstyle="none", color="0.5")
-        for phi in fractions:
-            spheres = phi * settling.edge_for(settling.equal_spheres(phi), mode) ** 3 / volume(1)
-            value, error = found[panel][phi]
-            found[panel][phi] = value + theory.periodic_images(phi, spheres), error
-        report.points(f"{label}, without images", fractions, list(found[panel].values()), panel, marker=marker, linestyle="none")
+    found = []
+    for cases, panel, label, marker in (
+        (dynamic, 0, "runs", "o"), (static, 1, "random places", "^"), (forces, 1, "random, forces alone", "x"),
+    ):
+        boxed, free = {}, {}
+        for phi, runs in cases.items():
+            species = settling.equal_spheres(phi)
+            boxed[phi], free[phi] = settling.settled(runs, species, 0, settling.edge_for(species, mode))
+        style = {"marker": marker, "linestyle": "none"}
+        report.points(f"{label}, in the box", fractions, list(boxed.values()), panel, fillstyle="none", color="0.6", **style)
+        report.points(f"{label}, without images", fractions, list(free.values()), panel, **style)
+        found.append(free)
     phi = np.linspace(0, 0.2, 41)
     report.curve("Richardson & Zaki, n = 4.7", phi, theory.richardson_zaki(phi), 0, color="k")
     report.curve("Batchelor", phi[:25], theory.batchelor(phi[:25]), 1, color="k", linestyle=":")
@@ -38,6 +41,7 @@ def draw(mode):
     for fraction in (0.02, 0.10, 0.20):
         expected = theory.brady_durlofsky(fraction)
         report.compare(f"random places at {fraction:.0%}", "Brady & Durlofsky", expected, found[1][fraction], 0.15)
+        report.compare(f"the same, forces alone, {fraction:.0%}", "Brady & Durlofsky", expected, found[2][fraction], 0.15)
     return report
 
 

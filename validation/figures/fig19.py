@@ -3,7 +3,7 @@ figure are not known as numbers, but for their mean, and are left out."""
 
 import settling
 from report import Report, main, shown
-from runs import make, over_seeds
+from runs import make, over_seeds, volume
 
 
 def draw(mode):
@@ -12,11 +12,16 @@ def draw(mode):
     make(sum(cases.values(), []))
     spheres = f"{settling.TESTS[mode]} test sphere{'s' if settling.TESTS[mode] > 1 else ''}"
     report = Report("fig19", mode, f"Fig. 19: {spheres} in a settling suspension", panels=2)
-    means = []
+    edge = settling.SIZE[mode]["least"]
+    both = []
     for ratio, runs in cases.items():
-        value, error = over_seeds(runs, settling.velocity("test"))
-        means.append((value / ratio, error / ratio))
-    report.points("mean", list(cases), means, 0, marker="o")
+        radius = ratio**0.5
+        fraction = settling.TESTS[mode] * volume(radius) / edge**3
+        species = [*settling.equal_spheres(0.20), ("test", radius, 1.0, fraction)]
+        both.append(settling.settled(runs, species, 1, edge))
+    boxed, means = zip(*both)
+    report.points("mean, in the box", list(cases), boxed, 0, marker="o", fillstyle="none", color="0.6")
+    report.points("mean, without images", list(cases), means, 0, marker="o")
     for component, label in (("zz", "vertical"), ("xx", "horizontal")):
         found = [over_seeds(runs, settling.fluctuation("test", component)) for runs in cases.values()]
         points = [(value / ratio, error / ratio) for ratio, (value, error) in zip(cases, found)]

@@ -5,11 +5,11 @@ import numpy as np
 import settling
 import theory
 from report import Report, main
-from runs import make, over_seeds
+from runs import make
 
 
 def draw(mode):
-    """From dilute to moderately concentrated."""
+    """From dilute to moderately concentrated; compared is what the images in the box leave out."""
     totals = settling.TOTALS[mode]
     cases = {(ratio, phi): settling.dynamic(settling.two_sizes(ratio, phi), mode) for ratio in (2.0, 3.0) for phi in totals}
     make(sum(cases.values(), []))
@@ -18,11 +18,16 @@ def draw(mode):
     for panel, ratio in enumerate((2.0, 3.0)):
         radii = (1.0, ratio)
         for place, (name, marker) in enumerate((("small", "o"), ("large", "^"))):
-            stokes = radii[place] ** 2
-            found = [over_seeds(cases[ratio, phi], settling.velocity(name)) for phi in totals]
-            found = [(value / stokes, error / stokes) for value, error in found]
+            boxed, found = [], []
+            for phi in totals:
+                species = settling.two_sizes(ratio, phi)
+                both = settling.settled(cases[ratio, phi], species, place, settling.edge_for(species, mode))
+                boxed.append(both[0])
+                found.append(both[1])
             colour = f"C{place}"
-            report.points(f"{name}, $\\lambda$ = {ratio:g}", totals, found, panel, marker=marker, linestyle="none", color=colour)
+            style = {"marker": marker, "linestyle": "none", "color": colour}
+            report.points(f"{name}, in the box", totals, boxed, panel, fillstyle="none", alpha=0.5, **style)
+            report.points(f"{name}, $\\lambda$ = {ratio:g}, without images", totals, found, panel, **style)
             for label, formula, style in (
                 ("Batchelor & Wen", theory.batchelor_wen, "-"), ("Davis & Gecol", theory.davis_gecol, "--"),
             ):

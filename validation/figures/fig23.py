@@ -7,15 +7,18 @@ from runs import make, over_seeds
 
 
 def draw(mode):
-    """Means that do not depend on the box, and fluctuations that do."""
+    """Means that do not depend on the box but for the images, and fluctuations that do."""
     widths = settling.WIDTHS[mode]
     cases = {width: settling.dynamic(settling.two_sizes(2.0, 0.06), mode, edge=width) for width in widths}
     make(sum(cases.values(), []))
     report = Report("fig23", mode, "Fig. 23: settling of two sizes in boxes of several widths", panels=2)
     for place, (name, stokes, marker) in enumerate((("small", 1.0, "o"), ("large", 4.0, "^"))):
-        found = [over_seeds(runs, settling.velocity(name)) for runs in cases.values()]
-        found = [(value / stokes, error / stokes) for value, error in found]
-        report.points(name, widths, found, 0, marker=marker, linestyle="none", color=f"C{place}")
+        species = settling.two_sizes(2.0, 0.06)
+        both = [settling.settled(runs, species, place, width) for width, runs in cases.items()]
+        boxed, found = zip(*both)
+        style = {"marker": marker, "linestyle": "none", "color": f"C{place}"}
+        report.points(f"{name}, in the box", widths, boxed, 0, fillstyle="none", alpha=0.5, **style)
+        report.points(f"{name}, without images", widths, found, 0, **style)
         for label, formula, style in (
             ("Batchelor & Wen", theory.batchelor_wen, "-"), ("Davis & Gecol", theory.davis_gecol, "--"),
         ):

@@ -7,7 +7,7 @@ import numpy as np
 import settling
 import theory
 from report import Report, main
-from runs import make, over_seeds, volume
+from runs import make
 
 
 def draw(mode):
@@ -25,13 +25,10 @@ def draw(mode):
         for place, (name, stokes) in enumerate((("first", 1.0), ("second", ratio))):
             velocities = {}
             for kind, cases, marker in (("runs", dynamic, "o"), ("random places", static, "^")):
-                velocities[kind] = []
-                for phi, runs in cases.items():
-                    value, error = over_seeds(runs, settling.velocity(name))
-                    spheres = (0.02 + phi) * settling.edge_for(both[phi], mode) ** 3 / volume(1)
-                    weight = (0.02 + phi * ratio) / (0.02 + phi) / stokes
-                    images = theory.periodic_images(0.02 + phi, spheres, weight)
-                    velocities[kind].append((value / stokes + images, error / abs(stokes)))
+                edges = {phi: settling.edge_for(species, mode) for phi, species in both.items()}
+                velocities[kind] = [
+                    settling.settled(runs, both[phi], place, edges[phi])[1] for phi, runs in cases.items()
+                ]
                 style = {"marker": marker, "linestyle": "none", "color": f"C{place}", "fillstyle": "none"}
                 report.points(f"{name}: {kind}", totals, velocities[kind], panel, **style)
             of_first = own + other * (1 / stokes)

@@ -76,6 +76,12 @@ class Report:
         print(f"figure     {PICTURES / self.name}.png\ndata       {DATA / self.name}.csv")
 
 
+def root(found):
+    """The square root of a number with an error."""
+    value, error = found
+    return value**0.5, 0.5 * error / value**0.5
+
+
 def shown(found):
     """A value with its error."""
     value, error = found

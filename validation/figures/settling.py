@@ -3,7 +3,8 @@
 Lengths are in units of the (small) radius, velocities of the Stokes velocity of a sphere of species 1; viscosity 1. Species
 settle along -z."""
 
-from runs import WEIGHT, Run, volume
+from runs import WEIGHT, Run, over_seeds, volume
+from theory import periodic_images
 
 # Stokes times, those before sampling, time step, seeds, spheres of the scarcer species, seeds of random placing alone.
 SIZE = {
@@ -60,23 +61,29 @@ def dynamic(species, mode, edge=None, time=None):
     ]
 
 
-def static(species, mode):
+def static(species, mode, multipoles="dipole"):
     """Random places and nothing more, averaged over many."""
-    edge = edge_for(species, mode)
-    return [
-        Run(f"settling/{mode}-static-{name_of(species)}-{seed}", scene(species, edge, mode, seed, 0.0))
-        for seed in range(101, 101 + SIZE[mode]["placings"])
-    ]
+
+    def run(seed):
+        text = scene(species, edge_for(species, mode), mode, seed, 0.0)
+        text["hydrodynamics"]["multipoles"] = multipoles
+        return Run(f"settling/{mode}-{multipoles}-{name_of(species)}-{seed}", text)
+
+    return [run(seed) for seed in range(101, 101 + SIZE[mode]["placings"])]
 
 
-def velocity(name):
-    """Of a run: the mean velocity of a species downwards, with its error."""
+def settled(runs, species, place, edge):
+    """The mean velocity downwards of a species of some runs, by its place in the list, over its Stokes velocity: as it is in the
+    box, and with what the images of the box take off added back. Both with errors."""
+    name, radius, density, _ = species[place]
+    stokes = density * radius**2
 
-    def of(run):
+    def mean(run):
         value, error = run.summary()["mean_velocity_z", name]
-        return -value, error
+        return -value / stokes, error / abs(stokes)
 
-    return of
+    value, error = over_seeds(runs, mean)
+    return (value, error), (value + periodic_images(species, edge)[place], error)
 
 
 # The cases of each figure: Stokes times are those of species 1.

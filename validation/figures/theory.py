@@ -25,13 +25,36 @@ def brady_durlofsky(phi):
     return (1 - phi) ** 3 / (1 + 2 * phi)
 
 
-def periodic_images(phi, spheres, weight=1.0):
-    """What the images of a cubic box take off the mean settling velocity of spheres at random, over the Stokes velocity:
-    1.7601 S (phi / N)^(1/3) / eta (Mo & Sangani, Phys. Fluids 6, 1637, 1994), with the viscosity 1 + 5/2 phi + 5 phi^2. S is
-    the structure factor S(0) of the Percus-Yevick fluid; for a species among others of the same size, whose mean weight is
-    `weight` times its own, it is 1 + (S(0) - 1) weight."""
-    structure = 1 + ((1 - phi) ** 4 / (1 + 2 * phi) ** 2 - 1) * weight
-    return 1.7601 * structure * (phi / spheres) ** (1 / 3) / (einstein(phi) + 5 * phi**2)
+def chemical_potentials(densities, radii):
+    """Of the species of a mixture of hard spheres, over kT, by scaled particle theory, which is the compressibility route of
+    Percus & Yevick (Lebowitz, Helfand & Praestgaard, J. Chem. Phys. 43, 774, 1965)."""
+    d = 2 * np.asarray(radii)
+    x0, x1, x2, x3 = (np.pi / 6 * np.sum(densities * d**n) for n in range(4))
+    free = 1 - x3
+    pressure = x0 / free + 3 * x1 * x2 / free**2 + 3 * x2**3 / free**3
+    work = -np.log(free) + 3 * d * x2 / free + d**2 * (3 * x1 / free + 4.5 * x2**2 / free**2) + d**3 * pressure
+    return np.log(densities) + work
+
+
+def structure(densities, radii):
+    """S_ij = delta_ij + rho_j times the integral of g_ij - 1, from the derivatives of the chemical potentials."""
+    densities = np.asarray(densities, float)
+    steps = 1e-6 * densities
+    change = [
+        (chemical_potentials(densities + e, radii) - chemical_potentials(densities - e, radii)) / (2 * e[j])
+        for j, e in enumerate(np.diag(steps))
+    ]
+    return np.linalg.inv(np.transpose(change)) / densities[:, None]
+
+
+def periodic_images(species, edge):
+    """What the images of a cubic box take off the mean settling velocity of each species at random places, over its Stokes
+    velocity: 2.8373 a_i / L sum_j S_ij F_j / F_i / eta (Mo & Sangani, Phys. Fluids 6, 1637, 1994, for one species), with the
+    viscosity 1 + 5/2 phi + 5 phi^2. Species are (name, radius, density difference, volume fraction)."""
+    radii, excess, fractions = (np.array(column, float) for column in list(zip(*species))[1:])
+    forces, phi = excess * radii**3, sum(fractions)
+    mixed = structure(fractions / (4 / 3 * np.pi * radii**3), radii) @ forces / forces
+    return 2.8373 * radii / edge * mixed / (einstein(phi) + 5 * phi**2)
 
 
 def einstein(phi):
