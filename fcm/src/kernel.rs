@@ -4,7 +4,7 @@ use crate::axis::Axis;
 use crate::shape::{Columns, Load, Plane, Row, Shape, Sources, Sums};
 use crate::stencil::{Place, Support};
 use domain::Vector;
-use solver::Real;
+use solver::{Memory, Real};
 use solver::simd::Vector as Lanes;
 use std::ops::Range;
 
@@ -38,8 +38,10 @@ pub(crate) struct Scratch<T> {
     planes: Vec<(usize, usize)>,
     /// Touched rows: where each begins in a plane, and its point along y.
     rows: Vec<(usize, usize)>,
+    /// Where the last touched row begins in a plane.
+    last: usize,
     /// Basis functions: for each vector of columns, each touched row and each function, as many as a vector has lanes.
-    basis: Vec<T>,
+    basis: Memory<T>,
 }
 
 impl<T: Real> Scratch<T> {
@@ -62,8 +64,8 @@ impl<T: Real> Scratch<T> {
         y.fill(support, (offset.y, spacing.y), sources, sources.strain.mul_add(sources.strain, 1.0).sqrt());
         z.fill(support, (offset.z, spacing.z), sources, 1.0);
         let lanes = T::LANES;
-        self.basis.resize(columns * self.rows.len() * K, T::default());
-        let mut bases = self.basis.chunks_exact_mut(K * lanes);
+        self.basis.resize(columns * self.rows.len() * K);
+        let mut bases = self.basis.values_mut().chunks_exact_mut(K * lanes);
         for from in (0..columns).step_by(lanes) {
             let part = from..from + lanes;
             let columns = [
@@ -82,6 +84,7 @@ impl<T: Real> Scratch<T> {
     fn find_touched<X>(&mut self, place: &Place, lattice: &Lattice, slab: &Slab<X>) {
         self.planes.clear();
         self.rows.clear();
+        self.last = 0;
         let [_, lines, planes] = lattice.points;
         for point in 0..lattice.support.support {
             let plane = (place.first[2] + point as i32).rem_euclid(planes as i32) as usize;
@@ -90,9 +93,21 @@ impl<T: Real> Scratch<T> {
             }
             let line = (place.first[1] + point as i32).rem_euclid(lines as i32) as usize;
             if slab.lines.contains(&line) {
-                self.rows.push(((line - slab.lines.start) * slab.strides[0] + place.first[0] as usize, point));
+                let row = (line - slab.lines.start) * slab.strides[0] + place.first[0] as usize;
+                self.rows.push((row, point));
+                self.last = self.last.max(row);
             }
         }
+    }
+
+    /// Where the last touched row of `columns` values ends in the slab.
+    #[inline(always)]
+    fn end(&self, columns: usize) -> usize {
+        let mut plane = 0;
+        for &(start, _) in &self.planes {
+            plane = plane.max(start);
+        }
+        plane + self.last + columns
     }
 
     /// A vector of columns in the plane of a point along z.
@@ -118,28 +133,46 @@ pub(crate) fn deposit<T: Real, S: Shape<K>, V: Lanes<T>, const K: usize>(
     if !scratch.prepare::<S, _, K>((place, sources), lattice, slab) {
         return;
     }
-    let [x, y, z] = &mut slab.components;
-    let lanes = T::LANES;
+    let (lanes, columns) = (T::LANES, lattice.support.lanes);
+    let [x, y, z] = slab.components.each_mut().map(|component| {
+        // Checked once a particle, not at every row.
+        assert!(scratch.end(columns) <= component.len(), "a stencil ends within its planes");
+        component.as_mut_ptr()
+    });
     for &(start, point) in &scratch.planes {
-        for from in (0..lattice.support.lanes).step_by(lanes) {
+        for from in (0..columns).step_by(lanes) {
             let coefficients = S::spread::<T, V>(sources, load, &scratch.plane(from, point));
-            let bases = scratch.basis[from * scratch.rows.len() * K..].chunks_exact(K * lanes);
+            let bases = scratch.basis.values()[from * scratch.rows.len() * K..].chunks_exact(K * lanes);
             for (&(row, _), basis) in scratch.rows.iter().zip(bases) {
                 let place = start + row + from;
-                let values = [&mut x[place..place + lanes], &mut y[place..place + lanes], &mut z[place..place + lanes]];
-                for (values, coefficients) in values.into_iter().zip(&coefficients) {
-                    // SAFETY: a row's part has as many values as a vector, and a basis has `K` vectors.
-                    unsafe {
-                        let mut sum = V::load(values.as_ptr());
+                // SAFETY: a basis has `K` vectors, and `place + lanes` is at most the end that was checked.
+                unsafe {
+                    let basis = vectors::<T, V, K>(basis);
+                    for (component, coefficients) in [x, y, z].into_iter().zip(&coefficients) {
+                        let values = component.add(place);
+                        let mut sum = V::load(values);
                         for k in 0..K {
-                            sum = coefficients[k].mul_add(V::load(basis.as_ptr().add(k * lanes)), sum);
+                            sum = coefficients[k].mul_add(basis[k], sum);
                         }
-                        sum.store(values.as_mut_ptr());
+                        sum.store(values);
                     }
                 }
             }
         }
     }
+}
+
+/// The basis functions of one row, in registers: a store to the grid would make the compiler read them again.
+///
+/// # Safety
+/// There are at least `K` vectors of values.
+#[inline(always)]
+unsafe fn vectors<T: Real, V: Lanes<T>, const K: usize>(basis: &[T]) -> [V; K] {
+    let mut vectors = [V::splat(T::default()); K];
+    for k in 0..K {
+        vectors[k] = unsafe { V::load(basis.as_ptr().add(k * T::LANES)) };
+    }
+    vectors
 }
 
 /// Weighs the velocities on the rows of a slab with a particle's envelopes.
@@ -155,21 +188,24 @@ pub(crate) fn collect<T: Real, S: Shape<K>, V: Lanes<T>, const K: usize>(
     if !scratch.prepare::<S, _, K>((place, sources), lattice, slab) {
         return sums;
     }
-    let [x, y, z] = slab.components;
-    let lanes = T::LANES;
+    let (lanes, columns) = (T::LANES, lattice.support.lanes);
+    let [x, y, z] = slab.components.map(|component| {
+        assert!(scratch.end(columns) <= component.len(), "a stencil ends within its planes");
+        component.as_ptr()
+    });
     for &(start, point) in &scratch.planes {
-        for from in (0..lattice.support.lanes).step_by(lanes) {
+        for from in (0..columns).step_by(lanes) {
             let mut moments = [[zero; K]; 3];
-            let bases = scratch.basis[from * scratch.rows.len() * K..].chunks_exact(K * lanes);
+            let bases = scratch.basis.values()[from * scratch.rows.len() * K..].chunks_exact(K * lanes);
             for (&(row, _), basis) in scratch.rows.iter().zip(bases) {
                 let place = start + row + from;
-                let values = [&x[place..place + lanes], &y[place..place + lanes], &z[place..place + lanes]];
-                for (values, moments) in values.into_iter().zip(&mut moments) {
-                    // SAFETY: a row's part has as many values as a vector, and a basis has `K` vectors.
-                    unsafe {
-                        let values = V::load(values.as_ptr());
+                // SAFETY: a basis has `K` vectors, and `place + lanes` is at most the end that was checked.
+                unsafe {
+                    let basis = vectors::<T, V, K>(basis);
+                    for (component, moments) in [x, y, z].into_iter().zip(&mut moments) {
+                        let values = V::load(component.add(place));
                         for k in 0..K {
-                            moments[k] = values.mul_add(V::load(basis.as_ptr().add(k * lanes)), moments[k]);
+                            moments[k] = values.mul_add(basis[k], moments[k]);
                         }
                     }
                 }

@@ -111,6 +111,12 @@ pub enum PlanError {
         /// The least edge for that radius.
         needed: f64,
     },
+    /// A viscosity that is none.
+    #[error("the viscosity is {0}; it needs to be positive and finite")]
+    Viscosity(f64),
+    /// A box that is none.
+    #[error("the box: {0}")]
+    Box(String),
     /// A tolerance out of range.
     #[error("the tolerance is {0}; it needs to be between 1e-12 and 0.5")]
     Tolerance(f64),
@@ -249,8 +255,32 @@ struct Candidate {
     accuracy: Accuracy,
 }
 
+impl Fixed {
+    /// What the widest envelope, of width `widest`, and the methods can't do.
+    fn check(&self, widest: f64) -> Result<(), PlanError> {
+        let least = |key: &str, value: Option<f64>, least: f64| match value {
+            Some(value) if !(value.is_finite() && value >= least) => {
+                Err(PlanError::Fixed(format!("hydrodynamics.{key} is {value}; it needs to be at least {least:.4}")))
+            }
+            _ => Ok(()),
+        };
+        least("width", self.width, widest)?;
+        least("cutoff", self.cutoff, widest)?;
+        if self.support == Some(0) {
+            return Err(PlanError::Fixed("hydrodynamics.support is 0; a stencil needs at least 1 point".to_owned()));
+        }
+        match self.iteration_tolerance {
+            Some(value) if !(value > 0.0 && value < 1.0) => Err(PlanError::Fixed(format!(
+                "hydrodynamics.iteration_tolerance is {value}; it needs to be above 0 and below 1"
+            ))),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Problem {
     fn check(&self) -> Result<(), PlanError> {
+        let cell = PeriodicBox::new(self.edges).map_err(|e| PlanError::Box(e.to_string()))?;
         if self.radii.iter().map(|r| r.1).sum::<usize>() == 0 {
             return Err(PlanError::NoParticles);
         }
@@ -261,13 +291,16 @@ impl Problem {
         if edge <= 2.0 * radius {
             return Err(PlanError::TooLarge { radius, edge, needed: 2.0 * radius });
         }
+        if !(self.viscosity > 0.0 && self.viscosity.is_finite()) {
+            return Err(PlanError::Viscosity(self.viscosity));
+        }
         if !(1e-12..=0.5).contains(&self.tolerance) {
             return Err(PlanError::Tolerance(self.tolerance));
         }
         if let Some(grid) = self.fixed.grid {
-            Grid::new(grid, PeriodicBox::new(self.edges).map_err(|e| PlanError::Fixed(e.to_string()))?)?;
+            Grid::new(grid, cell)?;
         }
-        Ok(())
+        self.fixed.check(Envelope::of_sphere(self.largest_radius()).monopole)
     }
 
     fn largest_radius(&self) -> f64 {

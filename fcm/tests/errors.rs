@@ -69,6 +69,37 @@ fn grids_that_cannot_be_transformed() {
     }
 }
 
+#[test]
+fn boxes_and_fluids_that_are_none() {
+    for edge in [0.0, -8.0, f64::NAN, f64::INFINITY] {
+        let message = refusal(&Problem { edges: Vector::new(8.0, edge, 8.0), ..problem() });
+        assert!(message.starts_with("the box: "), "{message}");
+    }
+    for (viscosity, text) in [(0.0, "0"), (-1.0, "-1"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")] {
+        let message = refusal(&Problem { viscosity, ..problem() });
+        assert_eq!(message, format!("the viscosity is {text}; it needs to be positive and finite"));
+    }
+}
+
+#[test]
+fn fixed_choices_that_are_none() {
+    let refused = |fixed| refusal(&Problem { fixed, ..problem() });
+    let message = refused(Fixed { support: Some(0), ..Fixed::default() });
+    assert_eq!(message, "hydrodynamics.support is 0; a stencil needs at least 1 point");
+    for (width, text) in [(0.0, "0"), (0.8, "0.8"), (f64::NAN, "NaN")] {
+        let message = refused(Fixed { width: Some(width), ..Fixed::default() });
+        assert_eq!(message, format!("hydrodynamics.width is {text}; it needs to be at least 0.8463"));
+    }
+    let message = refused(Fixed { cutoff: Some(f64::NAN), ..Fixed::default() });
+    assert_eq!(message, "hydrodynamics.cutoff is NaN; it needs to be at least 0.8463");
+    for (iteration_tolerance, text) in [(0.0, "0"), (-1e-3, "-0.001"), (f64::NAN, "NaN"), (1.0, "1")] {
+        let message = refused(Fixed { iteration_tolerance: Some(iteration_tolerance), ..Fixed::default() });
+        let expected =
+            format!("hydrodynamics.iteration_tolerance is {text}; it needs to be above 0 and below 1");
+        assert_eq!(message, expected);
+    }
+}
+
 /// What a user fixes is what is done.
 #[test]
 fn fixed_choices_are_kept() {

@@ -34,6 +34,7 @@ pub use divergence::divergence;
 pub use field::{Field, Physical, Spectral, Tile};
 pub use flow::{BackgroundFlow, FlowError};
 pub use grid::{Grid, GridError};
+pub use memory::Memory;
 pub use real::Real;
 pub use stokes::Stokes;
 pub use transform::Transform;

@@ -4,9 +4,9 @@ use crate::Real;
 use bytemuck::{Pod, Zeroable};
 use std::marker::PhantomData;
 
-/// Values of which every 64th byte begins a cache line.
-#[derive(Debug, Clone)]
-pub(crate) struct Memory<T> {
+/// Values of which every 64th byte begins a cache line, so that no [`crate::simd::Vector`] straddles two.
+#[derive(Debug, Clone, Default)]
+pub struct Memory<T> {
     lines: Vec<Line>,
     values: PhantomData<T>,
 }
@@ -21,10 +21,17 @@ impl<T: Real> Memory<T> {
         Self { lines: vec![Line::zeroed(); count.div_ceil(T::LANES)], values: PhantomData }
     }
 
+    /// Makes room for at least `count` values; those that were there stay.
+    pub fn resize(&mut self, count: usize) {
+        self.lines.resize(count.div_ceil(T::LANES), Line::zeroed());
+    }
+
+    /// The values.
     pub fn values(&self) -> &[T] {
         bytemuck::cast_slice(&self.lines)
     }
 
+    /// The values, to change.
     pub fn values_mut(&mut self) -> &mut [T] {
         bytemuck::cast_slice_mut(&mut self.lines)
     }
