@@ -84,6 +84,7 @@ fn problem(case: &Case, cell: &PeriodicBox, tolerance: f64) -> Problem {
         radii: case.radii().into_iter().map(|radius| (radius, 1)).collect(),
         viscosity: case.viscosity,
         multipoles,
+        rigid: case.rigid,
         tolerance,
         threads: 1,
         ranks: 1,

@@ -139,7 +139,7 @@ fn main() {
             &format!("{method:?}: half a stencil over the width"),
             &cases,
             |case| by_reach(case, method),
-            stencil_error,
+            |n| stencil_error(method, n),
         );
     }
     print("Split: cutoff of the pairs over the width", &cases, by_cutoff, cutoff_error);

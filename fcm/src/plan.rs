@@ -52,6 +52,8 @@ pub struct Problem {
     pub viscosity: f64,
     /// Terms of the expansion.
     pub multipoles: Multipoles,
+    /// Whether stresslets are solved for, which makes more of an error than given ones do.
+    pub rigid: bool,
     /// Relative error asked for.
     pub tolerance: f64,
     /// Threads in all.
@@ -189,6 +191,7 @@ impl Plan {
             radii: self.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: self.viscosity,
             multipoles: self.multipoles,
+            rigid: false,
             tolerance: self.tolerance.clamp(1e-6, 1e-2),
             threads: 1,
             ranks: 1,
@@ -247,6 +250,10 @@ impl Plan {
         )
     }
 }
+
+const MONOPOLE_LEEWAY: f64 = 4.0;
+const GIVEN_LEEWAY: f64 = 0.75;
+const RIGID_LEEWAY: f64 = 0.4;
 
 /// One way to keep a tolerance: a method, a precision and what they need.
 struct Candidate {
@@ -334,13 +341,14 @@ impl Problem {
         all
     }
 
-    /// The error of an evaluation over the error that its hardest part may have. With forces alone, velocities come out
-    /// better than the bounds, which are those of gradients; the stresslets of rigid spheres answer to rates of strain
-    /// that may be small beside the loads' own, and come out worse.
+    /// The tolerance over the error that its hardest part may have. The bounds are those of gradients; with forces
+    /// alone, velocities come out better. The stresslets of rigid spheres answer to rates of strain that may be small
+    /// beside the loads' own, and come out worse.
     fn leeway(&self) -> f64 {
-        match self.multipoles {
-            Multipoles::Monopole => 4.0,
-            Multipoles::Dipole => 0.5,
+        match (self.multipoles, self.rigid) {
+            (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
+            (Multipoles::Dipole, false) => GIVEN_LEEWAY,
+            (Multipoles::Dipole, true) => RIGID_LEEWAY,
         }
     }
 

@@ -26,10 +26,8 @@ fn random_case(name: u64, sheared: bool) -> Suspension {
     Suspension::random(count, ratio, PeriodicBox::sheared(edges, strain).unwrap(), name)
 }
 
-/// Tolerance over error that is waste in any case, and in a typical one. The planner's bounds hold for any one draw of
-/// particles, and leave room for what rigid spheres make of an error, so that a typical ratio is 10 to 25. Far beyond that
-/// are draws of eight particles on grids that go in steps of a quarter.
-const WASTE: [f64; 2] = [150.0, 40.0];
+/// Tolerance over error that is waste in any case, and in a typical one.
+const WASTE: [f64; 2] = [30.0, 8.0];
 
 /// Tolerance over error of 15 suspensions at ten tolerances each: all larger than one, none a waste.
 fn keeps_tolerances(sheared: bool) {

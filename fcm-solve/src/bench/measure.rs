@@ -76,6 +76,7 @@ impl Task {
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: 1.0,
             multipoles: if self.monopoles { Multipoles::Monopole } else { Multipoles::Dipole },
+            rigid: false,
             tolerance: self.tolerance,
             threads: rayon::current_num_threads(),
             ranks: comm.size(),

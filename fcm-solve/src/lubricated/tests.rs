@@ -12,6 +12,7 @@ fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
         radii: radii.iter().map(|&a| (a, 1)).collect(),
         viscosity: 1.0,
         multipoles: Multipoles::Dipole,
+        rigid: true,
         tolerance,
         threads: 1,
         ranks: 1,

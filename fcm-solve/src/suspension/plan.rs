@@ -47,6 +47,7 @@ pub fn plan(scene: &SuspensionScene, radii: &Radii) -> Result<Plan, PlanError> {
             Multipoles::Monopole => fcm::Multipoles::Monopole,
             Multipoles::Dipole => fcm::Multipoles::Dipole,
         },
+        rigid: true,
         tolerance: scene.hydrodynamics.tolerance,
         threads: 1,
         ranks: 1,

@@ -47,6 +47,7 @@ impl Suspension {
             radii: self.radii.iter().map(|&a| (a, 1)).collect(),
             viscosity: self.viscosity,
             multipoles: Multipoles::Dipole,
+            rigid: false,
             tolerance,
             threads: 1,
             ranks: 1,
