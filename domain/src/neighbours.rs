@@ -37,17 +37,13 @@ impl Neighbours {
                 let (mut ends, mut list) = (Vec::with_capacity(BATCH), Vec::with_capacity(BATCH * 16));
                 let mut near = Vec::new();
                 for i in batch * BATCH..owned.min((batch + 1) * BATCH) {
-                    let centre = positions[i];
-                    cells.for_each_run(cell, centre, |run| {
+                    let centre = (positions[i], i as u32);
+                    cells.for_each_run(cell, positions[i], |run| {
                         near.clear();
                         run.append_near(centre, cutoff, &mut near);
                         let steps = run.steps;
                         list.extend(near.iter().map(|&row| Neighbour { row, steps }));
                     });
-                    let itself = Neighbour { row: i as u32, steps: [0; 3] };
-                    let from = ends.last().copied().unwrap_or(0);
-                    let place = list[from..].iter().position(|&n| n == itself);
-                    list.remove(from + place.expect("a particle is near itself"));
                     ends.push(list.len());
                 }
                 (ends, list)

@@ -44,7 +44,7 @@ impl Pairs {
                 let (mut near, mut rows) = (Vec::new(), Vec::new());
                 cells.for_each_run(cell, positions[i as usize], |run| {
                     rows.clear();
-                    run.append_near(positions[i as usize], cutoff, &mut rows);
+                    run.append_near((positions[i as usize], i), cutoff, &mut rows);
                     let pairs = rows.iter().map(|&j| Pair { i, j, steps: run.steps });
                     near.extend(pairs.filter(|pair| is_kept(pair, ids, owned)));
                 });

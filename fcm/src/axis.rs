@@ -12,6 +12,8 @@ pub(crate) struct Axis<T> {
     /// The distances in the grid's precision.
     pub rounded: Vec<T>,
     pub gaussians: [Vec<f64>; 2],
+    /// The Gaussians in the grid's precision.
+    pub rounded_gaussians: [Vec<T>; 2],
 }
 
 impl<T: Real> Axis<T> {
@@ -33,6 +35,12 @@ impl<T: Real> Axis<T> {
             dipole.copy_from_slice(monopole);
         } else {
             gaussians(&self.distances, stretch / sources.dipole.width, dipole);
+        }
+        for (exact, rounded) in self.gaussians.iter().zip(&mut self.rounded_gaussians) {
+            rounded.resize(count, T::default());
+            for (rounded, &exact) in rounded.iter_mut().zip(exact) {
+                *rounded = T::from_f64(exact);
+            }
         }
     }
 

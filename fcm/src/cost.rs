@@ -10,14 +10,14 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, ranks: usize, threads: usiz
         (plan.support.lanes as f64 / if single && plan.support.lanes.is_multiple_of(16) { 16.0 } else { 8.0 }).ceil();
     let rows = (plan.support.support * plan.support.support) as f64 * chunks;
     let terms = if plan.multipoles == Multipoles::Dipole { 1.0 } else { 0.6 };
-    let grid = particles as f64 * (rows * 8e-9 * terms + 2.5e-7);
-    let transform = points * points.log2() * if single { 0.35e-9 } else { 0.7e-9 };
+    let grid = particles as f64 * (rows * if single { 18e-9 } else { 15e-9 } * terms + 6e-7);
+    let transform = points * points.log2() * if single { 0.48e-9 } else { 0.95e-9 };
     let near = match plan.method {
         Method::Direct => 0.0,
         Method::Split { cutoff, .. } => {
             let volume = plan.edges.x * plan.edges.y * plan.edges.z;
             let neighbours = particles as f64 / volume * 4.19 * cutoff.powi(3);
-            particles as f64 * neighbours * 3e-8 * terms
+            particles as f64 * neighbours * 8e-8 * terms
         }
     };
     (grid + transform + near) / (ranks * threads).max(1) as f64

@@ -70,18 +70,25 @@ impl<T: Real, S: Shape<K>, const K: usize> Work<T> for Weigh<'_, T, S, K> {
     }
 }
 
-/// The sum of all lanes, in their order.
+/// The sum of all lanes: always of one half and the other, in the same order for any vectors.
 #[inline(always)]
 fn total<T: Real, V: Lanes<T>>(lanes: V) -> f64 {
     let mut values = [T::default(); MOST_LANES];
     // SAFETY: no vector has more lanes.
     unsafe { lanes.store(values.as_mut_ptr()) };
-    let mut sum = 0.0;
-    for value in &values[..T::LANES] {
-        sum += value.to_f64();
+    let mut sums = [0.0; MOST_LANES];
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum = value.to_f64();
     }
-    sum
+    let mut half = MOST_LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            sums[lane] += sums[lane + half];
+        }
+        half /= 2;
+    }
+    sums[0]
 }
 
-/// Lanes of the longest vectors, those of `f32`.
+/// Lanes of the longest vectors, those of `f32`; others leave zeros behind.
 const MOST_LANES: usize = 16;

@@ -68,10 +68,14 @@ impl<T: Real> Scratch<T> {
         let mut bases = self.basis.values_mut().chunks_exact_mut(K * lanes);
         for from in (0..columns).step_by(lanes) {
             let part = from..from + lanes;
-            let columns = [
-                Columns { x: &x.distances[part.clone()], gaussian: &x.gaussians[0][part.clone()] },
-                Columns { x: &x.distances[part.clone()], gaussian: &x.gaussians[1][part] },
-            ];
+            let columns = [0, 1].map(
+                #[inline(always)]
+                |kind| Columns {
+                    x: &x.distances[part.clone()],
+                    gaussian: &x.gaussians[kind][part.clone()],
+                    rounded: &x.rounded_gaussians[kind][part.clone()],
+                },
+            );
             for &(_, point) in &self.rows {
                 let row = Row { y: y.distances[point], gaussian: y.gaussian(point) };
                 S::basis(sources, columns, row, bases.next().expect("a basis for each row"));
@@ -86,12 +90,12 @@ impl<T: Real> Scratch<T> {
         self.rows.clear();
         self.last = 0;
         let [_, lines, planes] = lattice.points;
-        for point in 0..lattice.support.support {
-            let plane = (place.first[2] + point as i32).rem_euclid(planes as i32) as usize;
+        for (point, plane) in around(place.first[2], planes).take(lattice.support.support).enumerate() {
             if slab.planes.contains(&plane) {
                 self.planes.push(((plane - slab.planes.start) * slab.strides[1], point));
             }
-            let line = (place.first[1] + point as i32).rem_euclid(lines as i32) as usize;
+        }
+        for (point, line) in around(place.first[1], lines).take(lattice.support.support).enumerate() {
             if slab.lines.contains(&line) {
                 let row = (line - slab.lines.start) * slab.strides[0] + place.first[0] as usize;
                 self.rows.push((row, point));
@@ -120,6 +124,21 @@ impl<T: Real> Scratch<T> {
         let [monopole, dipole] = heights.gaussian(point);
         Plane { x, z: heights.rounded[point], decay: [T::from_f64(monopole), T::from_f64(dipole)] }
     }
+}
+
+/// The points from `first` on, which need not be inside, around and around a period of so many.
+#[inline(always)]
+fn around(first: i32, points: usize) -> impl Iterator<Item = usize> {
+    // Divided once, not at every point.
+    let mut next = first.rem_euclid(points as i32) as usize;
+    std::iter::repeat_with(
+        #[inline(always)]
+        move || {
+            let point = next;
+            next = if point + 1 == points { 0 } else { point + 1 };
+            point
+        },
+    )
 }
 
 /// Adds a particle's load to the rows of a slab.

@@ -47,11 +47,12 @@ pub(crate) struct Sources {
     pub strain: f64,
 }
 
-/// Some columns of the stencil: their `X`, and `exp(-X^2 / (2 width^2))`.
+/// Some columns of the stencil: their `X`, and `exp(-X^2 / (2 width^2))`, also in the grid's precision.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Columns<'a> {
+pub(crate) struct Columns<'a, T> {
     pub x: &'a [f64],
     pub gaussian: &'a [f64],
+    pub rounded: &'a [T],
 }
 
 /// A row of the stencil: its `y`, and `exp(-(1 + s^2) y^2 / (2 width^2))` for the monopole and the dipole.
@@ -73,7 +74,7 @@ pub(crate) struct Plane<T, V> {
 pub(crate) trait Shape<const K: usize> {
     /// Writes the basis functions on a row, one after the other. Columns and row come with the Gaussians of the monopole
     /// and of the dipole.
-    fn basis<T: Real>(sources: &Sources, columns: [Columns; 2], row: Row, basis: &mut [T]);
+    fn basis<T: Real>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]);
 
     /// The coefficients of each component in a plane.
     fn spread<T: Real, V: Lanes<T>>(sources: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; K]; 3];
@@ -100,12 +101,13 @@ pub(crate) struct OwnDipole;
 /// `g = exp(-((x + s y)^2 + y^2) / (2 width^2))` times `1, y, y^2, ...`, as many as there is room for: the product of
 /// Gaussians of `x` and of `y`, and of `exp(-s x y / width^2)`, which is 1 in a straight box.
 #[inline(always)]
-fn powers<T: Real>(width: f64, strain: f64, columns: Columns, (y, of_row): (f64, f64), basis: &mut [T]) {
-    let Columns { x, gaussian } = columns;
+fn powers<T: Real>(width: f64, strain: f64, columns: Columns<T>, (y, of_row): (f64, f64), basis: &mut [T]) {
+    let Columns { x, gaussian, rounded } = columns;
     let (first, rest) = basis.split_at_mut(x.len());
     if strain == 0.0 {
-        for (value, &g) in first.iter_mut().zip(gaussian) {
-            *value = T::from_f64(g * of_row);
+        let of_row = T::from_f64(of_row);
+        for (value, &g) in first.iter_mut().zip(rounded) {
+            *value = g * of_row;
         }
     } else {
         let tilt = -strain * y / (width * width);
@@ -144,7 +146,7 @@ fn dot<T: Real, V: Lanes<T>>(a: [V; 3], b: [V; 3]) -> V {
 
 impl Shape<4> for Common {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns; 2], row: Row, basis: &mut [T]) {
+    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
         powers(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
     }
 
@@ -187,7 +189,7 @@ impl Shape<4> for Common {
 
 impl Shape<3> for WideMonopole {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns; 2], row: Row, basis: &mut [T]) {
+    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
         powers(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
     }
 
@@ -213,7 +215,7 @@ impl Shape<3> for WideMonopole {
 
 impl Shape<1> for OwnMonopole {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns; 2], row: Row, basis: &mut [T]) {
+    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
         powers(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
     }
 
@@ -235,7 +237,7 @@ impl Shape<1> for OwnMonopole {
 
 impl Shape<2> for OwnDipole {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [_, columns]: [Columns; 2], row: Row, basis: &mut [T]) {
+    fn basis<T: Real>(sources: &Sources, [_, columns]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
         powers(sources.dipole.width, sources.strain, columns, (row.y, row.gaussian[1]), basis);
     }
 
@@ -266,7 +268,7 @@ impl Shape<2> for OwnDipole {
 
 impl Shape<3> for Own {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, columns: [Columns; 2], row: Row, basis: &mut [T]) {
+    fn basis<T: Real>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]) {
         let (monopole, dipole) = basis.split_at_mut(columns[0].x.len());
         OwnMonopole::basis(sources, columns, row, monopole);
         OwnDipole::basis(sources, columns, row, dipole);

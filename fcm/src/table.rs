@@ -3,10 +3,9 @@
 use crate::envelope::Envelope;
 use crate::pair_functions::Difference;
 
-/// The functions of one pair of radii at one distance, padded to whole vectors:
-/// `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the second's dipole, `f_2, f_3` the other way round,
-/// and `f_2, f_3, f_4` of two dipoles.
-pub(crate) type Values = [f64; 12];
+/// The functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the
+/// second's dipole, `f_2, f_3` the other way round, and `f_2, f_3, f_4` of two dipoles.
+pub(crate) type Values = [f64; 9];
 
 /// The four differences between two envelopes and two common ones.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +34,7 @@ impl PairFunctions {
         let half = 0.5_f64.powi(order as i32);
         let [a, b, c, d] = [1, 2, 3, 4].map(|n| n + order);
         [
-            forces[a], forces[b], mixed[b], mixed[c], other[b], other[c], dipoles[b], dipoles[c], dipoles[d], 0.0, 0.0,
-            0.0,
+            forces[a], forces[b], mixed[b], mixed[c], other[b], other[c], dipoles[b], dipoles[c], dipoles[d],
         ]
         .map(|f| f * half)
     }
@@ -53,7 +51,16 @@ const DEGREE: usize = 5;
 #[derive(Debug, Clone)]
 pub(crate) struct Table {
     per_interval: f64,
-    intervals: Vec<[Values; DEGREE + 1]>,
+    intervals: Vec<Interval>,
+}
+
+/// The coefficients of an interval, by order: those of the first eight functions, each order a cache line, and those of
+/// the last.
+#[derive(Debug, Clone, Default)]
+#[repr(align(64))]
+struct Interval {
+    first: [[f64; 8]; DEGREE + 1],
+    last: [f64; DEGREE + 1],
 }
 
 impl Table {
@@ -71,11 +78,13 @@ impl Table {
         let width = cutoff * cutoff / count as f64;
         let interval = |i: usize| {
             let middle = (i as f64 + 0.5) * width;
-            let mut factorial = 1.0;
-            std::array::from_fn(|order| {
-                factorial *= order.max(1) as f64;
-                functions.derivative(middle, order).map(|f| f * (0.5 * width).powi(order as i32) / factorial)
-            })
+            let (mut interval, mut factor) = (Interval::default(), 1.0);
+            for order in 0..=DEGREE {
+                let [first @ .., last] = functions.derivative(middle, order).map(|f| f * factor);
+                (interval.first[order], interval.last[order]) = (first, last);
+                factor *= 0.5 * width / (order + 1) as f64;
+            }
+            interval
         };
         Self { per_interval: 1.0 / width, intervals: (0..count).map(interval).collect() }
     }
@@ -86,14 +95,16 @@ impl Table {
         let place = square * self.per_interval;
         let index = (place as usize).min(self.intervals.len() - 1);
         let t = 2.0 * (place - index as f64) - 1.0;
-        let terms = &self.intervals[index];
-        let mut values = terms[DEGREE];
+        let Interval { first, last } = &self.intervals[index];
+        let (mut values, mut ninth) = (first[DEGREE], last[DEGREE]);
         for order in (0..DEGREE).rev() {
-            for f in 0..12 {
-                values[f] = values[f].mul_add(t, terms[order][f]);
+            for f in 0..8 {
+                values[f] = values[f].mul_add(t, first[order][f]);
             }
+            ninth = ninth.mul_add(t, last[order]);
         }
-        values
+        let [a, b, c, d, e, f, g, h] = values;
+        [a, b, c, d, e, f, g, h, ninth]
     }
 }
 
