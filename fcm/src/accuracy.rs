@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 /// Tolerances below this need a grid in `f64`.
 pub(crate) const FINEST_SINGLE: f64 = 2e-5;
 
-/// Shares of a tolerance for the grid and the stencils together, and for the cutoff: `0.85^2 + 0.5^2 < 1`.
-const GRID_SHARE: f64 = 0.85;
-const CUTOFF_SHARE: f64 = 0.5;
+/// Shares of a tolerance for the grid and the stencils together, and for the cutoff: `0.96^2 + 0.27^2 < 1`.
+const GRID_SHARE: f64 = 0.96;
+const CUTOFF_SHARE: f64 = 0.27;
 
 /// A grid and cutoffs that keep a tolerance, in units of the Gaussian's width.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ pub(crate) fn stencil_error(method: MethodName, reach: f64) -> f64 {
     let decay = (-0.5 * reach * reach).exp();
     match method {
         MethodName::Direct => (0.6 + 1.5 / reach) * decay,
-        MethodName::Split => 0.28 * reach * reach * decay,
+        MethodName::Split => 0.42 * reach * reach * decay,
     }
 }
 
@@ -62,8 +62,9 @@ impl Accuracy {
             MethodName::Split => smallest(|c| cutoff_error(c) <= CUTOFF_SHARE * tolerance),
         };
         let limit = GRID_SHARE * tolerance;
-        let error =
-            |resolution: f64, points: f64| grid_error(method, resolution).hypot(stencil_error(method, 0.5 * points / resolution));
+        let error = |resolution: f64, points: f64| {
+            grid_error(method, resolution).hypot(stencil_error(method, 0.5 * points / resolution))
+        };
         let mut options = Vec::new();
         for points in 3..100 {
             let points = f64::from(points);

@@ -4,8 +4,8 @@ use crate::axis::Axis;
 use crate::shape::{Columns, Load, Plane, Row, Shape, Sources, Sums};
 use crate::stencil::{Place, Support};
 use domain::Vector;
-use solver::{Memory, Real};
 use solver::simd::Vector as Lanes;
+use solver::{Memory, Real};
 use std::ops::Range;
 
 /// The rows that one thread works on: some planes of this rank's share of the grid.
@@ -47,7 +47,7 @@ pub(crate) struct Scratch<T> {
 impl<T: Real> Scratch<T> {
     /// Whether the particle touches the slab at all; if so, everything is ready.
     #[inline(always)]
-    fn prepare<S: Shape<K>, X, const K: usize>(
+    fn prepare<S: Shape<K>, V: Lanes<T>, X, const K: usize>(
         &mut self,
         (place, sources): (&Place, &Sources),
         lattice: &Lattice,
@@ -78,7 +78,7 @@ impl<T: Real> Scratch<T> {
             );
             for &(_, point) in &self.rows {
                 let row = Row { y: y.distances[point], gaussian: y.gaussian(point) };
-                S::basis(sources, columns, row, bases.next().expect("a basis for each row"));
+                S::basis::<T, V>(sources, columns, row, bases.next().expect("a basis for each row"));
             }
         }
         true
@@ -149,7 +149,7 @@ pub(crate) fn deposit<T: Real, S: Shape<K>, V: Lanes<T>, const K: usize>(
     lattice: &Lattice,
     slab: &mut Slab<&mut [T]>,
 ) {
-    if !scratch.prepare::<S, _, K>((place, sources), lattice, slab) {
+    if !scratch.prepare::<S, V, _, K>((place, sources), lattice, slab) {
         return;
     }
     let (lanes, columns) = (T::LANES, lattice.support.lanes);
@@ -204,7 +204,7 @@ pub(crate) fn collect<T: Real, S: Shape<K>, V: Lanes<T>, const K: usize>(
 ) -> Sums<V> {
     let zero = V::splat(T::default());
     let mut sums = Sums { velocity: [zero; 3], gradient: [[zero; 3]; 3] };
-    if !scratch.prepare::<S, _, K>((place, sources), lattice, slab) {
+    if !scratch.prepare::<S, V, _, K>((place, sources), lattice, slab) {
         return sums;
     }
     let (lanes, columns) = (T::LANES, lattice.support.lanes);

@@ -253,7 +253,7 @@ impl Plan {
 
 const MONOPOLE_LEEWAY: f64 = 4.0;
 const GIVEN_LEEWAY: f64 = 0.55;
-const RIGID_LEEWAY: f64 = 0.25;
+const RIGID_LEEWAY: f64 = 0.18;
 
 /// One way to keep a tolerance: a method, a precision and what they need.
 struct Candidate {

@@ -74,7 +74,7 @@ pub(crate) struct Plane<T, V> {
 pub(crate) trait Shape<const K: usize> {
     /// Writes the basis functions on a row, one after the other. Columns and row come with the Gaussians of the monopole
     /// and of the dipole.
-    fn basis<T: Real>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]);
+    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]);
 
     /// The coefficients of each component in a plane.
     fn spread<T: Real, V: Lanes<T>>(sources: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; K]; 3];
@@ -101,26 +101,32 @@ pub(crate) struct OwnDipole;
 /// `g = exp(-((x + s y)^2 + y^2) / (2 width^2))` times `1, y, y^2, ...`, as many as there is room for: the product of
 /// Gaussians of `x` and of `y`, and of `exp(-s x y / width^2)`, which is 1 in a straight box.
 #[inline(always)]
-fn powers<T: Real>(width: f64, strain: f64, columns: Columns<T>, (y, of_row): (f64, f64), basis: &mut [T]) {
+fn powers<T: Real, V: Lanes<T>>(
+    width: f64,
+    strain: f64,
+    columns: Columns<T>,
+    (y, of_row): (f64, f64),
+    basis: &mut [T],
+) {
     let Columns { x, gaussian, rounded } = columns;
-    let (first, rest) = basis.split_at_mut(x.len());
+    assert!(rounded.len() == T::LANES, "columns come by the vector");
+    let mut bases = basis.chunks_exact_mut(T::LANES);
+    let first = bases.next().expect("a basis has at least one function");
     if strain == 0.0 {
-        let of_row = T::from_f64(of_row);
-        for (value, &g) in first.iter_mut().zip(rounded) {
-            *value = g * of_row;
-        }
+        // SAFETY: both slices have as many values as a vector.
+        unsafe { V::load(rounded.as_ptr()).mul(V::splat(T::from_f64(of_row))).store(first.as_mut_ptr()) };
     } else {
         let tilt = -strain * y / (width * width);
         for ((value, &g), &x) in first.iter_mut().zip(gaussian).zip(x) {
             *value = T::from_f64(g * (of_row * exponential(tilt * x)));
         }
     }
-    let mut power = T::from_f64(y);
-    for next in rest.chunks_exact_mut(x.len()) {
-        for (value, &g) in next.iter_mut().zip(&*first) {
-            *value = g * power;
-        }
-        power *= T::from_f64(y);
+    // SAFETY: as above, and so has each of the rest.
+    let mut power = unsafe { V::load(first.as_ptr()) };
+    let y = V::splat(T::from_f64(y));
+    for next in bases {
+        power = power.mul(y);
+        unsafe { power.store(next.as_mut_ptr()) };
     }
 }
 
@@ -146,8 +152,8 @@ fn dot<T: Real, V: Lanes<T>>(a: [V; 3], b: [V; 3]) -> V {
 
 impl Shape<4> for Common {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
+    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
+        powers::<T, V>(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
     }
 
     #[inline(always)]
@@ -189,8 +195,8 @@ impl Shape<4> for Common {
 
 impl Shape<3> for WideMonopole {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
+    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
+        powers::<T, V>(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
     }
 
     #[inline(always)]
@@ -215,8 +221,8 @@ impl Shape<3> for WideMonopole {
 
 impl Shape<1> for OwnMonopole {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
+    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
+        powers::<T, V>(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
     }
 
     #[inline(always)]
@@ -237,8 +243,8 @@ impl Shape<1> for OwnMonopole {
 
 impl Shape<2> for OwnDipole {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, [_, columns]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers(sources.dipole.width, sources.strain, columns, (row.y, row.gaussian[1]), basis);
+    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [_, columns]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
+        powers::<T, V>(sources.dipole.width, sources.strain, columns, (row.y, row.gaussian[1]), basis);
     }
 
     #[inline(always)]
@@ -268,10 +274,10 @@ impl Shape<2> for OwnDipole {
 
 impl Shape<3> for Own {
     #[inline(always)]
-    fn basis<T: Real>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]) {
+    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]) {
         let (monopole, dipole) = basis.split_at_mut(columns[0].x.len());
-        OwnMonopole::basis(sources, columns, row, monopole);
-        OwnDipole::basis(sources, columns, row, dipole);
+        OwnMonopole::basis::<T, V>(sources, columns, row, monopole);
+        OwnDipole::basis::<T, V>(sources, columns, row, dipole);
     }
 
     #[inline(always)]

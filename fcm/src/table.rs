@@ -33,10 +33,8 @@ impl PairFunctions {
             [&self.forces, &self.force_dipole, &self.dipole_force, &self.dipoles].map(|d| d.evaluate(square));
         let half = 0.5_f64.powi(order as i32);
         let [a, b, c, d] = [1, 2, 3, 4].map(|n| n + order);
-        [
-            forces[a], forces[b], mixed[b], mixed[c], other[b], other[c], dipoles[b], dipoles[c], dipoles[d],
-        ]
-        .map(|f| f * half)
+        [forces[a], forces[b], mixed[b], mixed[c], other[b], other[c], dipoles[b], dipoles[c], dipoles[d]]
+            .map(|f| f * half)
     }
 
     /// The functions at `r^2 = square`.
