@@ -42,7 +42,8 @@ impl Run<'_> {
             let (dx, dy, dz) = (x[i] - from.x, y[i] - from.y, z[i] - from.z);
             // Without a branch, which would be mispredicted all the time.
             near[found] = row;
-            found += usize::from((dx * dx + dy * dy + dz * dz < distance * distance) & (row != itself));
+            let is_near = usize::from(dx * dx + dy * dy + dz * dz < distance * distance);
+            found += is_near * usize::from(row != itself);
         }
         near.truncate(found);
     }

@@ -45,7 +45,8 @@ pub(crate) fn stencil_error(method: MethodName, reach: f64) -> f64 {
     let decay = (-0.5 * reach * reach).exp();
     match method {
         MethodName::Direct => (0.6 + 1.5 / reach) * decay,
-        MethodName::Split => 0.42 * reach * reach * decay,
+        // The bound falls with the reach, also where that is too short to be of use.
+        MethodName::Split => 0.42 * reach.max(2.0).powi(2) * decay,
     }
 }
 

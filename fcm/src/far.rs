@@ -11,6 +11,7 @@ use crate::work::{Clock, Work};
 use domain::{Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use solver::{Field, Grid, Physical, Real, Stokes, Transform};
+use std::borrow::Cow;
 
 /// What particles apply: the forces and dipoles of all present, or none at all of a kind.
 pub(crate) struct FarLoads<'a> {
@@ -98,11 +99,15 @@ impl<T: Real> Far<T> {
         let (no_force, no_dipole) = (Vector::ZERO, Tensor::ZERO);
         let load = |r: usize| Load::new(*force(r).unwrap_or(&no_force), dipole(r).unwrap_or(&no_dipole));
         let all: Vec<Load<T>> = (0..loads.classes.len()).into_par_iter().map(load).collect();
-        let is_loaded = |place: &&Place| {
+        let is_loaded = |place: &Place| {
             let row = place.row as usize;
             force(row).is_some_and(|f| *f != no_force) || dipole(row).is_some_and(|g| *g != no_dipole)
         };
-        let loaded: Vec<Place> = self.places.iter().filter(is_loaded).copied().collect();
+        let loaded = if self.places.par_iter().all(is_loaded) {
+            Cow::Borrowed(&self.places)
+        } else {
+            Cow::Owned(self.places.iter().filter(|place| is_loaded(place)).copied().collect())
+        };
         work.particles_spread += loaded.len() as u64;
         let spread = Spread {
             places: &loaded,

@@ -272,7 +272,7 @@ impl Fixed {
             _ => Ok(()),
         };
         least("width", self.width, widest)?;
-        least("cutoff", self.cutoff, widest)?;
+        least("cutoff", self.cutoff, 0.0)?;
         if self.support == Some(0) {
             return Err(PlanError::Fixed("hydrodynamics.support is 0; a stencil needs at least 1 point".to_owned()));
         }

@@ -91,7 +91,7 @@ fn fixed_choices_that_are_none() {
         assert_eq!(message, format!("hydrodynamics.width is {text}; it needs to be at least 0.8463"));
     }
     let message = refused(Fixed { cutoff: Some(f64::NAN), ..Fixed::default() });
-    assert_eq!(message, "hydrodynamics.cutoff is NaN; it needs to be at least 0.8463");
+    assert_eq!(message, "hydrodynamics.cutoff is NaN; it needs to be at least 0.0000");
     for (iteration_tolerance, text) in [(0.0, "0"), (-1e-3, "-0.001"), (f64::NAN, "NaN"), (1.0, "1")] {
         let message = refused(Fixed { iteration_tolerance: Some(iteration_tolerance), ..Fixed::default() });
         let expected = format!("hydrodynamics.iteration_tolerance is {text}; it needs to be above 0 and below 1");
