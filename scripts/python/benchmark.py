@@ -1,7 +1,8 @@
-"""Runs fcm-solve bench and the C peer in alternation, and writes the benchmark page of the documentation."""
+"""Runs fcm-solve bench and its peers in alternation, and writes the benchmark page of the documentation."""
 
 import argparse
 import json
+import math
 import os
 import pathlib
 import platform
@@ -12,14 +13,18 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "src"
+TOP = pathlib.Path(__file__).resolve().parents[2]
+DOCS = TOP / "docs" / "src"
 PARTICLES, FRACTION = 3200, 0.1212
-REPEATS = 5
+REPEATS = 7
 
-# Grid and support of the peer: what a user who knows the method would try.
-PEER = [(96, 8), (96, 10), (112, 10), (128, 10), (128, 12), (128, 16), (144, 14)]
+# Grid and support of the direct peer: what a user who knows the method would try.
 PAPER = (128, 12)
-TOLERANCES = ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-8"]
+DIRECT_PEER = [(96, 8), (112, 10), (128, 16), (144, 18), (160, 22)]
+FINUFFT_TOLERANCES = ["1e-2", "1e-3", "1e-4", "1e-6"]
+TOLERANCES = ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9", "1e-10"]
+SIZES = [100, 1000, 10_000, 100_000, 1_000_000]
+C, FINUFFT = "C and FFTW", "FINUFFT"
 
 
 class Case:
@@ -42,35 +47,65 @@ class Case:
         return sorted(self.lines, key=lambda line: line["seconds"]["total"])[len(self.lines) // 2]
 
 
-def cases(target, quick):
-    def ours(label, tolerance, method, grid=None, ranks=1, threads=1):
-        command = [str(target / "release" / "fcm-solve"), "bench", "--particles", str(PARTICLES)]
-        command += ["--volume-fraction", str(FRACTION), "--tolerance", tolerance, "--method", method]
-        command += ["--threads", str(threads), "--repeats", str(REPEATS)]
-        return Case(label, command + (["--grid", str(grid)] if grid else []), ranks, threads)
+class Programs:
+    """Commands of the programs that were built below a folder."""
 
-    def peer(grid, support, threads=1):
-        command = [str(target / "peers" / "fcm_direct"), str(PARTICLES), str(FRACTION), str(grid), str(support)]
-        return Case("C and FFTW", [*command, str(REPEATS)], threads=threads)
+    def __init__(self, target):
+        self.ours, self.direct = target / "release" / "fcm-solve", target / "peers" / "fcm_direct"
+        self.python = target / "peers" / "python" / "bin" / "python"
 
-    # The first case is the paper's: its grid, and an error of 1e-3.
-    yield peer(*PAPER)
-    yield ours("direct, 128^3", "1e-3", "direct", grid=128)
-    yield ours("auto", "1e-3", "auto")
+    def solve(self, label, tolerance="1e-3", ranks=1, threads=1, **options):
+        options = {"particles": PARTICLES, "volume-fraction": FRACTION, "repeats": REPEATS} | options
+        command = [str(self.ours), "bench", "--tolerance", tolerance, "--threads", str(threads)]
+        for name, value in options.items():
+            command += [f"--{name}"] if value is True else [f"--{name}", str(value)]
+        return Case(label, command, ranks, threads)
+
+    def peer(self, grid, support, threads=1):
+        command = [str(self.direct), str(PARTICLES), str(FRACTION), str(grid), str(support), str(REPEATS)]
+        return Case(C, command, threads=threads)
+
+    def finufft(self, tolerance):
+        script = str(TOP / "scripts" / "peers" / "finufft_mobility.py")
+        return Case(FINUFFT, [str(self.python), script, str(PARTICLES), str(FRACTION), tolerance, str(REPEATS)])
+
+
+def sections(programs, quick):
+    """Titles of tables, and their cases. The first table is the paper's case: its grid, and an error of 1e-3."""
+    solve, peer = programs.solve, programs.peer
+    yield "The paper's case", [
+        peer(*PAPER),
+        solve("direct, 128^3", method="direct", grid=128),
+        solve("auto"),
+        *([programs.finufft("1e-3")] if programs.python.exists() else []),
+    ]
     if quick:
         return
-    yield peer(*PAPER, threads=2)
-    yield ours("direct, 128^3", "1e-3", "direct", grid=128, threads=2)
-    yield ours("auto", "1e-3", "auto", threads=2)
-    yield ours("direct, 128^3", "1e-3", "direct", grid=128, ranks=2)
-    yield ours("auto", "1e-3", "auto", ranks=2)
-    for grid, support in PEER:
-        if (grid, support) != PAPER:
-            yield peer(grid, support)
-    for tolerance in TOLERANCES:
-        yield ours("direct", tolerance, "direct")
-        if tolerance != "1e-3":
-            yield ours("auto", tolerance, "auto")
+    yield "Two threads, two ranks", [
+        peer(*PAPER, threads=2),
+        solve("direct, 128^3", method="direct", grid=128, threads=2),
+        solve("direct, 128^3", method="direct", grid=128, ranks=2),
+        solve("auto", threads=2),
+        solve("auto", ranks=2),
+    ]
+    yield "Error, one thread", [
+        *(peer(*case) for case in DIRECT_PEER),
+        *(programs.finufft(t) for t in FINUFFT_TOLERANCES if t != "1e-3" and programs.python.exists()),
+        *(solve("direct", t, method="direct") for t in TOLERANCES[::2]),
+        *(solve("auto", t) for t in TOLERANCES if t != "1e-3"),
+    ]
+    yield "Forces alone, one thread", [solve("auto, forces alone", t, monopoles=True) for t in ("1e-3", "1e-6")]
+    yield "Volume fraction and size ratio, one thread", [
+        solve(f"auto, {100 * fraction:g}%, 1:{ratio}", **{"volume-fraction": fraction, "size-ratio": ratio})
+        for fraction in (0.01, 0.1, 0.4)
+        for ratio in (1, 2, 4)
+    ]
+
+
+def sizes(programs):
+    """Two threads, from a hundred spheres to a million. Once each: the larger ones take long."""
+    few = {"repeats": 3, "no-error": True}
+    return [programs.solve("auto", threads=2, particles=n, **({} if n < 1e5 else few)) for n in SIZES]
 
 
 def table(lines):
@@ -82,27 +117,61 @@ def table(lines):
     for line in lines:
         cells = [line["label"], line["method"], line["precision"], "x".join(map(str, line["grid"])), line["support"]]
         cells += [line["ranks"], line["threads"], *(f"{1e3 * line['seconds'][stage]:.1f}" for stage in stages)]
-        rows.append("| " + " | ".join(map(str, [*cells, f"{line['error']:.1e}"])) + " |")
+        error = f"{line['error']:.1e}" if "error" in line else ""
+        rows.append("| " + " | ".join(map(str, [*cells, error])) + " |")
+    return rows
+
+
+def verdicts(lines):
+    """Ratios of the programs' times at the paper's case."""
+    by_label = {line["label"]: line["seconds"]["total"] for line in lines}
+    ours = by_label["auto"]
+    for label, seconds in by_label.items():
+        if label != "auto":
+            yield f"- {label}: {seconds / ours:.1f} times as long as `auto`."
+
+
+def size_table(lines):
+    rows = ["| spheres | grid | milliseconds | microseconds a sphere | order |", "|---|---|---|---|---|"]
+    for before, line in zip([None, *lines], lines):
+        total, count = line["seconds"]["total"], line["particles"]
+        order = ""
+        if before:
+            growth = math.log(total / before["seconds"]["total"]) / math.log(count / before["particles"])
+            order = f"{growth:.2f}"
+        rows.append(f"| {count} | {line['grid'][0]}^3 | {1e3 * total:.1f} | {1e6 * total / count:.2f} | {order} |")
     return rows
 
 
 def draw(lines, path):
     figure, axes = plt.subplots(figsize=(6.5, 4.2), layout="constrained")
-    marks = {"C and FFTW": "s", "direct": "o", "auto": "^"}
-    colours = {"C and FFTW": "0.4", "direct": "C0", "auto": "C3"}
-    named = set()
-    for line in lines:
-        if line["ranks"] * line["threads"] == 1:
-            label = line["label"].split(",")[0]
-            name = label if label == "C and FFTW" else f"fcm-solve, {label}"
-            axes.loglog(
-                line["error"], 1e3 * line["seconds"]["total"], marks[label], color=colours[label],
-                label=None if name in named else name,
-            )
-            named.add(name)
+    marks = {C: "s", FINUFFT: "D", "direct": "o", "auto": "^"}
+    colours = {C: "0.4", FINUFFT: "C1", "direct": "C0", "auto": "C3"}
+    for kind in marks:
+        own = [line for line in lines if line["label"].split(",")[0] == kind and line["ranks"] * line["threads"] == 1]
+        own = sorted((line["error"], 1e3 * line["seconds"]["total"]) for line in own)
+        if own:
+            label = kind if kind in (C, FINUFFT) else f"fcm-solve, {kind}"
+            axes.loglog(*zip(*own), marks[kind] + "-", color=colours[kind], label=label)
     axes.set_xlabel("relative error")
     axes.set_ylabel("milliseconds a mobility, one thread")
     axes.legend()
+    save(figure, path)
+
+
+def draw_sizes(lines, path):
+    figure, axes = plt.subplots(figsize=(6.5, 3.6), layout="constrained")
+    counts = [line["particles"] for line in lines]
+    axes.loglog(counts, [line["seconds"]["total"] for line in lines], "^-", color="C3", label="fcm-solve, two threads")
+    first = lines[1]["seconds"]["total"] / lines[1]["particles"]
+    axes.loglog(counts, [first * n for n in counts], ":", color="0.5", label="proportional")
+    axes.set_xlabel("spheres")
+    axes.set_ylabel("seconds a mobility, error 1e-3")
+    axes.legend()
+    save(figure, path)
+
+
+def save(figure, path):
     plt.rcParams["svg.hashsalt"] = "benchmarks"
     figure.savefig(path, metadata={"Date": None})
 
@@ -114,22 +183,27 @@ def processor():
     return platform.machine()
 
 
-def write_page(lines, rounds):
+def write_page(tables, by_size, rounds):
     page = [
         "# Benchmarks",
         "",
         "Written by `scripts/benchmark`; do not edit.",
         "",
         f"One mobility, forces, torques and stresslets to velocities, angular velocities and rates of strain, of {PARTICLES}",
-        f"unit spheres at a volume fraction of {FRACTION}, on {processor()} with {os.cpu_count()} cores. Milliseconds, by",
-        f"stage: medians of {REPEATS} evaluations in a process and of {rounds} rounds, in which the programs took turns. The C",
-        "program is `scripts/peers/fcm_direct.c`, the direct method on FFTW; it takes a couplet of nine numbers to a velocity",
-        "gradient of nine. The error is the relative 2-norm against a much tighter evaluation by the same program.",
+        f"unit spheres at a volume fraction of {FRACTION} unless a table says otherwise, on {processor()} with",
+        f"{os.cpu_count()} cores. Milliseconds, by stage: medians of {REPEATS} evaluations in a process and of {rounds} rounds, in",
+        "which the programs took turns. *C and FFTW* is `scripts/peers/fcm_direct.c`, the direct method; *FINUFFT* is",
+        "`scripts/peers/finufft_mobility.py`, nonuniform transforms of the same envelopes, whose spread and interpolation",
+        "contain their transforms. Both take a couplet of nine numbers to a velocity gradient of nine. The error is the",
+        "relative 2-norm against a much tighter evaluation by the same program.",
         "",
-        *table(lines),
-        "",
-        "![Error and time](figures/benchmarks.svg)",
     ]
+    for title, lines in tables.items():
+        page += [f"## {title}", "", *table(lines), ""]
+        if title == "The paper's case":
+            page += [*verdicts(lines), "", "![Error and time](figures/benchmarks.svg)", ""]
+    page += ["## Number of spheres, two threads", "", *size_table(by_size), ""]
+    page += ["![Number of spheres and time](figures/benchmark-sizes.svg)"]
     (DOCS / "benchmarks.md").write_text("\n".join(page) + "\n")
 
 
@@ -139,18 +213,22 @@ def main():
     parser.add_argument("--rounds", type=int, default=3, help="how often everything is run [3]")
     parser.add_argument("--quick", action="store_true", help="the paper's case on one thread alone, and no page")
     arguments = parser.parse_args()
-    chosen = list(cases(arguments.target, arguments.quick))
+    programs = Programs(arguments.target)
+    chosen = dict(sections(programs, arguments.quick))
+    larger = [] if arguments.quick else sizes(programs)
     raw = arguments.target / "benchmarks.jsonl"
     with open(raw, "w") as file:
-        for _ in range(arguments.rounds):
-            for case in chosen:
-                case.run()
-                print(json.dumps(case.lines[-1]), file=file, flush=True)
-    lines = [case.median() for case in chosen]
-    print("\n".join(table(lines)))
+        for case in [*larger, *(case for _ in range(arguments.rounds) for cases in chosen.values() for case in cases)]:
+            case.run()
+            print(json.dumps(case.lines[-1]), file=file, flush=True)
+    tables = {title: [case.median() for case in cases] for title, cases in chosen.items()}
+    for title, lines in tables.items():
+        print(f"\n{title}\n", *table(lines), sep="\n")
     if not arguments.quick:
-        write_page(lines, arguments.rounds)
-        draw(lines, DOCS / "figures" / "benchmarks.svg")
+        by_size = [case.median() for case in larger]
+        write_page(tables, by_size, arguments.rounds)
+        draw([line for lines in tables.values() for line in lines], DOCS / "figures" / "benchmarks.svg")
+        draw_sizes(by_size, DOCS / "figures" / "benchmark-sizes.svg")
     print(f"all lines  {raw}")
 
 
