@@ -11,6 +11,7 @@ def draw(mode):
     run = snapshots("fig3", viscosity=0.001)
     make([run])
     report = Report("disks-fig3", mode, "Fig. 3: disks at a viscosity of 0.001", panels=2)
+    report.figure.set_size_inches(3 * len(report.panels), 3.4)
     for axes, strain in zip(report.panels, (0, SHOWN)):
         draw_disks(axes, run, strain)
     series = numbers(run.folder / "observables.csv")
