@@ -16,7 +16,7 @@ use crate::two_sphere::TwoSphereError;
 ///
 /// What resists the spheres' motions is kept positive semi-definite in its tables: what is stored, interpolated and
 /// tapered is a factor `B` of it, `B B^T`, so any number in the tables is a valid one. That changes the drag of a pair that
-/// moves as one by less than half a percent, and nothing else: rates of strain of rigid spheres are known, not solved for, so
+/// moves as one by half a percent at most for radii up to 10:1, and nothing else: rates of strain of rigid spheres are known, not solved for, so
 /// what couples them to motions is stored as it is.
 #[derive(Debug, Clone)]
 pub struct PairForce {

@@ -1,0 +1,120 @@
+"""Two spheres in strain and settling, with lubrication, through the whole program: Fig. 3 of Abbas, Climent, Simonin & Maxey,
+Phys. Fluids 18, 121504 (2006), and the velocities of its Fig. 2.
+
+A, B and C (Batchelor & Green 1972) say how two force-free spheres move in a rate of strain E: the relative velocity is
+-[A rr/r^2 + B (1 - rr/r^2)] E r besides that of the flow, the angular velocity C r x E r / r^2. The program evaluates them, and the
+velocities under a force on either sphere, in cubic periodic boxes of three sizes, and the limit of a large box follows from the
+images' effect: one over the box's side, which relative velocities feel through the drag on the pair as a whole, and its cube."""
+
+import concurrent.futures
+import os
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from support import two_sphere
+from support.page import save, table, write_section
+from support.program import mobility
+
+RATIOS = (1.0, 2.0)
+# Over the radius of the smaller sphere.
+GAPS = (1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0)
+EDGES, TOLERANCE = (50.0, 100.0, 200.0), 1e-5
+DENSITY_RATIOS = (1.0, 0.5, 1 / 3, 0.25)
+# Of the exact value, or of the relative velocity of the ambient flow or of the larger sphere's Stokes velocity.
+LIMIT, SLACK = 0.01, 1e-3
+
+
+def evaluate(ratio, gap, edge, lubrication):
+    """[A, B, C1, C2] and U12, V12 for all density ratios, in one box."""
+    distance = 1 + ratio + gap
+    case = {"box": [edge] * 3, "viscosity": 1.0, "radii": [1.0, ratio], "lubrication": lubrication}
+    case["positions"] = np.array([[0.25, 0.25, 0.25], [0.25, 0.25, 0.25 + distance]])
+    gradient = [[-0.5, 0, 1.0], [0, -0.5, 0], [1.0, 0, 1.0]]
+    strained = mobility(case | {"background": {"velocity_gradient": gradient}}, TOLERANCE)
+    apart = np.subtract(*strained["velocities"][::-1]) / distance
+    answers = [-apart[2], -apart[0], *(turning[1] for turning in strained["angular_velocities"])]
+    relative = []
+    for loaded in (0, 1):
+        forces = np.zeros((2, 3))
+        forces[loaded] = [6 * np.pi, 0, 6 * np.pi]
+        relative.append(np.subtract(*mobility(case | {"forces": forces}, TOLERANCE)["velocities"][::-1]))
+    for axis in (2, 0):
+        for density in DENSITY_RATIOS:
+            weights = np.array([1.0, density * ratio**3])
+            answers.append(weights @ np.array(relative)[:, axis] / (density * ratio**2))
+    return np.array(answers)
+
+
+def in_large_box(job):
+    """The constant of c + c1/L + c3/L^3 through the answers in the three boxes."""
+    powers = np.array([[1.0, 1 / edge, 1 / edge**3] for edge in EDGES])
+    return np.linalg.solve(powers, np.array([evaluate(*job[:2], edge, job[2]) for edge in EDGES]))[0]
+
+
+def exact(ratio, gap):
+    answers = list(two_sphere.strain_functions(ratio, gap))
+    for mobilities in (two_sphere.along(ratio, gap)[0], two_sphere.across(ratio, gap)[0][:2, :2]):
+        for density in DENSITY_RATIOS:
+            velocities = 6 * np.pi * mobilities @ [1.0, density * ratio**3]
+            answers.append((velocities[1] - velocities[0]) / (density * ratio**2))
+    return np.array(answers)
+
+
+def draw(answers, fcm):
+    figure, panels = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained", sharey=True)
+    fine = np.geomspace(GAPS[0], GAPS[-1], 80)
+    for axes, ratio in zip(panels, RATIOS):
+        curves = np.array([two_sphere.strain_functions(ratio, gap) for gap in fine])
+        for k, name in enumerate(("A", "B", "C") if ratio == 1 else ("A", "B", "C, small", "C, large")):
+            axes.semilogx(fine, curves[:, k], color=f"C{k}", label=name)
+            axes.semilogx(GAPS, [answers[ratio, gap][k] for gap in GAPS], "o", color=f"C{k}", fillstyle="none")
+            axes.semilogx(GAPS, [fcm[ratio, gap][k] for gap in GAPS], ":", color=f"C{k}")
+        axes.set_title(f"radii 1 : {ratio:g}")
+        axes.set_xlabel("gap / $a_1$")
+        axes.legend()
+    panels[0].set_ylabel("lines exact, circles with lubrication, dots FCM alone")
+    save(figure, "fig3.png")
+
+
+def rows(ratio, answers):
+    for gap in GAPS:
+        right, found = exact(ratio, gap), answers[ratio, gap]
+        cells = [f"{gap:g}"]
+        for k in (0, 1, 2, 3, 4, 8):
+            cells += [f"{right[k]:.5f}", f"{found[k]:.5f}"]
+        yield cells
+
+
+def worst(ratio, answers):
+    """The largest error over what is allowed, and over the exact value where that is not small."""
+    right, found = (np.array([which(gap) for gap in GAPS]) for which in (lambda g: exact(ratio, g), lambda g: answers[ratio, g]))
+    error = np.abs(found - right)
+    return (error / np.maximum(LIMIT * np.abs(right), SLACK)).max(), (error / np.maximum(np.abs(right), 0.1)).max()
+
+
+def main():
+    jobs = [(ratio, gap, lubrication) for ratio in RATIOS for gap in GAPS for lubrication in (True, False)]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = dict(zip(jobs, pool.map(in_large_box, jobs)))
+    answers, fcm = ({key[:2]: value for key, value in found.items() if key[2] == kind} for kind in (True, False))
+    draw(answers, fcm)
+    lines, failed = ["![A, B and C](figures/fig3.png)", ""], []
+    for ratio in RATIOS:
+        over, relative = worst(ratio, answers)
+        lines += [f"Radii 1 : {ratio:g}; exact, then the program with lubrication. U12 and V12 are for equal densities,", ""]
+        lines[-2] += f" in units of the large sphere's Stokes velocity; all four density ratios are within {relative:.2%}."
+        header = ["gap / a₁"] + [f"{name} {kind}" for name in ("A", "B", "C₁", "C₂", "U12", "V12") for kind in ("exact", "found")]
+        lines += [*table(header, list(rows(ratio, answers))), ""]
+        if over > 1:
+            failed.append(f"ratio {ratio:g}: {over:.2f} times the error allowed")
+    write_section("lubrication.md", "fig3", "Figures 2 and 3 of the paper", lines)
+    print("\n".join(lines))
+    if failed:
+        raise SystemExit("failed: " + ", ".join(failed))
+
+
+if __name__ == "__main__":
+    main()

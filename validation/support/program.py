@@ -1,0 +1,42 @@
+"""One call of fcm-solve from a script."""
+
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
+
+
+def plain(value):
+    """What JSON can hold in place of arrays."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def mobility(case, tolerance):
+    """The answer of `fcm-solve mobility` to a case, whose values may be arrays."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "case.json"
+        path.write_text(json.dumps({key: plain(value) for key, value in case.items()}))
+        command = [PROGRAM, "mobility", str(path), "--tolerance", str(tolerance), "--threads", "1"]
+        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def two_sphere(ratio, gap):
+    """The exact two-sphere functions, by name."""
+    command = [PROGRAM, "two-sphere", "--ratio", repr(ratio), "--gap", repr(gap), "--json"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def run(scene, folder, overrides=()):
+    """Runs a scene, given as text, into a folder; the finished process, whose returncode says how it ended."""
+    path = pathlib.Path(folder).with_suffix(".toml")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(scene)
+    command = [PROGRAM, "run", str(path), "--out", str(folder), "--force", "--threads", "1"]
+    for override in overrides:
+        command += ["--set", override]
+    return subprocess.run(command, capture_output=True, text=True)
