@@ -1,12 +1,16 @@
 """What theories and correlations say, from their formulas."""
 
+import concurrent.futures
 import functools
 import json
 import subprocess
 
 import numpy as np
 
-from runs import PROGRAM
+from runs import PROGRAM, WORKERS
+
+# Gaps between two spheres, dense near contact, where the logarithm of the gap is the variable to integrate over.
+GAPS = np.geomspace(1e-5, 30.0, 40)
 
 
 def richardson_zaki(phi, exponent=4.7):
@@ -88,6 +92,12 @@ def resistance(gap):
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
+def over_gaps(function):
+    """A function of the gap at all of them."""
+    with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
+        return list(pool.map(lambda gap: function(float(gap)), GAPS))
+
+
 def pair_functions(gap):
     """A and B of Batchelor & Green, J. Fluid Mech. 56, 375 (1972), for equal spheres at a gap in radii, from the exact
     resistance functions: the motions that leave two spheres in a strain without force and torque."""
@@ -115,16 +125,14 @@ def random_pairs():
     """Coefficients `(own, other)` of the velocity of equal spheres at random whose weights differ (Batchelor, J. Fluid Mech.
     119, 379, 1982, for uniform pairs): `U_i / U_i0 = 1 + sum_j (own + other U_j0 / U_i0) phi_j`. Their sum is Batchelor's
     -6.55."""
-    gaps = np.geomspace(1e-5, 30.0, 60)
     own, other = [], []
-    for gap in gaps:
-        along, across = velocities_by_forces(float(gap))
+    for gap, (along, across) in zip(GAPS, over_gaps(velocities_by_forces)):
         r = 2 + gap
         own.append((along[0] + 2 * across[0] - 3) * r * r * gap)
         other.append((along[1] + 2 * across[1] - 3 / r) * r * r * gap)
-    steps = np.diff(np.log(gaps))
+    steps = np.diff(np.log(GAPS))
     # Far away the first falls as r^-4, so that the rest of the integral is that of the last value.
-    far = own[-1] / gaps[-1] * (2 + gaps[-1])
+    far = own[-1] / GAPS[-1] * (2 + GAPS[-1])
     inner = [float(np.sum(0.5 * steps * (np.array(f)[1:] + np.array(f)[:-1]))) for f in (own, other)]
     return inner[0] + far, inner[1] - 5
 
@@ -139,14 +147,11 @@ class DilutePairs:
     401 (1972), q(r) = exp(integral_r^inf 3 (B - A) / (1 - A) dr / r) / (1 - A)."""
 
     def __init__(self):
-        # Distances, dense near contact where q(r) varies fast; beyond the last, A = 5/r^3 and B = 16/(3 r^5).
-        gaps = np.geomspace(1e-5, 18.0, 60)
-        self.r = 2 + gaps
-        self.a, self.b = np.transpose([pair_functions(float(gap)) for gap in gaps])
-        rate = 3 * (self.b - self.a) / (self.r * (1 - self.a))
-        # In the variable log(gap), in which the integrand is smooth.
-        integrand = rate * gaps
-        pieces = 0.5 * (integrand[1:] + integrand[:-1]) * np.diff(np.log(gaps))
+        # Beyond the last distance, A = 5/r^3 and B = 16/(3 r^5).
+        self.r = 2 + GAPS
+        self.a, self.b = np.transpose(over_gaps(pair_functions))
+        integrand = 3 * (self.b - self.a) / (self.r * (1 - self.a)) * GAPS
+        pieces = 0.5 * (integrand[1:] + integrand[:-1]) * np.diff(np.log(GAPS))
         beyond = -5 / self.r[-1] ** 3
         exponent = np.append(np.cumsum(pieces[::-1])[::-1], 0) + beyond
         self.q = np.exp(exponent) / (1 - self.a)
@@ -159,11 +164,10 @@ class DilutePairs:
         # <n1^4 n2^2> = 3/105, <n1^2 n2^2 n3^2> = 1/105.
         in_plane = b**2 / 4 / 3 + b * (a - b) / 15 + (a - b) ** 2 * 3 / 105
         across = (a - b) ** 2 / 105
-        gaps = self.r - 2
 
         def integral(f):
-            integrand = f * q * self.r**4 * gaps
-            inner = np.sum(0.5 * (integrand[1:] + integrand[:-1]) * np.diff(np.log(gaps)))
+            integrand = f * q * self.r**4 * GAPS
+            inner = np.sum(0.5 * (integrand[1:] + integrand[:-1]) * np.diff(np.log(GAPS)))
             # The first 1e-5 counts nothing; far away f = c/r^6 with the last value.
             return 4 * np.pi * (inner + f[-1] * self.r[-1] ** 5)
 

@@ -1,0 +1,116 @@
+use super::*;
+use crate::Diffusivity;
+use domain::Random;
+
+/// Paths of particles whose velocities are Ornstein-Uhlenbeck processes with variance `1` and correlation time `1`, or
+/// constant, sampled every `dt`; displacements are integrated by many small steps.
+fn ornstein_uhlenbeck(particles: u64, samples: usize, dt: f64) -> Vec<Vec<Motion>> {
+    let substeps = 8;
+    let decay = (-dt / f64::from(substeps)).exp();
+    let noise = |random: &mut Random| {
+        let radius = (-2.0 * (1.0 - random.uniform()).ln()).sqrt();
+        let angle = std::f64::consts::TAU * random.uniform();
+        (radius * angle.cos(), radius * angle.sin())
+    };
+    let mut randoms: Vec<Random> = (0..particles).map(|id| Random::new(11, id)).collect();
+    let mut motions: Vec<Motion> = randoms
+        .iter_mut()
+        .map(|r| {
+            let ((x, y), (z, _)) = (noise(r), noise(r));
+            Motion { velocity: Vector::new(x, y, z), path: Vector::ZERO }
+        })
+        .collect();
+    let mut all = Vec::new();
+    for _ in 0..samples {
+        all.push(motions.clone());
+        for (motion, random) in motions.iter_mut().zip(&mut randoms) {
+            for _ in 0..substeps {
+                let before = motion.velocity;
+                let ((x, y), (z, _)) = (noise(random), noise(random));
+                motion.velocity = decay * before + (1.0 - decay * decay).sqrt() * Vector::new(x, y, z);
+                motion.path += 0.5 * dt / f64::from(substeps) * (before + motion.velocity);
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn an_ornstein_uhlenbeck_process_has_its_correlation_and_diffusivity() {
+    let dt = 0.25;
+    let samples = ornstein_uhlenbeck(200, 2000, dt);
+    let mut lagrangian = Lagrangian::new(&vec![0; 200]);
+    samples.iter().enumerate().for_each(|(k, motions)| lagrangian.add(k as f64 * dt, motions));
+    for lag in lagrangian.lags(Some(0)).iter().filter(|lag| lag.time <= 8.0) {
+        let t = lag.time;
+        for i in 0..3 {
+            // 200 particles over 500 correlation times: 1/sqrt(50,000) = 0.0045.
+            assert!((lag.correlation[i] - (-t).exp()).abs() < 0.025, "{lag:?}");
+            assert!((lag.integral[i] - (1.0 - (-t).exp())).abs() < 0.05, "{lag:?}");
+            assert!((lag.displacement[i] - 2.0 * (t - 1.0 + (-t).exp())).abs() < 0.03 * (1.0 + t), "{lag:?}");
+        }
+    }
+    let found = Diffusivity::of(&lagrangian, None, [6.0, 20.0]);
+    for estimate in found.by_slope.iter().chain(&found.by_integral) {
+        assert!((estimate.mean - 1.0).abs() < 4.0 * estimate.error && estimate.error < 0.05, "{estimate:?}");
+    }
+}
+
+#[test]
+fn ballistic_particles_do_not_diffuse() {
+    let velocities = [Vector::X, -Vector::X, Vector::new(0.0, 3.0, 4.0), Vector::new(0.0, -3.0, -4.0)];
+    let mut lagrangian = Lagrangian::new(&[0; 4]);
+    for step in 0..100 {
+        let time = 0.3 * f64::from(step);
+        lagrangian.add(time, &velocities.map(|velocity| Motion { velocity, path: time * velocity }));
+    }
+    let lags = lagrangian.lags(None);
+    assert!(lags.last().unwrap().time > 15.0 && lags.is_sorted_by(|a, b| a.time < b.time));
+    for lag in lags {
+        let square = Vector::new(0.5, 4.5, 8.0);
+        assert!((lag.correlation - square).length() < 1e-12);
+        assert!((lag.displacement - square * lag.time.powi(2)).length() < 1e-10 * (1.0 + lag.time.powi(2)));
+        assert!((lag.integral - square * lag.time).length() < 1e-11 * (1.0 + lag.time));
+    }
+}
+
+/// Each lag is compared with the sum over all the starting times that its level has, computed from all samples.
+#[test]
+fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
+    let samples = ornstein_uhlenbeck(10, 300, 0.5);
+    let species = [0, 1, 0, 1, 1, 0, 0, 0, 1, 0];
+    let mut lagrangian = Lagrangian::new(&species);
+    for (k, motions) in samples.iter().enumerate() {
+        if k == 137 {
+            let bytes = lagrangian.save();
+            lagrangian = Lagrangian::new(&species);
+            assert!(lagrangian.load(&bytes));
+        }
+        lagrangian.add(0.5 * k as f64, motions);
+    }
+    for lag in lagrangian.lags(Some(1)) {
+        let steps = (lag.time / 0.5).round() as usize;
+        let stride = if steps < 16 { 1 } else { 1 << (steps / 8).ilog2() };
+        let starts: Vec<usize> = (stride..=samples.len() - steps).step_by(stride).map(|n| n - 1).collect();
+        let members: Vec<usize> = (0..10).filter(|&i| species[i] == 1).collect();
+        let over = |number: &dyn Fn(&Motion, &Motion) -> f64| {
+            let pairs = starts.iter().flat_map(|&s| members.iter().map(move |&i| (s, i)));
+            let numbers: Vec<f64> = pairs.map(|(s, i)| number(&samples[s][i], &samples[s + steps][i])).collect();
+            numbers.iter().sum::<f64>() / numbers.len() as f64
+        };
+        let product = over(&|a, b| a.velocity.y * b.velocity.y);
+        let correlation = product - over(&|a, _| a.velocity.y) * over(&|_, b| b.velocity.y);
+        assert!((lag.correlation.y - correlation).abs() < 1e-12, "lag {steps}");
+        let square = over(&|a, b| (b.path.z - a.path.z).powi(2)) - over(&|a, b| b.path.z - a.path.z).powi(2);
+        assert!((lag.displacement.z - square).abs() < 1e-11 * (1.0 + square), "lag {steps}");
+    }
+}
+
+#[test]
+fn memory_grows_as_the_logarithm_of_the_samples() {
+    let mut lagrangian = Lagrangian::new(&[0; 3]);
+    for k in 0..4096 {
+        lagrangian.add(f64::from(k), &[Motion::default(); 3]);
+    }
+    assert_eq!(lagrangian.levels.len(), 13);
+}
