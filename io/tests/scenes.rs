@@ -58,6 +58,13 @@ fn what_a_scene_leaves_out_has_its_default() {
 }
 
 #[test]
+fn a_run_of_no_steps_is_a_start() {
+    for path in files("../scenes").iter().filter(|path| !path.ends_with("shear-cell-continuum.toml")) {
+        assert_eq!(Scene::read(path, &["time.steps=0".to_owned()]).unwrap().kind().steps(), 0);
+    }
+}
+
+#[test]
 fn overrides_reach_the_scene_and_its_text() {
     let scene = good("least.toml", &["time.steps=20", "species[0].radius=0.5", "gravity.acceleration=[0, 0, -2]"]);
     assert_eq!(suspension(&scene).time.steps, 20);

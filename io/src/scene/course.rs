@@ -53,7 +53,7 @@ pub(super) fn steps_in(duration: f64, step: f64) -> u64 {
 
 /// One of so many parts of a run, at least a step.
 pub(super) fn share(steps: u64, parts: u64) -> u64 {
-    steps.div_ceil(parts).max(1)
+    steps.div_ceil(parts.max(1)).max(1)
 }
 
 /// The section `output` of scenes without a fluid.
