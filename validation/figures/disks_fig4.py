@@ -13,7 +13,7 @@ def draw(mode):
     run = snapshots("fig4", strain=STRAINS[-1])
     make([run])
     report = Report("disks-fig4", mode, "Fig. 4: disks at a viscosity of 0.01", panels=len(STRAINS))
-    report.figure.set_size_inches(3 * len(report.panels), 3.4)
+    report.figure.set_size_inches(2.1 * len(report.panels), 2.5)
     for axes, strain in zip(report.panels, STRAINS):
         draw_disks(axes, run, strain)
     series = numbers(run.folder / "observables.csv")
