@@ -196,7 +196,7 @@ def write_page(tables, by_size, rounds):
         "",
         f"One mobility, forces, torques and stresslets to velocities, angular velocities and rates of strain, of {PARTICLES}",
         f"unit spheres at a volume fraction of {FRACTION} unless a table says otherwise, on {processor()} with",
-        f"{os.cpu_count()} cores. Milliseconds, by stage: medians of {REPEATS} evaluations in a process and of {rounds} rounds, in",
+        f"{os.cpu_count()} cores. Milliseconds, by stage: medians of {REPEATS} evaluations in a process, rounds: {rounds}, in",
         "which the programs took turns. *C and FFTW* is `scripts/peers/fcm_direct.c`, the direct method; *FINUFFT* is",
         "`scripts/peers/finufft_mobility.py`, nonuniform transforms of the same envelopes, whose spread and interpolation",
         "contain their transforms. Both take a couplet of nine numbers to a velocity gradient of nine. The error is the",
