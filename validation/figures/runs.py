@@ -62,6 +62,7 @@ class Run:
         if self.is_finished():
             return
         self.folder.mkdir(parents=True, exist_ok=True)
+        self.finished.unlink(missing_ok=True)
         started = self.folder / "started.toml"
         goes_on = started.exists() and started.read_text() == self.text and self.has_a_part()
         if goes_on:
