@@ -95,7 +95,7 @@ PAIRS = {
     "quick": ((0.03, 0.03), (0.06, 0.06), (0.10, 0.10)),
     "full": ((0.02, 0.02), (0.04, 0.04), (0.06, 0.06), (0.08, 0.08), (0.10, 0.10), (0.05, 0.15), (0.02, 0.15), (0.12, 0.12)),
 }
-SEGREGATION_TIME = {"quick": 30.0, "full": 400.0}
+SEGREGATION_TIME = {"quick": 60.0, "full": 400.0}
 TEST_RATIOS = {"quick": (1.2, 2.0, 2.8), "full": (1.0, 1.2, 1.6, 2.0, 2.4, 2.8)}
 TEST_TIME = {"quick": 60.0, "full": 400.0}
 # One test sphere in the paper; a few in the same box when time is short.
