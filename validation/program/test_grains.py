@@ -98,7 +98,8 @@ class Grains(unittest.TestCase):
         ends = []
         for threads in (1, 2):
             out = self.out.with_name(f"threads-{threads}")
-            run(["run", *words("granular-disks", {"box.edges": "[260.0, 260.0]", "time.steps": 60}), "--out", out, "--threads", threads])
+            wide = words("granular-disks", {"box.edges": "[260.0, 260.0]", "time.steps": 60})
+            run(["run", *wide, "--out", out, "--threads", threads])
             ends.append(end_state(out))
         self.assertEqual(*ends)
 
@@ -113,7 +114,8 @@ class Grains(unittest.TestCase):
         profile = rows(self.out / "profile.csv")
         self.assertEqual(sum(row["disks"] for row in profile), 289)
         # The disks move with the liquid, whose velocity rises by 0.5 from bottom to top.
-        slope = np.polyfit([row["height"] for row in profile], [row["velocity"] for row in profile], 1)[0]
+        filled = [row for row in profile if row["disks"] > 0]
+        slope = np.polyfit([row["height"] for row in filled], [row["velocity"] for row in filled], 1)[0]
         self.assertAlmostEqual(slope, 0.01, delta=0.001)
 
     def test_a_run_of_the_shear_cell_balances_and_bears_the_weight(self):
@@ -131,7 +133,7 @@ class Grains(unittest.TestCase):
         pixels = rows(self.out / "map.csv")
         self.assertEqual(len(pixels), 95 * 20)
         with h5py.File(self.out / "averages.h5") as file:
-            self.assertEqual(file["walls"].attrs["wall"], "bottom,top,outer,inner")
+            self.assertEqual([name.decode() for name in file["walls/wall"]], ["bottom", "top", "outer", "inner"])
             np.testing.assert_array_equal(file["profile/y"], [row["y"] for row in rows(self.out / "profile.csv")])
 
     def test_a_dense_cell_is_packed_or_refused_with_what_it_reached(self):
