@@ -31,7 +31,7 @@ step = 0.05
 duration = 19.0
 """
 CAREFUL = ["time.integrator=adaptive", "time.tolerance=1e-6", "time.gap_fraction=0.02", "hydrodynamics.tolerance=1e-5"]
-# Forces at contact that keep the spheres apart, over viscosity, rate and radius squared.
+# Repulsion at contact is over viscosity, rate and radius squared.
 VARIANTS = {
     "the method alone": ["hydrodynamics.tolerance=1e-4"],
     "with repulsion": ["hydrodynamics.tolerance=1e-4", "repulsion={ strength = 60.0 }"],
