@@ -45,6 +45,7 @@ pub(crate) fn stencil_error(method: MethodName, reach: f64) -> f64 {
     let decay = (-0.5 * reach * reach).exp();
     match method {
         MethodName::Direct => (0.6 + 1.5 / reach) * decay,
+        // Half as much again as for tens of particles, which thousands were found to need (`fcm-solve bench`).
         // The bound falls with the reach, also where that is too short to be of use.
         MethodName::Split => 0.42 * reach.max(2.0).powi(2) * decay,
     }

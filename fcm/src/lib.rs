@@ -8,6 +8,7 @@
 mod accuracy;
 mod axis;
 mod boys;
+mod check;
 mod conjugate_gradients;
 mod cost;
 mod envelope;
