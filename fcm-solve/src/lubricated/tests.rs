@@ -1,5 +1,7 @@
 //! Lubricated spheres against exact answers and against the dense solution, on any ranks and threads.
 
+mod system;
+
 use super::*;
 use domain::random_packing;
 use fcm::{Evaluation, Fixed, Multipoles, Precision, Problem};
