@@ -4,5 +4,6 @@ pub mod continuum;
 pub mod disks;
 mod parameter;
 pub mod shear_cell;
+mod widest;
 
 pub use parameter::ParameterError;

@@ -50,7 +50,7 @@ fn inelastic_grains_cool_by_haffs_law() {
     let (start, hits, hot) = (engine.tally().time, engine.tally().pair_hits, engine.grains().temperature());
     let rate = (1.0 - 0.81) * enskog(0.02, hot) / 6.0;
     for _ in 0..5 {
-        engine.advance(0.5 / rate);
+        engine.advance(0.5 / rate, &|| true);
         let cooled = (hot / engine.grains().temperature()).sqrt() - 1.0;
         let found = cooled / (rate * (engine.tally().time - start));
         // Of the rate of cooling, seen over at least a unit of its time.

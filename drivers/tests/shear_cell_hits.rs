@@ -37,7 +37,7 @@ const ENGINES: [Collisions; 2] = [Collisions::EventDriven, Collisions::TimeStepp
 fn run(parameters: Parameters, grains: &Grains, collisions: Collisions, time: f64) -> Engine {
     let model = Model::new(parameters).unwrap();
     let mut engine = Engine::new(&model, grains, collisions).unwrap();
-    engine.advance(time);
+    assert!(engine.advance(time, &|| true));
     engine
 }
 
@@ -162,7 +162,7 @@ fn neighbour_lists_miss_no_pair() {
     let step = 1e-3;
     let mut engine = TimeStepped::new(&model, &State::new(&model, &grains), step).unwrap();
     for _ in 0..200 {
-        engine.advance(1);
+        engine.advance(1, &|| true);
         let now = engine.grains();
         let overlapping_and_closing = (0..800).any(|i| {
             (0..i).any(|j| {

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 /// Steps until step `last` or a signal, and records what is due. Collective.
 pub fn march(simulation: &mut dyn Simulation, recorder: &mut Recorder, last: u64) -> anyhow::Result<ExitCode> {
     let signals = Signals::watch(simulation.comm())?;
+    simulation.listen(signals.heard());
     let mut progress = Progress::start(simulation.comm(), simulation.clock(), last);
     progress.say(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
     recorder.record(simulation)?;

@@ -194,3 +194,27 @@ fn stall(residual: &[f64], unknowns: Vec<f64>) -> Stall {
     let (equation, &residual) = residual.iter().enumerate().max_by(worst).expect("there are equations");
     Stall { equation, residual, unknowns }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuum::Parameters;
+
+    /// Collocation converges faster than any power of the number of intervals: beyond 24 only round-off is left.
+    #[test]
+    fn the_answer_does_not_depend_on_the_grid() {
+        for (speed, pressure) in [(1.4, 5500.0), (2.0, 5500.0), (2.8, 2500.0)] {
+            let problem = Problem::new(Parameters { speed, pressure, ..Parameters::default() }).unwrap();
+            let start = problem.starts()[0];
+            let on = |intervals: usize| {
+                let grid = Collocation::new(intervals);
+                let unknowns = problem.follow(&grid, start).ok().unwrap();
+                Solution::new(problem, grid, unknowns)
+            };
+            let [coarse, fine, finest] = [24, 48, 192].map(on);
+            assert!(finest.difference(&coarse) < 1e-7 && finest.difference(&fine) < 1e-9);
+            assert!((finest.mean_solid_fraction() - fine.mean_solid_fraction()).abs() < 1e-10);
+            assert!(finest.residual() < 1e-9);
+        }
+    }
+}

@@ -19,7 +19,6 @@ mod store;
 mod sums;
 mod sweep;
 mod tally;
-mod widest;
 
 use rayon::prelude::*;
 
@@ -28,7 +27,10 @@ pub use flow::Flow;
 pub use gear::Gear;
 use law::Law;
 pub use law::Stage;
-pub use observe::{Disk, Lanes, Record, Snapshot, Stripe, Strips, estimated_free_path, segment, viscous_length};
+pub use observe::{
+    AveragedProfile, Disk, Lanes, MeanStripe, Record, Snapshot, Stripe, Strips, estimated_free_path, segment,
+    viscous_length,
+};
 pub use parameters::{Model, Parameters, Preparation};
 pub use progress::Progress;
 pub use simulation::Disks;

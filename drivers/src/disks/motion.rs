@@ -7,7 +7,7 @@ use super::lane_sums::LaneSums;
 use super::law::Law;
 use super::state::{Block, Body, CHUNK, LANES, State};
 use super::sums::MotionSums;
-use super::widest::{self, Kernel};
+use crate::widest::{self, Kernel};
 use glam::DVec2;
 
 /// What a pass does.

@@ -77,19 +77,24 @@ impl Engine {
     /// last bit.
     pub fn checkpoint(&mut self, model: &Model) -> Result<State, ParameterError> {
         let state = State { grains: self.grains(), lid: self.lid(), tally: *self.tally() };
-        let collisions = match self {
-            Self::TimeStepped(engine) => Collisions::TimeStepped { step: engine.step() },
-            Self::EventDriven(_) => Collisions::EventDriven,
-        };
-        *self = Self::resume(model, &state, collisions)?;
+        *self = Self::resume(model, &state, self.collisions())?;
         Ok(state)
     }
 
-    /// Runs for a time, on a time step for the nearest whole number of steps.
-    pub fn advance(&mut self, duration: f64) {
+    /// Which of the two it is.
+    pub fn collisions(&self) -> Collisions {
         match self {
-            Self::TimeStepped(engine) => engine.advance((duration / engine.step()).round() as u64),
-            Self::EventDriven(engine) => engine.advance(duration),
+            Self::TimeStepped(engine) => Collisions::TimeStepped { step: engine.step() },
+            Self::EventDriven(_) => Collisions::EventDriven,
+        }
+    }
+
+    /// Runs for a time, on a time step for the nearest whole number of steps, as long as the grains are not jammed and
+    /// `go_on`, which is asked several times a second, says so. Returns whether it got there.
+    pub fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
+        match self {
+            Self::TimeStepped(engine) => engine.advance((duration / engine.step()).round() as u64, go_on),
+            Self::EventDriven(engine) => engine.advance(duration, go_on),
         }
     }
 

@@ -56,6 +56,15 @@ pub struct Run {
     heights: Vec<f64>,
     profile: Profile,
     map: DensityMap,
+    mark: Mark,
+}
+
+/// Where the engine last started anew, and what had been measured by then.
+struct Mark {
+    state: State,
+    windows: usize,
+    profile: Profile,
+    map: DensityMap,
 }
 
 /// What a run found.
@@ -101,6 +110,9 @@ impl Run {
         let start = Start::new(model, &engine);
         // A free top wall may rise.
         let height = model.parameters().height * if model.is_lid_free() { 1.25 } else { 1.0 };
+        let (profile, map) =
+            (Profile::new(model, height, sampling.layers), DensityMap::new(model, height, sampling.pixels));
+        let mark = Mark { state: State::new(model, grains), windows: 0, profile: profile.clone(), map: map.clone() };
         Ok(Self {
             model: *model,
             engine,
@@ -108,21 +120,25 @@ impl Run {
             start,
             impulses: Default::default(),
             heights: Vec::new(),
-            profile: Profile::new(model, height, sampling.layers),
-            map: DensityMap::new(model, height, sampling.pixels),
+            profile,
+            map,
+            mark,
         })
     }
 
-    /// Runs for a time without measuring.
-    pub fn settle(&mut self, duration: f64) {
-        self.engine.advance(duration);
+    /// Runs for a time without measuring, as long as the grains are not jammed and `go_on` says so. Returns whether it
+    /// got there.
+    pub fn settle(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
+        self.engine.advance(duration, go_on)
     }
 
-    /// Runs and measures for the nearest whole number of windows.
-    pub fn measure(&mut self, duration: f64) {
+    /// The same while measuring, for the nearest whole number of windows.
+    pub fn measure(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         for _ in 0..(duration / self.sampling.window).round() as u64 {
             let before = *self.engine.tally();
-            self.engine.advance(self.sampling.window);
+            if !go_on() || !self.engine.advance(self.sampling.window, go_on) {
+                return false;
+            }
             let after = self.engine.tally();
             for (side, impulses) in self.impulses.iter_mut().enumerate() {
                 impulses.push(after.walls[side].impulse - before.walls[side].impulse);
@@ -134,11 +150,27 @@ impl Run {
                 self.map.add(&self.model, &grains);
             }
         }
+        true
     }
 
     /// Starts the engine anew from where it is, as one that resumes does.
     pub fn renew(&mut self) -> Result<(), ParameterError> {
-        self.engine.checkpoint(&self.model).map(drop)
+        let state = self.engine.checkpoint(&self.model)?;
+        self.mark = self.mark_at(state);
+        Ok(())
+    }
+
+    /// Goes back to where the engine last started anew.
+    pub fn go_back(&mut self) -> Result<(), ParameterError> {
+        self.engine = Engine::resume(&self.model, &self.mark.state, self.engine.collisions())?;
+        self.heights.truncate(self.mark.windows);
+        self.impulses.iter_mut().for_each(|impulses| impulses.truncate(self.mark.windows));
+        (self.profile, self.map) = (self.mark.profile.clone(), self.mark.map.clone());
+        Ok(())
+    }
+
+    fn mark_at(&self, state: State) -> Mark {
+        Mark { state, windows: self.heights.len(), profile: self.profile.clone(), map: self.map.clone() }
     }
 
     /// All that a checkpoint needs besides the grains. A run that was renewed goes on as one that resumes does, to the
@@ -176,6 +208,7 @@ impl Run {
         run.profile.recall(&mut numbers);
         run.map.recall(&mut numbers);
         require(numbers.are_spent(), "checkpoint", &"of another form", "the numbers that a run of this scene keeps")?;
+        run.mark = run.mark_at(state);
         Ok(run)
     }
 

@@ -3,6 +3,7 @@
 use super::cell_tables::{WALLS, tables};
 use super::{from_bytes, on_one_rank, outline, to_bytes};
 use crate::clock::Clock;
+use crate::signals::Heard;
 use crate::simulation::Simulation;
 use anyhow::ensure;
 use domain::{Comm, PeriodicBox, Vector};
@@ -18,6 +19,7 @@ pub struct CellRun {
     settle: u64,
     sample: Option<Sample>,
     plan: String,
+    heard: Option<Heard>,
     comm: Comm,
 }
 
@@ -43,7 +45,16 @@ impl CellRun {
     fn of(scene: &ShearCellScene, run: Run, (step, comm): (u64, &Comm)) -> Self {
         let clock = Clock::at(step, scene.time.step);
         let plan = outline::cell(scene);
-        Self { run, model: scene.model, clock, settle: scene.settle, sample: None, plan, comm: comm.clone() }
+        Self {
+            run,
+            model: scene.model,
+            clock,
+            settle: scene.settle,
+            sample: None,
+            plan,
+            heard: None,
+            comm: comm.clone(),
+        }
     }
 }
 
@@ -60,21 +71,27 @@ impl Simulation for CellRun {
         self.plan.clone()
     }
 
+    fn listen(&mut self, heard: Heard) {
+        self.heard = Some(heard);
+    }
+
     /// Takes one step. The engine starts anew after each, as it does from a checkpoint, so that a run is the same
-    /// wherever it was interrupted.
+    /// wherever it was interrupted; a step in which a signal comes is not taken.
     fn advance(&mut self, _last: u64) -> anyhow::Result<()> {
         let before = *self.run.engine().tally();
-        if self.clock.step() < self.settle {
-            self.run.settle(self.clock.dt());
-        } else {
-            self.run.measure(self.clock.dt());
-        }
+        let go_on = || self.heard.as_ref().is_none_or(|heard| heard.none().is_ok());
+        let is_settling = self.clock.step() < self.settle;
+        let take = if is_settling { Run::settle } else { Run::measure };
+        let is_taken = take(&mut self.run, self.clock.dt(), &go_on);
         ensure!(
             !self.run.engine().is_jammed(),
             "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower \
              grains.solid_fraction, let the top go with top.kind = \"free\", or take collisions = \"time-stepped\"",
-            self.clock.time()
+            self.run.engine().tally().time
         );
+        if !is_taken {
+            return Ok(self.run.go_back()?);
+        }
         self.run.renew()?;
         self.sample = Some(self.run.sample_since(&before));
         self.clock.tick();

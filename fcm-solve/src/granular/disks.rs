@@ -1,12 +1,13 @@
 //! Sheared disks as the march and the recorder see them.
 
-use super::{from_bytes, on_one_rank, outline, to_bytes};
+use super::{on_one_rank, outline};
 use crate::clock::Clock;
 use crate::simulation::Simulation;
 use anyhow::Context;
 use domain::{Comm, Particles};
-use drivers::disks::{Disks, Model, Progress, Record, Stage, Stripe};
+use drivers::disks::{AveragedProfile, Disks, MeanStripe, Model, Progress, Record, Stage};
 use io::{Checkpoint, FileError, Frame, GranularDisksScene, Placed, Provenance, Quantity, Table, write_tables};
+use statistics::{State, Store};
 use std::path::Path;
 
 /// Disks that are moved by one call at most, times steps: a moment, after which a signal is heard.
@@ -16,9 +17,22 @@ const MOMENT: u64 = 1_000_000;
 pub struct DiskRun {
     disks: Disks,
     clock: Clock,
-    strips: usize,
+    profile: AveragedProfile,
     plan: String,
     comm: Comm,
+}
+
+/// What a checkpoint keeps besides the disks.
+struct Kept {
+    progress: Vec<f64>,
+    profile: AveragedProfile,
+}
+
+impl State for Kept {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.numbers(&mut self.progress);
+        self.profile.visit(store);
+    }
 }
 
 impl DiskRun {
@@ -32,26 +46,28 @@ impl DiskRun {
                 Disks::flowing(parameters, &placed(path)?).with_context(|| path.display().to_string())?
             }
         };
-        Ok(Self::of(scene, disks, comm))
+        Ok(Self::of(scene, disks, AveragedProfile::new(scene.profile_strips), comm))
     }
 
     /// A scene as a checkpoint has it.
     pub fn resume(scene: &GranularDisksScene, checkpoint: &Checkpoint, comm: &Comm) -> anyhow::Result<Self> {
         on_one_rank(comm)?;
-        let progress = Progress::from_numbers(&from_bytes(&checkpoint.statistics));
+        let mut kept = Kept { progress: Vec::new(), profile: AveragedProfile::new(scene.profile_strips) };
+        let fits = kept.load(&checkpoint.statistics);
+        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits);
         let progress = progress.context("the checkpoint has no progress of disks; start the run anew")?;
         let model = match scene.start {
             None => scene.model.clone(),
             Some(_) => Model::with_particles(scene.model.parameters().clone(), &checkpoint.particles)?,
         };
-        Ok(Self::of(scene, Disks::resume(&model, &checkpoint.particles, &progress)?, comm))
+        Ok(Self::of(scene, Disks::resume(&model, &checkpoint.particles, &progress)?, kept.profile, comm))
     }
 
-    fn of(scene: &GranularDisksScene, disks: Disks, comm: &Comm) -> Self {
+    fn of(scene: &GranularDisksScene, disks: Disks, profile: AveragedProfile, comm: &Comm) -> Self {
         debug_assert!(disks.stage() == Stage::Flow, "checkpoints are written in the flow");
         let clock = Clock::at(disks.steps(), scene.time.step);
         let plan = outline::disks(disks.model(), &scene.time);
-        Self { disks, clock, strips: scene.profile_strips, plan, comm: comm.clone() }
+        Self { disks, clock, profile, plan, comm: comm.clone() }
     }
 }
 
@@ -95,8 +111,9 @@ impl Simulation for DiskRun {
         Record::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit)).collect()
     }
 
-    /// What is averaged is so since the row before.
+    /// What is averaged is so since the row before. The profile is taken at each row.
     fn observe(&mut self) -> Vec<Vec<f64>> {
+        self.profile.add(&self.disks.snapshot());
         let record = self.disks.record();
         self.disks.restart_tally();
         record.values().map(|value| vec![value]).to_vec()
@@ -109,19 +126,23 @@ impl Simulation for DiskRun {
             strain: self.disks.cell().strain(),
             plan: self.plan.clone(),
             particles,
-            statistics: to_bytes(&progress.to_numbers()),
+            statistics: Kept { progress: progress.to_numbers(), profile: self.profile.clone() }.save(),
         })
     }
 
     fn write_averages(&mut self, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
-        let units =
-            [("height", "length"), ("disks", ""), ("velocity", "length/time"), ("excess_velocity", "length/time")];
-        let temperature = ("temperature", "length^2/time^2");
-        let mut table = Table::new("profile", &[], &[&units[..], &[temperature]].concat());
-        for Stripe { height, count, velocity, excess, covariance, .. } in self.disks.snapshot().profile(self.strips) {
-            let temperature = 0.5 * (covariance.x + covariance.z);
-            table.add(&[], &[height, count as f64, velocity[0], excess, temperature]);
+        let mut table = Table::new("profile", &[], &[("height", "length"), ("disks", "")]);
+        for (name, unit) in PROFILE {
+            table.columns.extend([(name.to_owned(), unit), (format!("{name}_error"), unit)]);
+        }
+        for MeanStripe { height, count, velocity, excess, temperature } in self.profile.strips() {
+            let [v, w, t] = [velocity, excess, temperature].map(|e| [e.mean, e.error]);
+            table.add(&[], &[&[height, count.mean], &v[..], &w, &t].concat());
         }
         write_tables(folder, "averages", provenance, &[table])
     }
 }
+
+/// What is averaged over a strip.
+const PROFILE: [(&str, &str); 3] =
+    [("velocity", "length/time"), ("excess_velocity", "length/time"), ("temperature", "length^2/time^2")];

@@ -16,7 +16,7 @@ pub struct Recorder {
     provenance: Provenance,
     files: Files,
     comm: Comm,
-    /// The first step that is recorded: those before are in the files already.
+    /// The first step to be recorded: those before are in the files already.
     from: u64,
     /// The step of the last checkpoint.
     saved: Option<u64>,
@@ -86,6 +86,7 @@ impl Recorder {
         if self.output.checkpoints.is_due(step) {
             self.checkpoint(simulation)?;
         }
+        self.from = step + 1;
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! What there is to see in a system of disks.
 
+mod averages;
 mod lanes;
 mod lengths;
 mod profile;
@@ -7,6 +8,7 @@ mod record;
 mod snapshot;
 mod strips;
 
+pub use averages::{AveragedProfile, MeanStripe};
 pub use lanes::Lanes;
 pub use lengths::{estimated_free_path, viscous_length};
 pub use profile::Stripe;

@@ -1,5 +1,6 @@
 //! Which grains are near: cells of a diameter or more, each with a short list of its grains.
 
+use super::super::Model;
 use domain::Vector;
 
 /// Grains that a cell can hold to begin with; all cells are given twice as many when one is full.
@@ -23,13 +24,11 @@ pub struct Cells {
 pub struct Near {
     list: [u32; NEAR],
     count: usize,
-    /// Whether the block reaches across a periodic face.
-    pub wraps: bool,
 }
 
 impl Near {
     pub fn new() -> Self {
-        Self { list: [0; NEAR], count: 0, wraps: false }
+        Self { list: [0; NEAR], count: 0 }
     }
 
     pub fn list(&self) -> &[u32] {
@@ -38,8 +37,17 @@ impl Near {
 }
 
 impl Cells {
+    /// Cells for so many grains under a top wall at a height, about one for each.
+    pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
+        let walled = std::array::from_fn(|k| model.is_walled(k));
+        let p = model.parameters();
+        let extent = Vector { y: if walled[1] { height } else { p.height }, ..model.edges() };
+        let aim = (extent.element_product() / count.max(1) as f64).cbrt();
+        Self::new(extent, walled, p.diameter, aim)
+    }
+
     /// Cells no smaller than `least` along each edge of the box, near `aim` if that is more.
-    pub fn new(extent: Vector, walled: [bool; 3], least: f64, aim: f64) -> Self {
+    fn new(extent: Vector, walled: [bool; 3], least: f64, aim: f64) -> Self {
         let fit = |k: usize| {
             let most = (extent[k] / least).floor().max(1.0);
             let wanted = (extent[k] / aim.max(least)).floor();
@@ -69,6 +77,11 @@ impl Cells {
     pub fn at(&self, position: Vector) -> u32 {
         let place = |k: usize| ((position[k] / self.edges[k]).max(0.0) as usize).min(self.counts[k] - 1);
         self.index([place(0), place(1), place(2)])
+    }
+
+    /// Lengths of the periodic axes; infinite where there are walls.
+    pub fn periods(&self) -> [f64; 3] {
+        std::array::from_fn(|k| if self.walled[k] { f64::INFINITY } else { self.edges[k] * self.counts[k] as f64 })
     }
 
     /// The grains of a cell.
@@ -112,9 +125,9 @@ impl Cells {
 
     #[inline(always)]
     fn copy(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut Near, room: usize) {
-        let [xs, ys, zs]: [Row; 3] = std::array::from_fn(|k| self.row(k, home[k], reach[k]));
+        let [xs, ys, zs] =
+            [self.row(0, home[0], reach[0]), self.row(1, home[1], reach[1]), self.row(2, home[2], reach[2])];
         near.count = 0;
-        near.wraps = xs.wraps || ys.wraps || zs.wraps;
         for &z in &zs.places[..zs.count] {
             for &y in &ys.places[..ys.count] {
                 for &x in &xs.places[..xs.count] {
@@ -128,24 +141,17 @@ impl Cells {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(&self, axis: usize, place: usize, [from, to]: [isize; 2]) -> Row {
         let n = self.counts[axis] as isize;
-        let mut row = Row { places: [0; 3], count: 0, wraps: false };
+        let mut row = Row { places: [0; 3], count: 0 };
         for step in from..=to {
             let c = place as isize + step;
             let outside = c < 0 || c >= n;
             if outside && self.walled[axis] {
                 continue;
             }
-            row.wraps |= outside;
-            row.places[row.count] = (if c < 0 {
-                c + n
-            } else if c >= n {
-                c - n
-            } else {
-                c
-            }) as usize;
+            row.places[row.count] = (c + if c < 0 { n } else { 0 } - if c >= n { n } else { 0 }) as usize;
             row.count += 1;
         }
         row
@@ -156,5 +162,4 @@ impl Cells {
 struct Row {
     places: [usize; 3],
     count: usize,
-    wraps: bool,
 }

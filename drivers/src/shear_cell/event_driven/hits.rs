@@ -19,7 +19,7 @@ impl EventDriven {
         let rule = self.rule(model.parameters().grain_contact, &[i, j]);
         let (mut a, mut b) = (self.motion(i), self.motion(j));
         let before = a.energy(radius) + b.energy(radius);
-        let pressed = (self.accelerations[i] - self.accelerations[j]).dot(n);
+        let pressed = if self.accelerated { (self.accelerations[i] - self.accelerations[j]).dot(n) } else { 0.0 };
         rule.strike_pair([&mut a, &mut b], n, radius, [self.size[1], self.least(pressed)]);
         self.set_motion(i, a);
         self.set_motion(j, b);

@@ -12,6 +12,7 @@
 
 mod cells;
 mod contact_time;
+mod flights;
 mod grain;
 mod hits;
 mod lid;
@@ -21,8 +22,9 @@ mod queue;
 use super::{Grains, Lid, Model, Motion, State, Tally};
 use crate::parameter::ParameterError;
 use cells::{Cells, NEAR, Near};
-use contact_time::{Approach, Straight};
+use contact_time::Approach;
 use domain::Vector;
+use flights::Flights;
 use grain::{Exit, Grain, Plan, Rest};
 use queue::Queue;
 
@@ -31,8 +33,8 @@ const TURN: f64 = 0.01;
 /// Events for each grain between two moments at which all are brought to the same time.
 const LAPS: u64 = 16;
 
-/// Hits for each grain in one call to [`EventDriven::advance`] beyond which they count as jammed.
-const JAMMED: u64 = 20_000;
+/// Hits from one look at whether to go on to the next: a fraction of a second.
+const LOOK: u64 = 200_000;
 
 /// No grain.
 const NONE: u32 = u32::MAX;
@@ -40,6 +42,8 @@ const NONE: u32 = u32::MAX;
 /// Grains that move from event to event.
 pub struct EventDriven {
     model: Model,
+    /// Which grain is in each row: those near each other in the cell are near each other in memory.
+    ids: Vec<u32>,
     grains: Vec<Grain>,
     accelerations: Vec<Vector>,
     rest: Vec<Rest>,
@@ -48,8 +52,8 @@ pub struct EventDriven {
     queue: Queue,
     cells: Cells,
     near: Box<Near>,
-    /// Room for those of the grains near that a grain may meet.
-    chosen: Vec<(u32, Straight)>,
+    flights: Box<Flights>,
+    /// Room for those of the grains near that a grain may meet where flights curve.
     curving: Vec<(u32, Approach)>,
     /// Time since the grains were last brought together; plans and grains count from there.
     now: f64,
@@ -87,9 +91,10 @@ impl EventDriven {
 
     /// The same with a diameter that grows to the model's.
     pub(super) fn growing(model: &Model, state: &State, size: [f64; 2]) -> Self {
-        let grains = &state.grains;
         let accelerated = model.has_body_force();
         let p = model.parameters();
+        let cells = Cells::fitting(model, state.lid.height, state.grains.len());
+        let (ids, grains) = in_order(&cells, &state.grains);
         let fly = |(&position, motion): (&Vector, &Motion)| Grain {
             position,
             velocity: motion.velocity,
@@ -111,14 +116,15 @@ impl EventDriven {
         };
         let mut engine = Self {
             model: *model,
+            ids,
             grains: states().map(fly).collect(),
             accelerations: states().map(pull).collect(),
             rest: grains.motions.iter().map(|m| Rest { spin: m.spin, last_hit: f64::NEG_INFINITY }).collect(),
             plans: vec![never; grains.len()],
             queue: Queue::new(grains.len() + 1),
-            cells: Cells::new(Vector::ONE, [false; 3], 1.0, 1.0),
+            cells,
             near: Box::new(Near::new()),
-            chosen: vec![(NONE, Straight::default()); NEAR],
+            flights: Box::new(Flights::new()),
             curving: vec![(NONE, Approach::default()); NEAR],
             now: 0.0,
             size,
@@ -133,18 +139,27 @@ impl EventDriven {
         engine
     }
 
-    /// Runs for a time, or until the grains have jammed.
-    pub fn advance(&mut self, duration: f64) {
-        if self.jammed {
-            return;
+    /// Runs for a time, as long as the grains are not jammed and `go_on` says so. Returns whether it got there.
+    pub fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
+        let mut left = duration;
+        while !self.jammed {
+            let before = self.tally.time;
+            left = self.run(left, LOOK);
+            if left == 0.0 {
+                return true;
+            }
+            // Each hit is one of two grains.
+            let pause = (self.tally.time - before) * self.grains.len() as f64 / (2 * LOOK) as f64;
+            self.jammed = pause < self.model.parameters().contact_time;
+            if !go_on() {
+                return false;
+            }
         }
-        let end = self.tally.time + duration;
-        self.run(duration, JAMMED * self.grains.len() as u64);
-        self.jammed = self.tally.time < end * (1.0 - 1e-9);
+        false
     }
 
-    /// Whether the grains have jammed: rigid grains without room rattle against each other ever faster, and time stands
-    /// still.
+    /// Whether the grains have jammed: rigid grains without room rattle against each other ever faster, until time stands
+    /// still. They count as jammed when a grain's hits are less than the contact time apart on average.
     pub fn is_jammed(&self) -> bool {
         self.jammed
     }
@@ -154,8 +169,8 @@ impl EventDriven {
         self.run(f64::INFINITY, hits);
     }
 
-    /// Runs for a time or a number of hits, whichever ends first.
-    pub(super) fn run(&mut self, duration: f64, hits: u64) {
+    /// Runs for a time or a number of hits, whichever ends first. Returns the time left.
+    pub(super) fn run(&mut self, duration: f64, hits: u64) -> f64 {
         let enough = self.events.hits.saturating_add(hits);
         let mut left = duration;
         loop {
@@ -173,7 +188,7 @@ impl EventDriven {
             left -= self.now;
             self.gather();
             if idle || enough {
-                return;
+                return if idle { 0.0 } else { left };
             }
         }
     }
@@ -195,10 +210,12 @@ impl EventDriven {
 
     /// The grains now.
     pub fn grains(&self) -> Grains {
-        let mut grains = Grains {
-            positions: self.grains.iter().map(|g| g.position).collect(),
-            motions: (0..self.grains.len()).map(|i| self.motion(i)).collect(),
-        };
+        let count = self.grains.len();
+        let mut grains = Grains { positions: vec![Vector::ZERO; count], motions: vec![Motion::default(); count] };
+        for (row, &id) in self.ids.iter().enumerate() {
+            (grains.positions[id as usize], grains.motions[id as usize]) =
+                (self.grains[row].position, self.motion(row));
+        }
         super::grains::wrap(&self.model, &mut grains.positions);
         grains
     }
@@ -296,11 +313,7 @@ impl EventDriven {
 
     /// Sorts all grains, at the same time, into cells that fit the box as it is, and plans every course.
     fn sort_and_plan(&mut self) {
-        let p = self.model.parameters();
-        let walled = std::array::from_fn(|k| self.model.is_walled(k));
-        let extent = Vector { y: if walled[1] { self.lid().height } else { p.height }, ..self.model.edges() };
-        let aim = (extent.element_product() / self.grains.len().max(1) as f64).cbrt();
-        self.cells = Cells::new(extent, walled, p.diameter, aim);
+        self.cells = Cells::fitting(&self.model, self.lid().height, self.grains.len());
         for i in 0..self.grains.len() {
             let cell = self.cells.at(self.grains[i].position);
             self.cells.enter(i as u32, cell);
@@ -309,6 +322,15 @@ impl EventDriven {
         (0..self.grains.len()).for_each(|i| self.plan(i));
         self.plan_lid();
     }
+}
+
+/// Ids and grains in the order of their cells.
+fn in_order(cells: &Cells, grains: &Grains) -> (Vec<u32>, Grains) {
+    let mut ids: Vec<u32> = (0..grains.len() as u32).collect();
+    ids.sort_by_key(|&id| cells.at(grains.positions[id as usize]));
+    let of = |&id: &u32| (grains.positions[id as usize], grains.motions[id as usize]);
+    let (positions, motions) = ids.iter().map(of).unzip();
+    (ids, Grains { positions, motions })
 }
 
 impl Events {

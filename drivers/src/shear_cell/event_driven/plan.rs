@@ -2,7 +2,8 @@
 
 use super::{
     EventDriven, NONE,
-    contact_time::{Approach, Straight, curved, reach},
+    contact_time::{Approach, curved, reach},
+    flights::View,
     grain::{Exit, Plan},
 };
 
@@ -39,46 +40,21 @@ impl EventDriven {
 
     /// The earliest contact with a grain in the cells that far away, if it is earlier than the one planned.
     fn contact<const ACCELERATED: bool>(&mut self, i: usize, reach: [[isize; 2]; 3]) -> Option<(f64, u32)> {
-        let Self { grains, cells, near, .. } = self;
+        let Self { grains, cells, near, flights, now, .. } = self;
         let grain = &grains[i];
         cells.near(cells.coordinates(grain.cell), reach, near);
-        let best = (self.plans[i].contact - self.now, NONE);
-        let (t, partner) = match (ACCELERATED, self.near.wraps) {
-            (true, _) => self.first_curved(i, best),
-            (false, true) => self.first_straight::<true>(i, best),
-            (false, false) => self.first_straight::<false>(i, best),
+        let best = (self.plans[i].contact - *now, NONE);
+        let (t, partner) = if ACCELERATED {
+            self.first_curved(i, best)
+        } else {
+            let size = [self.size[0] + self.size[1] * *now, self.size[1]];
+            let view = View { grains, grain, now: *now, periods: cells.periods(), size };
+            flights.first(i, near.list(), &view, best)
         };
         (partner != NONE).then_some((self.now + t, partner))
     }
 
-    /// Of the grains near, the first that is met earlier than the best so far, all in straight flight.
-    #[inline]
-    fn first_straight<const WRAPS: bool>(&mut self, i: usize, mut best: (f64, u32)) -> (f64, u32) {
-        let (position, velocity) = (self.grains[i].position, self.grains[i].velocity);
-        let size = [self.diameter(), self.size[1]];
-        let mut chosen = std::mem::take(&mut self.chosen);
-        let mut count = 0;
-        for &j in self.near.list() {
-            let (there, speed) = self.grains[j as usize].at(self.now, None);
-            let separation = there - position;
-            let separation = if WRAPS { self.nearest(separation) } else { separation };
-            let pair = Straight::new(separation, speed - velocity, size);
-            // Most pairs pass or part: they are dropped without a branch.
-            chosen[count] = (j, pair);
-            count += usize::from(pair.may_meet()) & usize::from(j as usize != i);
-        }
-        for (j, pair) in &chosen[..count] {
-            if let Some(t) = pair.time()
-                && t < best.0
-            {
-                best = (t, *j);
-            }
-        }
-        self.chosen = chosen;
-        best
-    }
-
-    /// The same for flights that curve each in its own way.
+    /// Of the grains near, the first that is met earlier than the best so far, when flights curve each in its own way.
     fn first_curved(&mut self, i: usize, mut best: (f64, u32)) -> (f64, u32) {
         let (position, velocity) = (self.grains[i].position, self.grains[i].velocity);
         let acceleration = self.accelerations[i];

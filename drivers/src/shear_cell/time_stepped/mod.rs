@@ -7,6 +7,9 @@ use crate::parameter::{ParameterError, positive};
 use domain::Vector;
 use neighbours::Neighbours;
 
+/// Grains times steps from one look at whether to go on to the next: a fraction of a second.
+const LOOK: u64 = 5_000_000;
+
 /// Grains on a fixed time step. Each step: `v += a dt`, `x += v dt`; then the operator of every wall that a grain
 /// penetrates and approaches; then that of every pair that overlaps and approaches, in a fixed order.
 pub struct TimeStepped {
@@ -46,16 +49,25 @@ impl TimeStepped {
         self.step
     }
 
-    /// Takes a number of steps.
-    pub fn advance(&mut self, steps: u64) {
-        for _ in 0..steps {
-            self.drift();
-            self.lower_lid();
-            self.strike_walls();
-            self.near.refresh(&self.model, &mut self.positions, &self.velocities, self.lid.height);
-            self.strike_pairs();
-            self.tally.time += self.step;
+    /// Takes a number of steps, as long as `go_on` says so. Returns whether it took them all.
+    pub fn advance(&mut self, steps: u64, go_on: &dyn Fn() -> bool) -> bool {
+        let look = (LOOK / self.positions.len().max(1) as u64).max(1);
+        for step in 1..=steps {
+            self.take_step();
+            if step.is_multiple_of(look) && step < steps && !go_on() {
+                return false;
+            }
         }
+        true
+    }
+
+    fn take_step(&mut self) {
+        self.drift();
+        self.lower_lid();
+        self.strike_walls();
+        self.near.refresh(&self.model, &mut self.positions, &self.velocities, self.lid.height);
+        self.strike_pairs();
+        self.tally.time += self.step;
     }
 
     /// Sums so far.

@@ -1,14 +1,14 @@
 //! Running a loop with the widest vectors that the processor has.
 
 /// A loop to run. The implementation marks `run` as `#[inline(always)]`, so that it is compiled for each vector width.
-pub(super) trait Kernel {
+pub(crate) trait Kernel {
     /// Runs the loop.
     fn run(self);
 }
 
 /// Runs a loop. All widths do the same operations in the same order, none of them fused: the result does not depend on
 /// the processor.
-pub(super) fn run(kernel: impl Kernel) {
+pub(crate) fn run(kernel: impl Kernel) {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") {

@@ -1,0 +1,118 @@
+//! The profile over the height, averaged over a run.
+
+use super::{Snapshot, Stripe};
+use statistics::{Blocks, Estimate, State, Store};
+
+/// Averages over the moments at which a profile was taken, strip by strip from the bottom up, with errors by blocks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AveragedProfile {
+    strips: Vec<AveragedStrip>,
+}
+
+/// What a strip's disks did, moment by moment. Moments at which it was empty count for their number alone.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct AveragedStrip {
+    height: f64,
+    count: Blocks,
+    velocity: Blocks,
+    excess: Blocks,
+    temperature: Blocks,
+}
+
+/// A strip of an averaged profile; see [`Stripe`]. What was never seen is not a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanStripe {
+    /// Height of the strip's middle.
+    pub height: f64,
+    /// How many disks.
+    pub count: Estimate,
+    /// Their velocity along x.
+    pub velocity: Estimate,
+    /// The same in excess of the liquid's.
+    pub excess: Estimate,
+    /// Their granular temperature.
+    pub temperature: Estimate,
+}
+
+impl AveragedProfile {
+    /// Of nothing yet, in so many strips.
+    pub fn new(strips: usize) -> Self {
+        Self { strips: vec![AveragedStrip::default(); strips] }
+    }
+
+    /// Adds a moment.
+    pub fn add(&mut self, snapshot: &Snapshot) {
+        let stripes = snapshot.profile(self.strips.len());
+        for (strip, Stripe { height, count, velocity, excess, covariance, .. }) in self.strips.iter_mut().zip(stripes) {
+            strip.height = height;
+            strip.count.add(count as f64);
+            if count > 0 {
+                strip.velocity.add(velocity[0]);
+                strip.excess.add(excess);
+                strip.temperature.add(0.5 * (covariance.x + covariance.z));
+            }
+        }
+    }
+
+    /// The averages so far.
+    pub fn strips(&self) -> impl Iterator<Item = MeanStripe> {
+        self.strips.iter().map(|strip| MeanStripe {
+            height: strip.height,
+            count: strip.count.estimate(),
+            velocity: strip.velocity.estimate(),
+            excess: strip.excess.estimate(),
+            temperature: strip.temperature.estimate(),
+        })
+    }
+}
+
+impl State for AveragedProfile {
+    fn visit(&mut self, store: &mut dyn Store) {
+        for AveragedStrip { height, count, velocity, excess, temperature } in &mut self.strips {
+            store.number(height);
+            for blocks in [count, velocity, excess, temperature] {
+                blocks.visit(store);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Disk;
+    use super::*;
+    use glam::DVec2;
+
+    fn moment(x: f64, y: f64) -> Snapshot {
+        let (position, velocity) = (DVec2::new(0.0, y), DVec2::new(x, 0.0));
+        let disk = Disk { position, velocity, excess: velocity - DVec2::X, mass: 2.0, ..Disk::default() };
+        Snapshot { edges: [10.0; 2], disks: vec![disk], ..Snapshot::default() }
+    }
+
+    #[test]
+    fn strips_average_the_moments_at_which_they_had_disks() {
+        let mut profile = AveragedProfile::new(2);
+        for (x, y) in [(4.0, 1.0), (6.0, 2.0), (9.0, 7.0), (5.0, 3.0)] {
+            profile.add(&moment(x, y));
+        }
+        let [low, high]: [MeanStripe; 2] = profile.strips().collect::<Vec<_>>().try_into().unwrap();
+        assert_eq!((low.height, low.count.mean, high.count.mean), (2.5, 0.75, 0.25));
+        assert!((low.velocity.mean - 5.0).abs() < 1e-15 && (low.excess.mean - 4.0).abs() < 1e-15);
+        // Of 4, 6 and 5: a variance of 1 over three moments.
+        assert!((low.velocity.error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!((high.velocity.mean, high.velocity.error), (9.0, f64::INFINITY));
+    }
+
+    #[test]
+    fn an_average_is_taken_up_again() {
+        let mut profile = AveragedProfile::new(3);
+        profile.add(&moment(1.0, 4.0));
+        let mut again = AveragedProfile::new(3);
+        assert!(again.load(&profile.save()));
+        for profile in [&mut profile, &mut again] {
+            profile.add(&moment(2.0, 9.0));
+        }
+        assert_eq!(profile, again);
+        assert!(!AveragedProfile::new(2).load(&profile.save()));
+    }
+}

@@ -1,0 +1,118 @@
+//! Which of the grains near one may meet it, all in straight flight: worked out side by side in the processor's vectors.
+
+use super::cells::NEAR;
+use super::contact_time::Straight;
+use super::grain::Grain;
+use crate::widest::{self, Kernel};
+use domain::Vector;
+
+/// A number for each of the grains near.
+type Lane = [f64; NEAR];
+
+/// Lanes are worked on in whole groups of so many; those left over are of no account.
+const GROUP: usize = 8;
+
+/// Room for the flights of the grains near one.
+pub struct Flights {
+    separations: [Lane; 3],
+    velocities: [Lane; 3],
+    pairs: [Lane; 3],
+    may_meet: [bool; NEAR],
+    /// Places in the list of those that may meet the grain.
+    chosen: [u32; NEAR],
+}
+
+/// What is the same for all grains near one.
+pub struct View<'a> {
+    pub grains: &'a [Grain],
+    /// The grain that they may meet, at the present.
+    pub grain: &'a Grain,
+    pub now: f64,
+    /// Lengths of the periodic axes; infinite where there are walls.
+    pub periods: [f64; 3],
+    /// Diameter and the speed at which it grows.
+    pub size: [f64; 2],
+}
+
+impl Flights {
+    pub fn new() -> Self {
+        let none = [0.0; NEAR];
+        Self {
+            separations: [none; 3],
+            velocities: [none; 3],
+            pairs: [none; 3],
+            may_meet: [false; NEAR],
+            chosen: [0; NEAR],
+        }
+    }
+
+    /// Of the grains listed, other than `i` itself, the first that is met earlier than the best so far.
+    pub fn first(&mut self, i: usize, list: &[u32], view: &View, mut best: (f64, u32)) -> (f64, u32) {
+        widest::run(Sift { flights: self, list, view });
+        let mut count = 0;
+        for (k, &j) in list.iter().enumerate() {
+            // Most pairs pass or part: they are dropped without a branch.
+            self.chosen[count] = k as u32;
+            count += usize::from(self.may_meet[k]) & usize::from(j as usize != i);
+        }
+        for &k in &self.chosen[..count] {
+            let k = k as usize;
+            let pair = Straight { a: self.pairs[0][k], b: self.pairs[1][k], c: self.pairs[2][k] };
+            if let Some(t) = pair.time()
+                && t < best.0
+            {
+                best = (t, list[k]);
+            }
+        }
+        best
+    }
+}
+
+/// The work on all grains of a list.
+struct Sift<'a, 'b> {
+    flights: &'a mut Flights,
+    list: &'a [u32],
+    view: &'a View<'b>,
+}
+
+impl Kernel for Sift<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        self.flights.gather(self.list, self.view);
+        self.flights.pair(self.list.len(), self.view);
+    }
+}
+
+impl Flights {
+    /// Separations at the present and relative velocities.
+    #[inline(always)]
+    fn gather(&mut self, list: &[u32], view: &View) {
+        let Grain { position, velocity, .. } = *view.grain;
+        for (k, &j) in list.iter().enumerate().take(NEAR) {
+            let grain = &view.grains[j as usize];
+            let (there, speed) = grain.at(view.now, None);
+            let (separation, relative) = (there - position, speed - velocity);
+            for axis in 0..3 {
+                self.separations[axis][k] = separation[axis];
+                self.velocities[axis][k] = relative[axis];
+            }
+        }
+    }
+
+    /// Takes the nearest images, and finds whose flights may end in a contact.
+    #[inline(always)]
+    fn pair(&mut self, count: usize, view: &View) {
+        let (periods, size) = (view.periods, view.size);
+        let Self { separations: [x, y, z], velocities: [u, v, w], pairs: [a, b, c], may_meet, .. } = self;
+        for k in 0..count.next_multiple_of(GROUP).min(NEAR) {
+            let image = |x: f64, period: f64| {
+                let back = if x > 0.5 * period { period } else { 0.0 };
+                let forth = if x < -0.5 * period { period } else { 0.0 };
+                x - back + forth
+            };
+            let separation = Vector::new(image(x[k], periods[0]), image(y[k], periods[1]), image(z[k], periods[2]));
+            let pair = Straight::new(separation, Vector::new(u[k], v[k], w[k]), size);
+            (a[k], b[k], c[k], may_meet[k]) = (pair.a, pair.b, pair.c, pair.may_meet());
+        }
+    }
+}
