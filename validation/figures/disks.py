@@ -39,9 +39,11 @@ def snapshots(name, every=5, **what):
 class Sweep(Run):
     """Runs over seeds and parameters, made by the program itself on all cores."""
 
-    def __init__(self, name, strain, **lists):
+    def __init__(self, name, strain, particles=None, **lists):
         output = {"observables_every": 5 * UNIT}
-        super().__init__(f"disks/{name}", scene(strain=strain, output=output, sweep=lists), threads=WORKERS)
+        what = scene(strain=strain, output=output, sweep=lists)
+        what["particles"] |= particles or {}
+        super().__init__(f"disks/{name}", what, threads=WORKERS)
 
     def branches(self):
         """The rows of the table of branches, as numbers."""

@@ -16,7 +16,7 @@ from runs import ROOT
 DATA = ROOT / "validation" / "data" / "figures"
 PICTURES = ROOT / "docs" / "src" / "figures"
 # The pages: which figures are on each, and the text that says what to make of them.
-PAGES = {"figures": ("fig*", "about"), "disks": ("disks-fig*", "about_disks"), "shear-cell": ("shear-cell", "about_shear_cell")}
+PAGES = {"figures": ("fig*", "about"), "disks": ("disks-*", "about_disks"), "shear-cell": ("shear-cell", "about_shear_cell")}
 
 
 class Report:
@@ -89,7 +89,8 @@ def shown(found):
 
 
 def number(path):
-    return int(path.stem.partition("fig")[2] or 0)
+    """That of a figure; what is no figure of the paper comes last."""
+    return int(path.stem.partition("fig")[2] or 1000)
 
 
 def write_page(page):
