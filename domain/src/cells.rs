@@ -1,6 +1,6 @@
 //! Particles sorted into cells, to find who is near.
 
-use crate::{PeriodicBox, Vector};
+use crate::{Neighbour, PeriodicBox, Vector};
 use std::ops::Range;
 
 /// Cells along each axis, in lattice coordinates, and the particles sorted into them.
@@ -13,41 +13,38 @@ pub(crate) struct Cells {
     reach: [i32; 3],
 }
 
-/// Particles, or images of them, in consecutive cells.
-pub(crate) struct Run<'a> {
-    /// Their rows.
-    rows: &'a [u32],
-    positions: [&'a [f64]; 3],
-    /// What to add to their positions, and the lattice steps of that.
-    shift: Vector,
-    /// Lattice steps to the images.
-    pub steps: [i8; 3],
+/// The particles, and the images of them, that may be near those of one cell.
+#[derive(Default)]
+pub(crate) struct Around {
+    who: Vec<Neighbour>,
+    positions: [Vec<f64>; 3],
+    is_near: Vec<bool>,
+}
+
+impl Around {
+    /// Appends those within a distance of `centre`, but not the particle `itself`.
+    pub fn append_near(&mut self, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<Neighbour>) {
+        let [x, y, z] = &self.positions;
+        self.is_near.clear();
+        self.is_near.extend(x.iter().zip(y).zip(z).map(|((x, y), z)| {
+            let (dx, dy, dz) = (x - centre.x, y - centre.y, z - centre.z);
+            dx * dx + dy * dy + dz * dz < distance * distance
+        }));
+        let itself = Neighbour { row: itself, steps: [0; 3] };
+        let mut found = near.len();
+        near.resize(found + self.who.len(), itself);
+        for (&who, &is_near) in self.who.iter().zip(&self.is_near) {
+            // Without a branch, which would be mispredicted all the time.
+            near[found] = who;
+            found += usize::from(is_near) * usize::from(who != itself);
+        }
+        near.truncate(found);
+    }
 }
 
 /// Particles in a cube of the cutoff's edge above which halved cells find neighbours faster: they leave out more of those
 /// that are not, but are more numerous.
 const CROWDED: f64 = 12.0;
-
-impl Run<'_> {
-    /// Appends the rows of those within a distance of `centre`, but not the particle `itself`.
-    pub fn append_near(&self, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<u32>) {
-        let [x, y, z] = self.positions;
-        let from = centre - self.shift;
-        let count = near.len();
-        near.resize(count + self.rows.len(), 0);
-        let mut found = count;
-        // Its images are others.
-        let itself = if self.steps == [0; 3] { itself } else { u32::MAX };
-        for (i, &row) in self.rows.iter().enumerate() {
-            let (dx, dy, dz) = (x[i] - from.x, y[i] - from.y, z[i] - from.z);
-            // Without a branch, which would be mispredicted all the time.
-            near[found] = row;
-            let is_near = usize::from(dx * dx + dy * dy + dz * dz < distance * distance);
-            found += is_near * usize::from(row != itself);
-        }
-        near.truncate(found);
-    }
-}
 
 impl Cells {
     /// Cells about as wide as the cutoff, or half of it where they would be crowded, and the particles in each.
@@ -80,34 +77,50 @@ impl Cells {
         Self { counts, starts, rows, positions, reach }
     }
 
-    /// Visits the particles, and the images of them by lattice steps, in the cells that the cutoff around a position
-    /// may touch.
-    pub fn for_each_run(&self, cell: &PeriodicBox, position: Vector, mut visit: impl FnMut(Run)) {
-        let home = coordinates(cell, self.counts, position).map(|c| c as i32);
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The rows of the particles in a cell.
+    pub fn members(&self, cell: usize) -> &[u32] {
+        &self.rows[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// Collects the particles, and the images of them by lattice steps, in the cells that the cutoff around a position in
+    /// one cell may touch.
+    pub fn collect_around(&self, cell: &PeriodicBox, home: usize, around: &mut Around) {
+        around.who.clear();
+        around.positions.iter_mut().for_each(Vec::clear);
+        let [nx, ny, _] = self.counts;
+        let home = [home % nx, home / nx % ny, home / (nx * ny)].map(|c| c as i32);
         let counts = self.counts.map(|c| c as i32);
-        let around = |axis: usize| {
+        let range = |axis: usize| {
             (home[axis] - self.reach[axis]..=home[axis] + self.reach[axis])
                 .map(move |c| (c.rem_euclid(counts[axis]), c.div_euclid(counts[axis])))
         };
         let (first, last) = (home[0] - self.reach[0], home[0] + self.reach[0]);
-        for (z, up) in around(2) {
-            for (y, back) in around(1) {
+        for (z, up) in range(2) {
+            for (y, back) in range(1) {
                 let line = (z * counts[1] + y) * counts[0];
                 for right in first.div_euclid(counts[0])..=last.div_euclid(counts[0]) {
                     let from = line + (first - right * counts[0]).max(0);
                     let to = line + (last - right * counts[0]).min(counts[0] - 1) + 1;
-                    visit(self.run(cell, from as usize..to as usize, [right, back, up]));
+                    self.append(cell, from as usize..to as usize, [right, back, up], around);
                 }
             }
         }
     }
 
-    fn run(&self, cell: &PeriodicBox, cells: Range<usize>, steps: [i32; 3]) -> Run<'_> {
+    /// Appends the images of the particles in consecutive cells.
+    fn append(&self, cell: &PeriodicBox, cells: Range<usize>, steps: [i32; 3], around: &mut Around) {
         let range = self.starts[cells.start] as usize..self.starts[cells.end] as usize;
         let shift = if steps == [0; 3] { Vector::ZERO } else { cell.lattice(steps) };
-        let [x, y, z] = &self.positions;
-        let positions = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
-        Run { rows: &self.rows[range], positions, shift, steps: steps.map(|s| s as i8) }
+        let steps = steps.map(|s| s as i8);
+        around.who.extend(self.rows[range.clone()].iter().map(|&row| Neighbour { row, steps }));
+        for axis in 0..3 {
+            around.positions[axis].extend(self.positions[axis][range.clone()].iter().map(|p| p + shift[axis]));
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Who is near each particle.
 
-use crate::cells::Cells;
+use crate::cells::{Around, Cells};
 use crate::{PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -13,14 +13,22 @@ pub struct Neighbour {
     pub steps: [i8; 3],
 }
 
-/// Particles searched for in one go by one thread.
-const BATCH: usize = 256;
+/// The lists of the particles in some cells: where each ends, and all in a row.
+#[derive(Default)]
+struct Batch {
+    ends: Vec<(u32, usize)>,
+    list: Vec<Neighbour>,
+}
+
+/// Cells searched in one go by one thread.
+const BATCH: usize = 64;
 
 /// The neighbours within a cutoff of each particle that this rank owns: a pair stands in the lists of both, so that
 /// each list can be worked through by itself.
 #[derive(Debug, Clone, Default)]
 pub struct Neighbours {
-    starts: Vec<usize>,
+    /// Where each particle's list begins and ends.
+    ranges: Vec<[usize; 2]>,
     list: Vec<Neighbour>,
 }
 
@@ -28,40 +36,44 @@ impl Neighbours {
     /// Finds the neighbours, among all particles present, of the first `owned` of them.
     pub fn find(cell: &PeriodicBox, positions: &[Vector], owned: usize, cutoff: f64) -> Self {
         if owned == 0 {
-            return Self { starts: vec![0], list: Vec::new() };
+            return Self::default();
         }
         let cells = Cells::sort(cell, positions, cutoff);
-        let batches: Vec<(Vec<usize>, Vec<Neighbour>)> = (0..owned.div_ceil(BATCH))
+        let batches: Vec<Batch> = (0..cells.count().div_ceil(BATCH))
             .into_par_iter()
             .map(|batch| {
-                let (mut ends, mut list) = (Vec::with_capacity(BATCH), Vec::with_capacity(BATCH * 16));
-                let mut near = Vec::new();
-                for i in batch * BATCH..owned.min((batch + 1) * BATCH) {
-                    let centre = (positions[i], i as u32);
-                    cells.for_each_run(cell, positions[i], |run| {
-                        near.clear();
-                        run.append_near(centre, cutoff, &mut near);
-                        let steps = run.steps;
-                        list.extend(near.iter().map(|&row| Neighbour { row, steps }));
-                    });
-                    ends.push(list.len());
+                let (mut found, mut around) = (Batch::default(), Around::default());
+                for home in batch * BATCH..cells.count().min((batch + 1) * BATCH) {
+                    let members = cells.members(home).iter().filter(|&&row| (row as usize) < owned);
+                    if members.clone().next().is_some() {
+                        cells.collect_around(cell, home, &mut around);
+                    }
+                    for &row in members {
+                        around.append_near((positions[row as usize], row), cutoff, &mut found.list);
+                        found.ends.push((row, found.list.len()));
+                    }
                 }
-                (ends, list)
+                found
             })
             .collect();
-        let mut starts = Vec::with_capacity(owned + 1);
-        starts.push(0);
-        let mut list = Vec::with_capacity(batches.iter().map(|b| b.1.len()).sum());
-        for (ends, part) in batches {
-            starts.extend(ends.iter().map(|end| list.len() + end));
-            list.extend_from_slice(&part);
+        let mut ranges = vec![[0; 2]; owned];
+        let mut list = Vec::with_capacity(batches.iter().map(|batch| batch.list.len()).sum());
+        for batch in batches {
+            let mut start = list.len();
+            for (row, end) in batch.ends {
+                let end = list.len() + end;
+                ranges[row as usize] = [start, end];
+                start = end;
+            }
+            list.extend_from_slice(&batch.list);
         }
-        Self { starts, list }
+        Self { ranges, list }
     }
 
     /// The neighbours of one particle.
     pub fn of(&self, row: usize) -> &[Neighbour] {
-        &self.list[self.starts[row]..self.starts[row + 1]]
+        let [start, end] = self.ranges[row];
+        &self.list[start..end]
     }
 
     /// All entries of all lists: twice the number of pairs on one rank.

@@ -1,7 +1,6 @@
 //! Near pairs.
 
-use crate::cells::Cells;
-use crate::{PeriodicBox, Vector};
+use crate::{Neighbours, PeriodicBox, Vector};
 use rayon::prelude::*;
 
 /// Two particles near each other: rows `i` and `j` of the particles present, and the lattice steps from `j` to the
@@ -37,19 +36,14 @@ impl Pairs {
         if cutoff <= 0.0 || positions.is_empty() {
             return Self::default();
         }
-        let cells = Cells::sort(cell, positions, cutoff);
-        let list = (0..positions.len() as u32)
+        let neighbours = Neighbours::find(cell, positions, positions.len(), cutoff);
+        let list = (0..positions.len())
             .into_par_iter()
             .flat_map_iter(|i| {
-                let (mut near, mut rows) = (Vec::new(), Vec::new());
-                cells.for_each_run(cell, positions[i as usize], |run| {
-                    rows.clear();
-                    run.append_near((positions[i as usize], i), cutoff, &mut rows);
-                    let pairs = rows.iter().map(|&j| Pair { i, j, steps: run.steps });
-                    near.extend(pairs.filter(|pair| is_kept(pair, ids, owned)));
-                });
-                near.sort_unstable_by_key(|p| (p.j, p.steps));
-                near
+                let pairs = neighbours.of(i).iter().map(|n| Pair { i: i as u32, j: n.row, steps: n.steps });
+                let mut kept: Vec<Pair> = pairs.filter(|pair| is_kept(pair, ids, owned)).collect();
+                kept.sort_unstable_by_key(|p| (p.j, p.steps));
+                kept
             })
             .collect();
         Self { list }

@@ -31,7 +31,11 @@ pub fn explain(comm: &Comm, message: &clap::Error) -> ExitCode {
 pub fn start_threads(asked: Option<u16>) -> anyhow::Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = asked.map_or_else(|| (cores / ranks_on_this_machine()).max(1), usize::from);
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("can't start the threads")
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .use_current_thread()
+        .build_global()
+        .context("can't start the threads")
 }
 
 /// As the launchers of Open MPI, MPICH and Slurm announce it.

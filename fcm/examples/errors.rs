@@ -73,7 +73,8 @@ fn by_resolution(case: &Case, method: MethodName) -> Vec<(f64, f64)> {
         plan.grid = [points; 3];
         // Eight widths to either side are exp(-32).
         let support = (16.0 * widest / spacing).ceil() as usize;
-        plan.support = fcm::Support { lanes: support.next_multiple_of(8), support };
+        let reach = 0.5 * support as f64 * spacing;
+        plan.support = fcm::Support { lanes: support.next_multiple_of(8), support, reach };
         (narrowest / spacing, case.error(&plan))
     };
     let finest = tight.grid[0];
@@ -95,8 +96,9 @@ fn by_reach(case: &Case, method: MethodName) -> Vec<(f64, f64)> {
     let spacing = tight.edges.x / tight.grid[0] as f64;
     let row = |support: usize| {
         let mut plan = tight.clone();
-        plan.support = fcm::Support { lanes: support.next_multiple_of(8), support };
-        (0.5 * support as f64 * spacing / widths(&tight)[1], case.error(&plan))
+        let reach = 0.5 * support as f64 * spacing;
+        plan.support = fcm::Support { lanes: support.next_multiple_of(8), support, reach };
+        (reach / widths(&tight)[1], case.error(&plan))
     };
     (8..=tight.support.support).step_by(4).map(row).collect()
 }

@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 /// Tolerances below this need a grid in `f64`.
 pub(crate) const FINEST_SINGLE: f64 = 2e-5;
 
-/// Shares of a tolerance for the grid and the stencils together, and for the cutoff: `0.96^2 + 0.27^2 < 1`.
-const GRID_SHARE: f64 = 0.96;
-const CUTOFF_SHARE: f64 = 0.27;
+/// Shares of a tolerance for the grid and the stencils together, and for the cutoff: `0.89^2 + 0.45^2 < 1`.
+const GRID_SHARE: f64 = 0.89;
+const CUTOFF_SHARE: f64 = 0.45;
 
 /// A grid and cutoffs that keep a tolerance, in units of the Gaussian's width.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,10 +44,9 @@ pub(crate) fn grid_error(method: MethodName, resolution: f64) -> f64 {
 pub(crate) fn stencil_error(method: MethodName, reach: f64) -> f64 {
     let decay = (-0.5 * reach * reach).exp();
     match method {
-        MethodName::Direct => (0.6 + 1.5 / reach) * decay,
-        // Half as much again as for tens of particles, which thousands were found to need (`fcm-solve bench`).
+        MethodName::Direct => 2.0 * decay,
         // The bound falls with the reach, also where that is too short to be of use.
-        MethodName::Split => 0.42 * reach.max(2.0).powi(2) * decay,
+        MethodName::Split => 0.03 * reach.max(2.5).powf(4.5) * decay,
     }
 }
 

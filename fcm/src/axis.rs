@@ -1,61 +1,80 @@
 //! A stencil along one axis.
 
 use crate::exponential::exponential;
-use crate::shape::Sources;
-use solver::Real;
+use crate::shape::{Shape, Sources};
+use solver::simd::Vector as Lanes;
+use solver::{Memory, Real};
 
 /// The points of a stencil along one axis: their distances from the particle, and the Gaussians
-/// `exp(-distance^2 / (2 width^2))` of the monopole and of the dipole.
+/// `exp(-distance^2 / (2 width^2))` of the monopole and of the dipole, those that a shape has. A few points more than were
+/// asked for, whole vectors.
 #[derive(Default)]
 pub(crate) struct Axis<T> {
-    pub distances: Vec<f64>,
-    /// The distances in the grid's precision.
-    pub rounded: Vec<T>,
-    pub gaussians: [Vec<f64>; 2],
-    /// The Gaussians in the grid's precision.
-    pub rounded_gaussians: [Vec<T>; 2],
+    /// 0, 1, 2, ...
+    numbers: Memory<T>,
+    distances: Memory<T>,
+    gaussians: [Memory<T>; 2],
 }
 
 impl<T: Real> Axis<T> {
     /// `count` points, `spacing` apart, from the distance `offset` on. Distances are `stretch` times as long for the
     /// Gaussians.
     #[inline(always)]
-    pub fn fill(&mut self, count: usize, (offset, spacing): (f64, f64), sources: &Sources, stretch: f64) {
-        self.distances.resize(count, 0.0);
-        self.rounded.resize(count, T::default());
-        for (point, (distance, rounded)) in self.distances.iter_mut().zip(&mut self.rounded).enumerate() {
-            *distance = (point as f64).mul_add(spacing, offset);
-            *rounded = T::from_f64(*distance);
+    pub fn fill<S: Shape, V: Lanes<T>>(
+        &mut self,
+        count: usize,
+        (offset, spacing): (f64, f64),
+        sources: &Sources,
+        stretch: f64,
+    ) {
+        if self.numbers.values().len() < count {
+            self.resize(count);
         }
+        let [offset, spacing] = [offset, spacing].map(T::from_f64).map(V::splat);
+        let factor = |width: f64| -0.5 * (stretch / width) * (stretch / width);
+        let factors = [factor(sources.monopole.width), factor(sources.dipole.width)].map(T::from_f64).map(V::splat);
         let [monopole, dipole] = &mut self.gaussians;
-        monopole.resize(count, 0.0);
-        dipole.resize(count, 0.0);
-        gaussians(&self.distances, stretch / sources.monopole.width, monopole);
-        if sources.dipole.width.to_bits() == sources.monopole.width.to_bits() {
-            dipole.copy_from_slice(monopole);
-        } else {
-            gaussians(&self.distances, stretch / sources.dipole.width, dipole);
-        }
-        for (exact, rounded) in self.gaussians.iter().zip(&mut self.rounded_gaussians) {
-            rounded.resize(count, T::default());
-            for (rounded, &exact) in rounded.iter_mut().zip(exact) {
-                *rounded = T::from_f64(exact);
+        let chunks =
+            self.numbers.values().chunks_exact(V::LANES).zip(self.distances.values_mut().chunks_exact_mut(V::LANES));
+        let gaussians =
+            monopole.values_mut().chunks_exact_mut(V::LANES).zip(dipole.values_mut().chunks_exact_mut(V::LANES));
+        for ((numbers, distances), (monopole, dipole)) in chunks.zip(gaussians) {
+            // SAFETY: a chunk has as many values as a vector.
+            unsafe {
+                let distance = V::load(numbers.as_ptr()).mul_add(spacing, offset);
+                distance.store(distances.as_mut_ptr());
+                let square = distance.mul(distance);
+                if S::FORCES || S::WIDE {
+                    exponential(square.mul(factors[0])).store(monopole.as_mut_ptr());
+                }
+                if S::DIPOLES && !S::WIDE {
+                    exponential(square.mul(factors[1])).store(dipole.as_mut_ptr());
+                }
             }
         }
     }
 
-    /// The Gaussians of one point.
-    #[inline(always)]
-    pub fn gaussian(&self, point: usize) -> [f64; 2] {
-        [self.gaussians[0][point], self.gaussians[1][point]]
+    #[inline(never)]
+    fn resize(&mut self, count: usize) {
+        let [monopole, dipole] = &mut self.gaussians;
+        for memory in [&mut self.numbers, &mut self.distances, monopole, dipole] {
+            memory.resize(count);
+        }
+        for (i, number) in self.numbers.values_mut().iter_mut().enumerate() {
+            *number = T::from_f64(i as f64);
+        }
     }
-}
 
-/// A loop of its own, without branches, so that it is vectorised.
-#[inline(always)]
-fn gaussians(distances: &[f64], inverse_width: f64, values: &mut [f64]) {
-    let factor = -0.5 * inverse_width * inverse_width;
-    for (value, &distance) in values.iter_mut().zip(distances) {
-        *value = exponential(factor * distance * distance);
+    /// The distances.
+    #[inline(always)]
+    pub fn distances(&self) -> &[T] {
+        self.distances.values()
+    }
+
+    /// The Gaussians of the monopole and of the dipole; on a common Gaussian, twice the same.
+    #[inline(always)]
+    pub fn gaussians<S: Shape>(&self) -> [&[T]; 2] {
+        let [monopole, dipole] = &self.gaussians;
+        [monopole.values(), if S::WIDE { monopole.values() } else { dipole.values() }]
     }
 }

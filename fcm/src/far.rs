@@ -3,10 +3,11 @@
 use crate::envelope::{Envelope, Source};
 use crate::interpolate::Interpolation;
 use crate::kernel::Lattice;
+use crate::passes::passes;
 use crate::plan::{Method, Plan};
-use crate::shape::{Common, Load, Own, OwnDipole, OwnMonopole, Sources, WideMonopole};
+use crate::shape::{Load, Own, Sources, Wide};
 use crate::spread::Spread;
-use crate::stencil::{Place, places};
+use crate::stencil::{Place, Support, places};
 use crate::work::{Clock, Work};
 use domain::{Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
@@ -51,6 +52,7 @@ pub(crate) struct Far<T: Real> {
     transform: Transform<T>,
     operator: Stokes<T>,
     field: Field<T, Physical>,
+    lattice: Lattice,
     sources: Vec<Sources>,
     places: Vec<Place>,
 }
@@ -64,6 +66,7 @@ impl<T: Real> Far<T> {
             plan: plan.clone(),
             partition: partition.clone(),
             operator: Stokes::new(&grid, plan.viscosity),
+            lattice: lattice::<T>(&grid, plan.support),
             grid,
             transform,
             field,
@@ -76,6 +79,7 @@ impl<T: Real> Far<T> {
 
     fn shear(&mut self, cell: &PeriodicBox) {
         self.grid = self.grid.in_cell(*cell);
+        self.lattice = lattice::<T>(&self.grid, self.plan.support);
         self.operator = Stokes::new(&self.grid, self.plan.viscosity);
         let strain = cell.strain();
         let sources = |&radius: &f64| {
@@ -88,10 +92,6 @@ impl<T: Real> Far<T> {
             Sources { monopole, dipole: Source::dipole(envelope.dipole, dipole), strain }
         };
         self.sources = self.plan.radii.iter().map(sources).collect();
-    }
-
-    fn lattice(&self) -> Lattice {
-        Lattice { points: self.grid.points(), spacing: self.grid.spacing(), support: self.plan.support }
     }
 
     fn spread(&mut self, loads: &FarLoads, work: &mut Work) {
@@ -114,27 +114,28 @@ impl<T: Real> Far<T> {
             classes: loads.classes,
             sources: &self.sources,
             loads: &all,
-            lattice: self.lattice(),
+            lattice: &self.lattice,
         };
-        self.field.clear();
         match (self.plan.method, loads.forces.is_empty(), loads.dipoles.is_empty()) {
-            (Method::Split { .. }, _, true) => spread.run::<WideMonopole, 3>(&mut self.field),
-            (Method::Split { .. }, _, false) => spread.run::<Common, 4>(&mut self.field),
-            (Method::Direct, _, true) => spread.run::<OwnMonopole, 1>(&mut self.field),
-            (Method::Direct, true, false) => spread.run::<OwnDipole, 2>(&mut self.field),
-            (Method::Direct, false, false) => spread.run::<Own, 3>(&mut self.field),
+            (Method::Split { .. }, _, true) => spread.run::<Wide<true, false>>(&mut self.field),
+            (Method::Split { .. }, true, false) => spread.run::<Wide<false, true>>(&mut self.field),
+            (Method::Split { .. }, false, false) => spread.run::<Wide<true, true>>(&mut self.field),
+            (Method::Direct, _, true) => spread.run::<Own<true, false>>(&mut self.field),
+            (Method::Direct, true, false) => spread.run::<Own<false, true>>(&mut self.field),
+            (Method::Direct, false, false) => spread.run::<Own<true, true>>(&mut self.field),
         }
         work.dipole_spreads += u64::from(!loads.dipoles.is_empty());
     }
 
     fn interpolate(&self, classes: &[u32], wanted: Wanted) -> Vec<(Vector, Tensor)> {
-        let to = Interpolation { places: &self.places, classes, sources: &self.sources, lattice: self.lattice() };
+        let to = Interpolation { places: &self.places, classes, sources: &self.sources, lattice: &self.lattice };
         match (self.plan.method, wanted) {
-            (Method::Split { .. }, Wanted::Velocities) => to.run::<T, WideMonopole, 3>(&self.field),
-            (Method::Split { .. }, _) => to.run::<T, Common, 4>(&self.field),
-            (Method::Direct, Wanted::Velocities) => to.run::<T, OwnMonopole, 1>(&self.field),
-            (Method::Direct, Wanted::Gradients) => to.run::<T, OwnDipole, 2>(&self.field),
-            (Method::Direct, Wanted::Both) => to.run::<T, Own, 3>(&self.field),
+            (Method::Split { .. }, Wanted::Velocities) => to.run::<T, Wide<true, false>>(&self.field),
+            (Method::Split { .. }, Wanted::Gradients) => to.run::<T, Wide<false, true>>(&self.field),
+            (Method::Split { .. }, Wanted::Both) => to.run::<T, Wide<true, true>>(&self.field),
+            (Method::Direct, Wanted::Velocities) => to.run::<T, Own<true, false>>(&self.field),
+            (Method::Direct, Wanted::Gradients) => to.run::<T, Own<false, true>>(&self.field),
+            (Method::Direct, Wanted::Both) => to.run::<T, Own<true, true>>(&self.field),
         }
     }
 
@@ -150,6 +151,11 @@ impl<T: Real> Far<T> {
         work.dipole_interpolations += u64::from(wanted != Wanted::Velocities);
         motions
     }
+}
+
+fn lattice<T: Real>(grid: &Grid, support: Support) -> Lattice {
+    let (points, spacing) = (grid.points(), grid.spacing());
+    Lattice { points, spacing, support, passes: passes(&support, spacing, grid.cell().strain(), T::LANES) }
 }
 
 impl<T: Real> FarField for Far<T> {

@@ -14,7 +14,7 @@ pub(crate) struct Interpolation<'a> {
     pub places: &'a [Place],
     pub classes: &'a [u32],
     pub sources: &'a [Sources],
-    pub lattice: Lattice,
+    pub lattice: &'a Lattice,
 }
 
 /// Particles in a batch of one thread.
@@ -22,11 +22,11 @@ const BATCH: usize = 64;
 
 impl Interpolation<'_> {
     /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present, by what this rank's rows add to them.
-    pub fn run<T: Real, S: Shape<K>, const K: usize>(&self, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
+    pub fn run<T: Real, S: Shape>(&self, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
-        let weigh = |places| T::dispatch(Weigh::<T, S, K> { to: self, places, slab, shape: PhantomData });
+        let weigh = |places| T::dispatch(Weigh::<T, S> { to: self, places, slab, shape: PhantomData });
         let sorted: Vec<(Vector, Tensor)> = self.places.par_chunks(BATCH).flat_map_iter(weigh).collect();
         let mut motions = vec![(Vector::ZERO, Tensor::ZERO); sorted.len()];
         for (place, motion) in self.places.iter().zip(sorted) {
@@ -37,14 +37,14 @@ impl Interpolation<'_> {
 }
 
 /// One batch.
-struct Weigh<'a, T, S, const K: usize> {
+struct Weigh<'a, T, S> {
     to: &'a Interpolation<'a>,
     places: &'a [Place],
     slab: &'a Slab<&'a [T]>,
     shape: PhantomData<S>,
 }
 
-impl<T: Real, S: Shape<K>, const K: usize> Work<T> for Weigh<'_, T, S, K> {
+impl<T: Real, S: Shape> Work<T> for Weigh<'_, T, S> {
     type Output = Vec<(Vector, Tensor)>;
 
     #[inline(always)]
@@ -55,12 +55,12 @@ impl<T: Real, S: Shape<K>, const K: usize> Work<T> for Weigh<'_, T, S, K> {
         let mut motions = Vec::with_capacity(self.places.len());
         for place in self.places {
             let sources = &sources[classes[place.row as usize] as usize];
-            let sums = collect::<T, S, V, K>(&mut scratch, (place, sources), lattice, self.slab);
+            let weighed = collect::<T, S, V>(&mut scratch, (place, sources), lattice, self.slab);
             let (mut velocity, mut gradient) = (Vector::ZERO, [Vector::ZERO; 3]);
             for c in 0..3 {
-                velocity[c] = total(sums.velocity[c]);
+                velocity[c] = weighed.velocity[c].to_f64();
                 for j in 0..3 {
-                    gradient[j][c] = total(sums.gradient[c][j]);
+                    gradient[j][c] = weighed.gradient[c][j].to_f64();
                 }
             }
             let [x, y, z] = gradient;
@@ -69,26 +69,3 @@ impl<T: Real, S: Shape<K>, const K: usize> Work<T> for Weigh<'_, T, S, K> {
         motions
     }
 }
-
-/// The sum of all lanes: always of one half and the other, in the same order for any vectors.
-#[inline(always)]
-fn total<T: Real, V: Lanes<T>>(lanes: V) -> f64 {
-    let mut values = [T::default(); MOST_LANES];
-    // SAFETY: no vector has more lanes.
-    unsafe { lanes.store(values.as_mut_ptr()) };
-    let mut sums = [0.0; MOST_LANES];
-    for (sum, value) in sums.iter_mut().zip(values) {
-        *sum = value.to_f64();
-    }
-    let mut half = MOST_LANES / 2;
-    while half > 0 {
-        for lane in 0..half {
-            sums[lane] += sums[lane + half];
-        }
-        half /= 2;
-    }
-    sums[0]
-}
-
-/// Lanes of the longest vectors, those of `f32`; others leave zeros behind.
-const MOST_LANES: usize = 16;

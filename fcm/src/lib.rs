@@ -21,11 +21,13 @@ mod loads;
 mod mobility;
 mod near;
 mod pair_functions;
+mod passes;
 mod plan;
 mod shape;
 mod spread;
 mod stencil;
 mod table;
+mod totals;
 mod work;
 
 pub use conjugate_gradients::{Limits, Outcome, System, Unknowns, conjugate_gradients};

@@ -2,11 +2,12 @@
 
 use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
-use crate::near::{NearField, Present};
+use crate::near::{Near, NearField, Present};
 use crate::plan::{Method, Plan, Precision};
 use crate::work::{Clock, Work};
 use domain::{Exchange, Neighbours, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use rayon::prelude::*;
+use solver::Real;
 
 /// Which motions are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub struct Mobility {
     plan: Plan,
     partition: Partition,
     far: Box<dyn FarField>,
-    near: Option<NearField>,
+    near: Option<Box<dyn NearField>>,
     arrangement: Arrangement,
     work: Work,
 }
@@ -46,15 +47,9 @@ impl Mobility {
     /// Prepares what `plan` decided, for ranks that share out the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
         let cell = plan.cell();
-        let far: Box<dyn FarField> = match plan.precision {
-            Precision::Single => Box::new(Far::<f32>::new(plan, partition, &cell)),
-            Precision::Double => Box::new(Far::<f64>::new(plan, partition, &cell)),
-        };
-        let near = match plan.method {
-            Method::Direct => None,
-            Method::Split { width, cutoff } => {
-                Some(NearField::new(&plan.radii, width, cutoff, plan.viscosity, plan.table_tolerance()))
-            }
+        let (far, near) = match plan.precision {
+            Precision::Single => parts::<f32>(plan, partition, &cell),
+            Precision::Double => parts::<f64>(plan, partition, &cell),
         };
         let arrangement = Arrangement {
             cell,
@@ -82,7 +77,7 @@ impl Mobility {
         let mut clock = Clock::start();
         let edges = cell.edges();
         let spacing = [edges.y / self.plan.grid[1] as f64, edges.z / self.plan.grid[2] as f64];
-        let cutoff = self.near.as_ref().map_or(0.0, NearField::cutoff);
+        let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
         let reach = spacing.map(|h| (0.5 * self.plan.support.support as f64 * h).max(cutoff));
         let exchange = Exchange::plan(&self.partition, cell, positions, reach);
         let mut present = positions.to_vec();
@@ -119,16 +114,15 @@ impl Mobility {
         arrangement.collect(&mut motions);
         clock.stop(&mut self.work.seconds.exchange);
         if let Some(near) = &self.near {
-            let monopoles = wanted == Evaluation::Velocities && dipoles.is_empty();
-            let zeros = if dipoles.is_empty() && !monopoles { vec![Tensor::ZERO; forces.len()] } else { Vec::new() };
+            let gradients = wanted != Evaluation::Velocities || !dipoles.is_empty();
             let present = Present {
                 cell: &arrangement.cell,
                 positions: &arrangement.positions,
                 classes: &arrangement.classes,
                 forces: &forces,
-                dipoles: if zeros.is_empty() { &dipoles } else { &zeros },
+                dipoles: &dipoles,
             };
-            near.add(&present, &arrangement.neighbours, &mut motions);
+            near.add(&present, &arrangement.neighbours, gradients, &mut motions);
             self.work.neighbours += arrangement.neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
         }
@@ -167,6 +161,19 @@ impl Mobility {
     pub fn divergence(&mut self) -> f64 {
         self.far.divergence()
     }
+}
+
+/// The far field and the near field of a plan, if it has one, in one precision.
+fn parts<T: Real>(
+    plan: &Plan,
+    partition: &Partition,
+    cell: &PeriodicBox,
+) -> (Box<dyn FarField>, Option<Box<dyn NearField>>) {
+    let far = Box::new(Far::<T>::new(plan, partition, cell));
+    let Method::Split { width, cutoff } = plan.method else {
+        return (far, None);
+    };
+    (far, Some(Box::new(Near::<T>::new(&plan.radii, width, cutoff, plan.viscosity, plan.table_tolerance()))))
 }
 
 impl Arrangement {

@@ -12,52 +12,20 @@
 //! and its gradient follows by one derivative more.
 
 use crate::envelope::Envelope;
-use crate::table::{PairFunctions, Table, Values};
+use crate::table::{PairFunctions, Table};
+use crate::totals::Totals;
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
-use solver::simd::vectorised;
+use solver::simd::{Vector as Lanes, Work};
+use solver::{Memory, Real};
 
 /// Above this many radii, tables for all pairs of them cost more than they save.
 const MOST_TABULATED: usize = 8;
 
-/// Pairs that are worked on at once.
-const W: usize = 8;
+/// Values by which a pair, or a load, is described: a multiple of the lanes of any vector.
+const RECORD: usize = 16;
 
-/// The near field of particles of given radii.
-pub(crate) struct NearField {
-    cutoff: f64,
-    inverse_viscosity: f64,
-    functions: Functions,
-}
-
-enum Functions {
-    Tabulated { classes: usize, tables: Vec<Table>, alone: Vec<Values> },
-    Exact { envelopes: Vec<Envelope>, wide: f64 },
-}
-
-impl Functions {
-    #[inline(always)]
-    fn of_pair(&self, i: u32, j: u32, square: f64) -> Values {
-        match self {
-            Self::Tabulated { classes, tables, .. } => tables[i as usize * classes + j as usize].evaluate(square),
-            Self::Exact { envelopes, wide } => exact(envelopes, *wide, i, j, square),
-        }
-    }
-
-    fn of_one(&self, i: u32) -> Values {
-        match self {
-            Self::Tabulated { alone, .. } => alone[i as usize],
-            Self::Exact { envelopes, wide } => exact(envelopes, *wide, i, i, 0.0),
-        }
-    }
-}
-
-#[inline(never)]
-fn exact(envelopes: &[Envelope], wide: f64, i: u32, j: u32, square: f64) -> Values {
-    PairFunctions::new(envelopes[i as usize], envelopes[j as usize], wide).exact(square)
-}
-
-/// The particles present: positions, classes of radius, and loads; an empty list of dipoles stands for none.
+/// The particles present: positions, classes of radius, and loads; an empty list of forces or dipoles stands for none.
 pub(crate) struct Present<'a> {
     pub cell: &'a PeriodicBox,
     pub positions: &'a [Vector],
@@ -66,7 +34,57 @@ pub(crate) struct Present<'a> {
     pub dipoles: &'a [Tensor],
 }
 
-impl NearField {
+/// The near field in whichever precision the plan chose.
+pub(crate) trait NearField {
+    /// How far it reaches.
+    fn cutoff(&self) -> f64;
+
+    /// Adds the near field of all particles present, their own included, to the velocities and, if they are asked for,
+    /// the velocity gradients of the particles that have neighbour lists.
+    fn add(&self, present: &Present, neighbours: &Neighbours, gradients: bool, motions: &mut [(Vector, Tensor)]);
+}
+
+/// The near field of particles of given radii.
+pub(crate) struct Near<T> {
+    cutoff: f64,
+    inverse_viscosity: f64,
+    functions: Functions<T>,
+}
+
+enum Functions<T> {
+    Tabulated { classes: usize, tables: Vec<Table<T>>, alone: Vec<[f64; 9]> },
+    Exact { envelopes: Vec<Envelope>, wide: f64 },
+}
+
+impl<T: Real> Functions<T> {
+    #[inline(always)]
+    fn of_pair(&self, i: u32, j: u32, square: f64) -> [T; 9] {
+        match self {
+            Self::Tabulated { classes, tables, .. } => tables[i as usize * classes + j as usize].evaluate(square),
+            Self::Exact { envelopes, wide } => {
+                let (mut values, exact) = ([T::default(); 9], exact(envelopes, *wide, [i, j], square));
+                for f in 0..9 {
+                    values[f] = T::from_f64(exact[f]);
+                }
+                values
+            }
+        }
+    }
+
+    fn of_one(&self, i: u32) -> [f64; 9] {
+        match self {
+            Self::Tabulated { alone, .. } => alone[i as usize],
+            Self::Exact { envelopes, wide } => exact(envelopes, *wide, [i, i], 0.0),
+        }
+    }
+}
+
+#[inline(never)]
+fn exact(envelopes: &[Envelope], wide: f64, [i, j]: [u32; 2], square: f64) -> [f64; 9] {
+    PairFunctions::new(envelopes[i as usize], envelopes[j as usize], wide).exact(square)
+}
+
+impl<T: Real> Near<T> {
     /// For particles with these radii, all spread with the common width, in a fluid of the given viscosity. Pairs
     /// farther apart than the cutoff are left out; tables are exact to `tolerance`.
     pub fn new(radii: &[f64], wide: f64, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
@@ -83,183 +101,250 @@ impl NearField {
         Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
     }
 
-    /// How far it reaches.
-    pub fn cutoff(&self) -> f64 {
-        self.cutoff
-    }
-
-    /// Adds the near field of all particles present, their own included, to the velocities and velocity gradients of
-    /// the particles that have neighbour lists.
-    pub fn add(&self, present: &Present, neighbours: &Neighbours, motions: &mut [(Vector, Tensor)]) {
-        motions.par_chunks_mut(64).enumerate().for_each(|(batch, motions)| {
-            vectorised(
-                #[inline(always)]
-                || {
-                    for (offset, motion) in motions.iter_mut().enumerate() {
-                        let row = batch * 64 + offset;
-                        let (velocity, gradient) = if present.dipoles.is_empty() {
-                            self.of_neighbours::<true>(present, neighbours, row)
-                        } else {
-                            self.of_neighbours::<false>(present, neighbours, row)
-                        };
-                        let (own_velocity, own_gradient) = self.of_itself(present, row);
-                        motion.0 += (velocity + own_velocity) * self.inverse_viscosity;
-                        motion.1 += (gradient + own_gradient) * self.inverse_viscosity;
-                    }
-                },
-            );
-        });
-    }
-
     fn of_itself(&self, present: &Present, row: usize) -> (Vector, Tensor) {
         let f = self.functions.of_one(present.classes[row]);
         let velocity = present.forces.get(row).map_or(Vector::ZERO, |&force| force * (-2.0 * f[0]));
         let gradient = present.dipoles.get(row).map_or(Tensor::ZERO, |g| g.transpose() * f[6] - *g * (4.0 * f[6]));
         (velocity, gradient)
     }
+}
 
-    #[inline(always)]
-    fn of_neighbours<const MONOPOLES: bool>(
-        &self,
-        present: &Present,
-        neighbours: &Neighbours,
-        row: usize,
-    ) -> (Vector, Tensor) {
-        let (centre, class) = (present.positions[row], present.classes[row]);
-        let mut sums = Sums::default();
-        for group in neighbours.of(row).chunks(W) {
-            let mut lanes = Group::default();
-            for (l, neighbour) in group.iter().enumerate() {
-                let j = neighbour.row as usize;
-                let mut x = centre - present.positions[j];
-                if neighbour.steps != [0; 3] {
-                    x -= present.cell.lattice(neighbour.steps.map(i32::from));
-                }
-                let square = x.length_squared();
-                if square >= self.cutoff * self.cutoff {
-                    continue;
-                }
-                lanes.set_place(l, x, &self.functions.of_pair(class, present.classes[j], square));
-                if let Some(&force) = present.forces.get(j) {
-                    lanes.set_force(l, force);
-                }
-                if !MONOPOLES {
-                    lanes.set_dipole(l, &present.dipoles[j]);
-                }
-            }
-            sums.add::<MONOPOLES>(&lanes);
-        }
-        sums.total()
+/// Particles whose lists one thread goes through at a time.
+const BATCH: usize = 64;
+
+impl<T: Real> NearField for Near<T> {
+    fn cutoff(&self) -> f64 {
+        self.cutoff
+    }
+
+    fn add(&self, present: &Present, neighbours: &Neighbours, gradients: bool, motions: &mut [(Vector, Tensor)]) {
+        let loads: Vec<[T; RECORD]> =
+            (0..present.positions.len()).into_par_iter().map(|row| load(present, row)).collect();
+        motions.par_chunks_mut(BATCH).enumerate().for_each(|(batch, motions)| {
+            T::dispatch(Batch {
+                near: self,
+                present,
+                loads: &loads,
+                neighbours,
+                gradients,
+                first: batch * BATCH,
+                motions,
+            });
+        });
     }
 }
 
-/// Up to `W` neighbours, one a lane; lanes of zeros add nothing.
-#[derive(Default)]
-struct Group {
-    x: [[f64; W]; 3],
-    values: [[f64; W]; 9],
-    force: [[f64; W]; 3],
-    dipole: [[[f64; W]; 3]; 3],
-}
-
-impl Group {
-    #[inline(always)]
-    fn set_place(&mut self, lane: usize, x: Vector, values: &Values) {
-        for a in 0..3 {
-            self.x[a][lane] = x[a];
-        }
-        for f in 0..9 {
-            self.values[f][lane] = values[f];
-        }
-    }
-
-    #[inline(always)]
-    fn set_force(&mut self, lane: usize, force: Vector) {
-        for a in 0..3 {
-            self.force[a][lane] = force[a];
-        }
-    }
-
-    #[inline(always)]
-    fn set_dipole(&mut self, lane: usize, dipole: &Tensor) {
+/// The force and the dipole of a particle, row by row.
+fn load<T: Real>(present: &Present, row: usize) -> [T; RECORD] {
+    let mut record = [T::default(); RECORD];
+    let force = present.forces.get(row).copied().unwrap_or_default();
+    let dipole = present.dipoles.get(row).copied().unwrap_or(Tensor::ZERO);
+    for a in 0..3 {
+        record[a] = T::from_f64(force[a]);
         for b in 0..3 {
-            for c in 0..3 {
-                self.dipole[b][c][lane] = dipole.col(c)[b];
+            record[3 + 3 * a + b] = T::from_f64(dipole.col(b)[a]);
+        }
+    }
+    record
+}
+
+/// Some particles and their lists.
+struct Batch<'a, T> {
+    near: &'a Near<T>,
+    present: &'a Present<'a>,
+    loads: &'a [[T; RECORD]],
+    neighbours: &'a Neighbours,
+    gradients: bool,
+    first: usize,
+    motions: &'a mut [(Vector, Tensor)],
+}
+
+impl<T: Real> Work<T> for Batch<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes<T>>(self) {
+        let mut group = Group::new();
+        let mut totals = Totals::default();
+        for (offset, motion) in self.motions.iter_mut().enumerate() {
+            let row = self.first + offset;
+            let mut sums = [V::splat(T::default()); 12];
+            for near in self.neighbours.of(row).chunks(T::LANES) {
+                for (lane, neighbour) in near.iter().enumerate() {
+                    let j = neighbour.row as usize;
+                    let mut x = self.present.positions[row] - self.present.positions[j];
+                    if neighbour.steps != [0; 3] {
+                        x -= self.present.cell.lattice(neighbour.steps.map(i32::from));
+                    }
+                    let [i, k] = [self.present.classes[row], self.present.classes[j]];
+                    group.set(lane, x, &self.near.functions.of_pair(i, k, x.length_squared()), &self.loads[j]);
+                }
+                group.clear_from(near.len());
+                group.turn::<V>();
+                if self.gradients {
+                    group.add_all(&mut sums);
+                } else {
+                    group.add_velocity(&mut sums);
+                }
+            }
+            totals.clear();
+            totals.add(&sums);
+            let sums = totals.take::<V>();
+            let column = |d: usize| Vector::new(sums[3 + d].to_f64(), sums[6 + d].to_f64(), sums[9 + d].to_f64());
+            let velocity = Vector::new(sums[0].to_f64(), sums[1].to_f64(), sums[2].to_f64());
+            let gradient = Tensor::from_cols(column(0), column(1), column(2));
+            let (own_velocity, own_gradient) = self.near.of_itself(self.present, row);
+            motion.0 += (velocity + own_velocity) * self.near.inverse_viscosity;
+            motion.1 += (gradient + own_gradient) * self.near.inverse_viscosity;
+        }
+    }
+}
+
+/// As many pairs as a vector has lanes: a record of each, `x` and the pair functions, and of its neighbour's load; then
+/// the same with each value's lanes together.
+struct Group<T> {
+    pairs: Memory<T>,
+    loads: Memory<T>,
+    turned: [Memory<T>; 2],
+}
+
+/// Where a pair's record has the last of its functions, and the first eight.
+const NINTH: usize = 3;
+const FIRST: usize = 4;
+
+impl<T: Real> Group<T> {
+    fn new() -> Self {
+        let zero = || Memory::zero(RECORD * T::LANES);
+        Self { pairs: zero(), loads: zero(), turned: [zero(), zero()] }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, x: Vector, functions: &[T; 9], load: &[T; RECORD]) {
+        let record = &mut self.pairs.values_mut().as_chunks_mut::<RECORD>().0[lane];
+        for a in 0..3 {
+            record[a] = T::from_f64(x[a]);
+        }
+        record[NINTH] = functions[8];
+        record[FIRST..FIRST + 8].copy_from_slice(&functions[..8]);
+        self.loads.values_mut().as_chunks_mut::<RECORD>().0[lane] = *load;
+    }
+
+    /// Lanes without a pair add nothing: their functions are zero.
+    #[inline(always)]
+    fn clear_from(&mut self, lane: usize) {
+        for record in &mut self.pairs.values_mut().as_chunks_mut::<RECORD>().0[lane..] {
+            *record = [T::default(); RECORD];
+        }
+    }
+
+    #[inline(always)]
+    fn turn<V: Lanes<T>>(&mut self) {
+        let [pairs, loads] = &mut self.turned;
+        for (from, to) in [(&self.pairs, pairs), (&self.loads, loads)] {
+            for first in (0..RECORD).step_by(V::LANES) {
+                let (from, to) = (&from.values()[first..], &mut to.values_mut()[first * V::LANES..]);
+                // SAFETY: there are as many records as lanes, and room for as many vectors as a record has values.
+                unsafe { V::transpose((from.as_ptr(), RECORD), (to.as_mut_ptr(), V::LANES)) };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn vector<V: Lanes<T>>(values: &Memory<T>, value: usize) -> V {
+        // SAFETY: there is a vector of each value.
+        unsafe { V::load(values.values()[value * V::LANES..(value + 1) * V::LANES].as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn x<V: Lanes<T>>(&self) -> [V; 3] {
+        [Self::vector(&self.turned[0], 0), Self::vector(&self.turned[0], 1), Self::vector(&self.turned[0], 2)]
+    }
+
+    /// The pair functions, in the order of [`PairFunctions`].
+    #[inline(always)]
+    fn functions<V: Lanes<T>>(&self) -> [V; 9] {
+        let mut functions = [Self::vector(&self.turned[0], NINTH); 9];
+        for f in 0..8 {
+            functions[f] = Self::vector(&self.turned[0], FIRST + f);
+        }
+        functions
+    }
+
+    #[inline(always)]
+    fn force<V: Lanes<T>>(&self) -> [V; 3] {
+        [Self::vector(&self.turned[1], 0), Self::vector(&self.turned[1], 1), Self::vector(&self.turned[1], 2)]
+    }
+
+    #[inline(always)]
+    fn dipole<V: Lanes<T>>(&self) -> [[V; 3]; 3] {
+        let mut g = [[V::splat(T::default()); 3]; 3];
+        for a in 0..3 {
+            for b in 0..3 {
+                g[a][b] = Self::vector(&self.turned[1], 3 + 3 * a + b);
+            }
+        }
+        g
+    }
+
+    /// From forces to velocities: the first three sums.
+    #[inline(always)]
+    fn add_velocity<V: Lanes<T>>(&self, sums: &mut [V; 12]) {
+        let (x, force, f) = (self.x::<V>(), self.force::<V>(), self.functions::<V>());
+        let (square, along) = (dot(x, x), dot(x, force));
+        let level = less(square, f[1], 2.0, f[0]);
+        let across = along.mul(f[1]);
+        for a in 0..3 {
+            sums[a] = force[a].mul_add(level, x[a].mul_add(across, sums[a]));
+        }
+    }
+
+    /// From forces and dipoles to velocities, and to gradients `d_d u_a`, which are the sums from the fourth on, row by
+    /// row.
+    #[inline(always)]
+    fn add_all<V: Lanes<T>>(&self, sums: &mut [V; 12]) {
+        self.add_velocity(sums);
+        let (x, force, g, f) = (self.x::<V>(), self.force::<V>(), self.dipole::<V>(), self.functions::<V>());
+        let (square, along) = (dot(x, x), dot(x, force));
+        let (mut gx, mut xg) = (x, x);
+        for a in 0..3 {
+            gx[a] = dot(g[a], x);
+            xg[a] = dot([g[0][a], g[1][a], g[2][a]], x);
+        }
+        let xgx = dot(x, gx);
+        // From the dipole to the velocity.
+        let level = less(square, f[3], 4.0, f[2]);
+        let across = xgx.mul(f[3]);
+        for a in 0..3 {
+            sums[a] = gx[a].mul_add(level, xg[a].mul_add(f[2], x[a].mul_add(across, sums[a])));
+        }
+        // From the force to the gradient, and from the dipole to the gradient.
+        let level = less(square, f[5], 4.0, f[4]);
+        let twist = less(square, f[7], 4.0, f[6]);
+        let bend = less(square, f[8], 6.0, f[7]);
+        let trace = along.mul_add(f[4], xgx.mul(f[7]));
+        let across = along.mul_add(f[5], xgx.mul(f[8]));
+        let (mut left, mut right) = (x, x);
+        for a in 0..3 {
+            left[a] = x[a].mul_add(across, force[a].mul_add(level, gx[a].mul_add(bend, xg[a].mul(f[7]))));
+            right[a] = force[a].mul_add(f[4], gx[a].add(xg[a]).mul(f[7]));
+        }
+        for a in 0..3 {
+            for d in 0..3 {
+                let straight = left[a].mul_add(x[d], x[a].mul_add(right[d], sums[3 + 3 * a + d]));
+                let sum = g[a][d].mul_add(twist, g[d][a].mul_add(f[6], straight));
+                sums[3 + 3 * a + d] = if a == d { sum.add(trace) } else { sum };
             }
         }
     }
 }
 
-/// Velocity and `gradient[a][d] = d_d u_a` by lane.
-#[derive(Default)]
-struct Sums {
-    velocity: [[f64; W]; 3],
-    gradient: [[[f64; W]; 3]; 3],
-}
-
-impl Sums {
-    #[inline(always)]
-    fn add<const MONOPOLES: bool>(&mut self, group: &Group) {
-        for l in 0..W {
-            let x = [group.x[0][l], group.x[1][l], group.x[2][l]];
-            let force = [group.force[0][l], group.force[1][l], group.force[2][l]];
-            let mut f = [0.0; 9];
-            for n in 0..9 {
-                f[n] = group.values[n][l];
-            }
-            let square = dot(x, x);
-            let along = dot(x, force);
-            let level = -square.mul_add(f[1], 2.0 * f[0]);
-            for a in 0..3 {
-                self.velocity[a][l] += force[a].mul_add(level, x[a] * (along * f[1]));
-            }
-            if MONOPOLES {
-                continue;
-            }
-            let (mut g, mut gx, mut xg) = ([[0.0; 3]; 3], [0.0; 3], [0.0; 3]);
-            for a in 0..3 {
-                for b in 0..3 {
-                    g[a][b] = group.dipole[a][b][l];
-                }
-            }
-            for a in 0..3 {
-                gx[a] = dot(g[a], x);
-                xg[a] = dot([g[0][a], g[1][a], g[2][a]], x);
-            }
-            let xgx = dot(x, gx);
-            // From the dipole to the velocity.
-            let level = -square.mul_add(f[3], 4.0 * f[2]);
-            for a in 0..3 {
-                self.velocity[a][l] += gx[a].mul_add(level, xg[a].mul_add(f[2], x[a] * (xgx * f[3])));
-            }
-            // From the force to the gradient, and from the dipole to the gradient.
-            let level = -square.mul_add(f[5], 4.0 * f[4]);
-            let twist = -square.mul_add(f[7], 4.0 * f[6]);
-            let bend = -square.mul_add(f[8], 6.0 * f[7]);
-            let trace = along.mul_add(f[4], xgx * f[7]);
-            for a in 0..3 {
-                let left =
-                    x[a].mul_add(along.mul_add(f[5], xgx * f[8]), force[a] * level) + gx[a].mul_add(bend, xg[a] * f[7]);
-                for d in 0..3 {
-                    let right = force[d].mul_add(f[4], (gx[d] + xg[d]) * f[7]);
-                    let mut sum = left.mul_add(x[d], x[a] * right);
-                    sum += g[a][d].mul_add(twist, g[d][a] * f[6]);
-                    self.gradient[a][d][l] += if a == d { sum + trace } else { sum };
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn total(&self) -> (Vector, Tensor) {
-        let sum = |lanes: &[f64; W]| lanes.iter().sum::<f64>();
-        let velocity = Vector::from_array(std::array::from_fn(|a| sum(&self.velocity[a])));
-        let column = |d: usize| Vector::from_array(std::array::from_fn(|a| sum(&self.gradient[a][d])));
-        (velocity, Tensor::from_cols(column(0), column(1), column(2)))
-    }
+/// `-(square f + factor g)`
+#[inline(always)]
+fn less<T: Real, V: Lanes<T>>(square: V, f: V, factor: f64, g: V) -> V {
+    square.mul_sub_from(f, g.mul(V::splat(T::from_f64(-factor))))
 }
 
 #[inline(always)]
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+fn dot<T: Real, V: Lanes<T>>(a: [V; 3], b: [V; 3]) -> V {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul(b[2])))
 }

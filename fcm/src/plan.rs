@@ -3,6 +3,7 @@
 use crate::accuracy::Accuracy;
 use crate::cost;
 use crate::envelope::Envelope;
+use crate::passes::STEP;
 use crate::stencil::Support;
 use domain::{PeriodicBox, Vector};
 use solver::Grid;
@@ -205,6 +206,11 @@ impl Plan {
         PeriodicBox::new(self.edges).expect("a plan has a box")
     }
 
+    /// Distances between grid points.
+    pub(crate) fn spacing(&self) -> Vector {
+        self.edges / Vector::from_array(self.grid.map(|n| n as f64))
+    }
+
     /// The class of a radius: its place among [`Plan::radii`].
     ///
     /// # Panics
@@ -253,8 +259,8 @@ impl Plan {
 
 /// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
 /// below the tolerance, with a sixth of it or more to spare.
-const MONOPOLE_LEEWAY: f64 = 4.0;
-const GIVEN_LEEWAY: f64 = 0.55;
+const MONOPOLE_LEEWAY: f64 = 1.2;
+const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.18;
 
 /// One way to keep a tolerance: a method, a precision and what they need.
@@ -358,7 +364,6 @@ impl Problem {
 
     fn plan(&self, candidate: &Candidate, width: f64) -> Plan {
         let accuracy = &candidate.accuracy;
-        let lanes = if candidate.precision == Precision::Single { 16 } else { 8 };
         let grid = self.fixed.grid.unwrap_or_else(|| {
             let sheared = Vector::new(1.0, self.stretch(), 1.0);
             let needed = self.edges / width * accuracy.resolution * sheared;
@@ -372,7 +377,9 @@ impl Problem {
         let points = |h: f64| (2.0 * accuracy.reach * widest / h - 1e-9).ceil() as usize;
         let support = self.fixed.support.unwrap_or_else(|| points(spacing.y).max(points(spacing.z)));
         let along_x = self.fixed.support.unwrap_or_else(|| points(spacing.x / self.stretch()));
-        let support = Support { lanes: along_x.next_multiple_of(lanes), support };
+        let reach =
+            self.fixed.support.map_or(accuracy.reach * widest, |points| 0.5 * points as f64 * spacing.max_element());
+        let support = Support { lanes: along_x.next_multiple_of(STEP), support, reach };
         let method = match candidate.method {
             MethodName::Direct => Method::Direct,
             MethodName::Split => Method::Split { width, cutoff: self.fixed.cutoff.unwrap_or(accuracy.cutoff * width) },
@@ -394,7 +401,7 @@ impl Problem {
             predicted_error: accuracy.expected,
             predicted_seconds: 0.0,
         };
-        plan.predicted_seconds = cost::seconds(&plan, self.particles(), self.ranks, self.threads);
+        plan.predicted_seconds = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks * self.threads);
         plan
     }
 }

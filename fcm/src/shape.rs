@@ -3,13 +3,13 @@
 //! At the point `(x, y, z)` relative to a particle, what is spread of component `c` is
 //!
 //! ```text
-//! F_c (m + m' r^2) g(r) + (G_c . r)(q + q' r^2) g'(r)
+//! F_c a + (G_c . r) b,     a = (m + m' r^2) g(r),     b = (q + q' r^2) g'(r)
 //! ```
 //!
-//! with Gaussians `g`, `g'`. In a plane of constant `z` of a lattice sheared by `s`, `x = X + s y` where `X` belongs to
-//! the column of the grid alone, this is a sum of a few products (coefficient of `X` and `z`) x (basis function of `X`
-//! and `y`). A row then takes as many fused multiplications as there are basis functions. Interpolation weighs the
-//! velocity with the same products, which makes it the exact adjoint of spreading.
+//! with Gaussians `g`, `g'`. In a lattice sheared by `s`, `x = X + s y` where `X` belongs to the column of the grid
+//! alone. So `G_c . r = (G_cx X + G_cz z) + (s G_cx + G_cy) y`, of which the bracket is the same for the rows of a plane,
+//! and the weights `a` and `b` are the same for all components: a row takes three fused multiplications a component.
+//! Interpolation weighs the velocity with the same products, which makes it the exact adjoint of spreading.
 
 use crate::envelope::Source;
 use crate::exponential::exponential;
@@ -32,13 +32,6 @@ impl<T: Real> Load<T> {
     }
 }
 
-/// What has been weighed for one particle: the velocity and `gradient[c][j]`, the weight of `G_cj`.
-#[derive(Clone, Copy)]
-pub(crate) struct Sums<V> {
-    pub velocity: [V; 3],
-    pub gradient: [[V; 3]; 3],
-}
-
 /// A particle's sources and the lattice's strain.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sources {
@@ -47,250 +40,143 @@ pub(crate) struct Sources {
     pub strain: f64,
 }
 
-/// Some columns of the stencil: their `X`, and `exp(-X^2 / (2 width^2))`, also in the grid's precision.
+/// Which terms are spread or asked for, known where the kernels are compiled.
+pub(crate) trait Shape {
+    /// Forces, or velocities.
+    const FORCES: bool;
+    /// Dipoles, or velocity gradients.
+    const DIPOLES: bool;
+    /// Whether both are on one wide Gaussian times a polynomial in `r^2`, or on Gaussians of their own without one.
+    const WIDE: bool;
+}
+
+/// On one common Gaussian.
+pub(crate) struct Wide<const FORCES: bool, const DIPOLES: bool>;
+
+impl<const FORCES: bool, const DIPOLES: bool> Shape for Wide<FORCES, DIPOLES> {
+    const FORCES: bool = FORCES;
+    const DIPOLES: bool = DIPOLES;
+    const WIDE: bool = true;
+}
+
+/// On Gaussians of their own.
+pub(crate) struct Own<const FORCES: bool, const DIPOLES: bool>;
+
+impl<const FORCES: bool, const DIPOLES: bool> Shape for Own<FORCES, DIPOLES> {
+    const FORCES: bool = FORCES;
+    const DIPOLES: bool = DIPOLES;
+    const WIDE: bool = false;
+}
+
+/// Some columns of the stencil: their `X`, and `exp(-X^2 / (2 width^2))` for the monopole and the dipole.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Columns<'a, T> {
-    pub x: &'a [f64],
-    pub gaussian: &'a [f64],
-    pub rounded: &'a [T],
+pub(crate) struct Columns<V> {
+    pub x: V,
+    pub gaussians: [V; 2],
 }
 
 /// A row of the stencil: its `y`, and `exp(-(1 + s^2) y^2 / (2 width^2))` for the monopole and the dipole.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Row {
-    pub y: f64,
-    pub gaussian: [f64; 2],
+pub(crate) struct Row<T> {
+    pub y: T,
+    pub gaussians: [T; 2],
 }
 
-/// A plane of the stencil: the columns' `X`, the plane's `z` and the Gaussians' factors that depend on `z` alone.
-#[derive(Clone, Copy)]
-pub(crate) struct Plane<T, V> {
-    pub x: V,
-    pub z: T,
-    pub decay: [T; 2],
-}
+/// Vectors that [`tabulate`] writes for a row.
+pub(crate) const OF_ROW: usize = 2;
 
-/// A choice of basis functions, `K` of them. All is inlined into a kernel of [`solver::simd::Work`].
-pub(crate) trait Shape<const K: usize> {
-    /// Writes the basis functions on a row, one after the other. Columns and row come with the Gaussians of the monopole
-    /// and of the dipole.
-    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]);
-
-    /// The coefficients of each component in a plane.
-    fn spread<T: Real, V: Lanes<T>>(sources: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; K]; 3];
-
-    /// Adds up the sums of a plane's velocities times each basis function, `moments[c][k]`.
-    fn weigh<T: Real, V: Lanes<T>>(sources: &Sources, moments: &[[V; K]; 3], plane: &Plane<T, V>, sums: &mut Sums<V>);
-}
-
-/// Force and dipole on one common Gaussian: `{1, y, y^2, y^3} g`.
-pub(crate) struct Common;
-
-/// Force alone, with the polynomial of a widened Gaussian: `{1, y, y^2} g`.
-pub(crate) struct WideMonopole;
-
-/// Force and dipole on their own Gaussians: `{g, g', y g'}`.
-pub(crate) struct Own;
-
-/// Force alone on its own Gaussian: `{g}`.
-pub(crate) struct OwnMonopole;
-
-/// Dipole alone on its own Gaussian: `{g', y g'}`.
-pub(crate) struct OwnDipole;
-
-/// `g = exp(-((x + s y)^2 + y^2) / (2 width^2))` times `1, y, y^2, ...`, as many as there is room for: the product of
-/// Gaussians of `x` and of `y`, and of `exp(-s x y / width^2)`, which is 1 in a straight box.
+/// Writes what the weights on a row are made of, apart from what depends on `z`: the part of `r^2` that depends on `y`,
+/// `2 s X y + (1 + s^2) y^2`, and the common Gaussian; or the two Gaussians.
+///
+/// # Safety
+/// There is room for [`OF_ROW`] vectors.
 #[inline(always)]
-fn powers<T: Real, V: Lanes<T>>(
-    width: f64,
-    strain: f64,
-    columns: Columns<T>,
-    (y, of_row): (f64, f64),
-    basis: &mut [T],
+pub(crate) unsafe fn tabulate<T: Real, S: Shape, V: Lanes<T>>(
+    sources: &Sources,
+    columns: &Columns<V>,
+    row: &Row<T>,
+    table: *mut T,
 ) {
-    let Columns { x, gaussian, rounded } = columns;
-    assert!(rounded.len() == T::LANES, "columns come by the vector");
-    let mut bases = basis.chunks_exact_mut(T::LANES);
-    let first = bases.next().expect("a basis has at least one function");
-    if strain == 0.0 {
-        // SAFETY: both slices have as many values as a vector.
-        unsafe { V::load(rounded.as_ptr()).mul(V::splat(T::from_f64(of_row))).store(first.as_mut_ptr()) };
+    let (first, second) = unsafe { (table, table.add(V::LANES)) };
+    let [monopole, dipole] = [(&sources.monopole, 0), (&sources.dipole, 1)];
+    if S::WIDE {
+        let strain = T::from_f64(sources.strain);
+        let level = V::splat(strain.mul_add(strain, T::from_f64(1.0)) * row.y * row.y);
+        let tilt = V::splat(T::from_f64(2.0) * strain * row.y);
+        unsafe { columns.x.mul_add(tilt, level).store(first) };
+        unsafe { gaussian(monopole, sources.strain, columns, row).store(second) };
     } else {
-        let tilt = -strain * y / (width * width);
-        for ((value, &g), &x) in first.iter_mut().zip(gaussian).zip(x) {
-            *value = T::from_f64(g * (of_row * exponential(tilt * x)));
+        if S::FORCES {
+            unsafe { gaussian(monopole, sources.strain, columns, row).store(first) };
         }
-    }
-    // SAFETY: as above, and so has each of the rest.
-    let mut power = unsafe { V::load(first.as_ptr()) };
-    let y = V::splat(T::from_f64(y));
-    for next in bases {
-        power = power.mul(y);
-        unsafe { power.store(next.as_mut_ptr()) };
+        if S::DIPOLES {
+            unsafe { gaussian(dipole, sources.strain, columns, row).store(second) };
+        }
     }
 }
 
-/// `m + m' r^2 = m0 + m1 y + m2 y^2` in a plane, times the plane's decay.
+/// `exp(-((X + s y)^2 + y^2) / (2 width^2))`: in a straight box the product of Gaussians of `X` and of `y`.
 #[inline(always)]
-fn radial<T: Real, V: Lanes<T>>(source: &Source, strain: f64, plane: &Plane<T, V>) -> [V; 3] {
-    let quadratic = T::from_f64(source.quadratic) * plane.decay[0];
-    let constant = T::from_f64(source.constant) * plane.decay[0];
-    let level = (plane.z * plane.z).mul_add(quadratic, constant);
-    let spread = V::splat(quadratic);
-    [
-        plane.x.mul(spread).mul_add(plane.x, V::splat(level)),
-        plane.x.mul(V::splat(T::from_f64(2.0 * strain) * quadratic)),
-        V::splat(T::from_f64(1.0 + strain * strain) * quadratic),
-    ]
+fn gaussian<T: Real, V: Lanes<T>>(
+    (source, kind): (&Source, usize),
+    strain: f64,
+    columns: &Columns<V>,
+    row: &Row<T>,
+) -> V {
+    if strain == 0.0 {
+        return columns.gaussians[kind].mul(V::splat(row.gaussians[kind]));
+    }
+    let y = V::splat(row.y);
+    let x = y.mul_add(V::splat(T::from_f64(strain)), columns.x);
+    let factor = V::splat(T::from_f64(-0.5 / (source.width * source.width)));
+    exponential(x.mul_add(x, y.mul(y)).mul(factor))
 }
 
-/// `a . b` of three lanes each.
-#[inline(always)]
-fn dot<T: Real, V: Lanes<T>>(a: [V; 3], b: [V; 3]) -> V {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul(b[2])))
-}
+/// Vectors of a [`Level`].
+pub(crate) const OF_LEVEL: usize = 3;
 
-impl Shape<4> for Common {
-    #[inline(always)]
-    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers::<T, V>(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
-    }
+/// What the rows of a plane of the stencil share, for some columns, in memory: for each weight the vector
+/// `(m + m' (X^2 + z^2)) w` and the number `m' w` with the Gaussian `w` of `z`.
+#[derive(Clone, Copy)]
+pub(crate) struct Level<T>(*const T);
 
+impl<T: Real> Level<T> {
+    /// Writes it. `decay` are the Gaussians of `z` for the monopole and for the dipole.
+    ///
+    /// # Safety
+    /// There is room for [`OF_LEVEL`] vectors.
     #[inline(always)]
-    fn spread<T: Real, V: Lanes<T>>(s: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; 4]; 3] {
-        let m = radial(&s.monopole, s.strain, plane);
-        let q = radial(&s.dipole, s.strain, plane);
-        let strain = T::from_f64(s.strain);
-        let mut coefficients = [[V::splat(T::default()); 4]; 3];
-        for c in 0..3 {
-            let [gx, gy, gz] = load.dipole[c];
-            let force = V::splat(load.force[c]);
-            let along = V::splat(strain.mul_add(gx, gy));
-            let across = plane.x.mul_add(V::splat(gx), V::splat(gz * plane.z));
-            coefficients[c] = [
-                force.mul_add(m[0], across.mul(q[0])),
-                force.mul_add(m[1], across.mul_add(q[1], along.mul(q[0]))),
-                force.mul_add(m[2], across.mul_add(q[2], along.mul(q[1]))),
-                along.mul(q[2]),
-            ];
-        }
-        coefficients
-    }
-
-    #[inline(always)]
-    fn weigh<T: Real, V: Lanes<T>>(s: &Sources, moments: &[[V; 4]; 3], plane: &Plane<T, V>, sums: &mut Sums<V>) {
-        let m = radial(&s.monopole, s.strain, plane);
-        let q = radial(&s.dipole, s.strain, plane);
-        let (strain, z) = (V::splat(T::from_f64(s.strain)), V::splat(plane.z));
-        for c in 0..3 {
-            let [u0, u1, u2, u3] = moments[c];
-            let level = dot(q, [u0, u1, u2]);
-            let tilted = dot(q, [u1, u2, u3]);
-            sums.velocity[c] = sums.velocity[c].add(dot(m, [u0, u1, u2]));
-            let [x, y, up] = sums.gradient[c];
-            sums.gradient[c] = [plane.x.mul_add(level, strain.mul_add(tilted, x)), y.add(tilted), z.mul_add(level, up)];
+    pub unsafe fn write<V: Lanes<T>>(sources: &Sources, x: V, z: T, decay: [T; 2], to: *mut T) {
+        let square = x.mul_add(x, V::splat(z * z));
+        for (kind, source) in [sources.monopole, sources.dipole].iter().enumerate() {
+            let quadratic = T::from_f64(source.quadratic) * decay[kind];
+            let level = V::splat(T::from_f64(source.constant) * decay[kind]);
+            unsafe { square.mul_add(V::splat(quadratic), level).store(to.add(kind * V::LANES)) };
+            unsafe { *to.add(2 * V::LANES + kind) = quadratic };
         }
     }
-}
 
-impl Shape<3> for WideMonopole {
+    /// The one that was written there.
     #[inline(always)]
-    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers::<T, V>(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
+    pub fn at(from: *const T) -> Self {
+        Self(from)
     }
 
+    /// The weights `a` and `b` on a row that was tabulated; of those that the shape does not have, nothing is computed.
+    ///
+    /// # Safety
+    /// The level was written, and the table is that of a row.
     #[inline(always)]
-    fn spread<T: Real, V: Lanes<T>>(s: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; 3]; 3] {
-        let m = radial(&s.monopole, s.strain, plane);
-        let mut coefficients = [m; 3];
-        for c in 0..3 {
-            let force = V::splat(load.force[c]);
-            coefficients[c] = [m[0].mul(force), m[1].mul(force), m[2].mul(force)];
+    pub unsafe fn weights<S: Shape, V: Lanes<T>>(self, table: *const T) -> [V; 2] {
+        unsafe {
+            let [first, second] = [V::load(table), V::load(table.add(V::LANES))];
+            let [m, q] = [V::load(self.0), V::load(self.0.add(V::LANES))];
+            if S::WIDE {
+                let [dm, dq] = [V::splat(*self.0.add(2 * V::LANES)), V::splat(*self.0.add(2 * V::LANES + 1))];
+                [first.mul_add(dm, m).mul(second), first.mul_add(dq, q).mul(second)]
+            } else {
+                [first.mul(m), second.mul(q)]
+            }
         }
-        coefficients
-    }
-
-    #[inline(always)]
-    fn weigh<T: Real, V: Lanes<T>>(s: &Sources, moments: &[[V; 3]; 3], plane: &Plane<T, V>, sums: &mut Sums<V>) {
-        let m = radial(&s.monopole, s.strain, plane);
-        for c in 0..3 {
-            sums.velocity[c] = sums.velocity[c].add(dot(m, moments[c]));
-        }
-    }
-}
-
-impl Shape<1> for OwnMonopole {
-    #[inline(always)]
-    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [columns, _]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers::<T, V>(sources.monopole.width, sources.strain, columns, (row.y, row.gaussian[0]), basis);
-    }
-
-    #[inline(always)]
-    fn spread<T: Real, V: Lanes<T>>(s: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; 1]; 3] {
-        let factor = T::from_f64(s.monopole.constant) * plane.decay[0];
-        let [x, y, z] = load.force;
-        [[V::splat(x * factor)], [V::splat(y * factor)], [V::splat(z * factor)]]
-    }
-
-    #[inline(always)]
-    fn weigh<T: Real, V: Lanes<T>>(s: &Sources, moments: &[[V; 1]; 3], plane: &Plane<T, V>, sums: &mut Sums<V>) {
-        let factor = V::splat(T::from_f64(s.monopole.constant) * plane.decay[0]);
-        for c in 0..3 {
-            sums.velocity[c] = factor.mul_add(moments[c][0], sums.velocity[c]);
-        }
-    }
-}
-
-impl Shape<2> for OwnDipole {
-    #[inline(always)]
-    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, [_, columns]: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        powers::<T, V>(sources.dipole.width, sources.strain, columns, (row.y, row.gaussian[1]), basis);
-    }
-
-    #[inline(always)]
-    fn spread<T: Real, V: Lanes<T>>(s: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; 2]; 3] {
-        let factor = T::from_f64(s.dipole.constant) * plane.decay[1];
-        let strain = T::from_f64(s.strain);
-        let mut coefficients = [[plane.x; 2]; 3];
-        for c in 0..3 {
-            let [gx, gy, gz] = load.dipole[c];
-            let level = plane.x.mul_add(V::splat(gx * factor), V::splat(gz * plane.z * factor));
-            coefficients[c] = [level, V::splat(strain.mul_add(gx, gy) * factor)];
-        }
-        coefficients
-    }
-
-    #[inline(always)]
-    fn weigh<T: Real, V: Lanes<T>>(s: &Sources, moments: &[[V; 2]; 3], plane: &Plane<T, V>, sums: &mut Sums<V>) {
-        let factor = V::splat(T::from_f64(s.dipole.constant) * plane.decay[1]);
-        let (strain, z) = (V::splat(T::from_f64(s.strain)), V::splat(plane.z));
-        for c in 0..3 {
-            let (level, tilted) = (factor.mul(moments[c][0]), factor.mul(moments[c][1]));
-            let [x, y, up] = sums.gradient[c];
-            sums.gradient[c] = [plane.x.mul_add(level, strain.mul_add(tilted, x)), y.add(tilted), z.mul_add(level, up)];
-        }
-    }
-}
-
-impl Shape<3> for Own {
-    #[inline(always)]
-    fn basis<T: Real, V: Lanes<T>>(sources: &Sources, columns: [Columns<T>; 2], row: Row, basis: &mut [T]) {
-        let (monopole, dipole) = basis.split_at_mut(columns[0].x.len());
-        OwnMonopole::basis::<T, V>(sources, columns, row, monopole);
-        OwnDipole::basis::<T, V>(sources, columns, row, dipole);
-    }
-
-    #[inline(always)]
-    fn spread<T: Real, V: Lanes<T>>(s: &Sources, load: &Load<T>, plane: &Plane<T, V>) -> [[V; 3]; 3] {
-        let [[x], [y], [z]] = OwnMonopole::spread(s, load, plane);
-        let [dx, dy, dz] = OwnDipole::spread(s, load, plane);
-        [[x, dx[0], dx[1]], [y, dy[0], dy[1]], [z, dz[0], dz[1]]]
-    }
-
-    #[inline(always)]
-    fn weigh<T: Real, V: Lanes<T>>(s: &Sources, moments: &[[V; 3]; 3], plane: &Plane<T, V>, sums: &mut Sums<V>) {
-        let [a, b, c] = moments;
-        OwnMonopole::weigh(s, &[[a[0]], [b[0]], [c[0]]], plane, sums);
-        OwnDipole::weigh(s, &[[a[1], a[2]], [b[1], b[2]], [c[1], c[2]]], plane, sums);
     }
 }

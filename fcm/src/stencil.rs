@@ -4,13 +4,15 @@ use domain::Vector;
 use rayon::prelude::*;
 use solver::Grid;
 
-/// The stencils of all particles: `lanes` points along x, a whole number of vectors, and `support` along y and z.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The stencils of all particles: those of `lanes` points along x and `support` along y and z that lie within the reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
-    /// Points along x.
+    /// Points along x, a multiple of eight.
     pub lanes: usize,
     /// Points along y and along z.
     pub support: usize,
+    /// Distance from the particle beyond which points are left out.
+    pub reach: f64,
 }
 
 /// Where one particle's stencil begins.
@@ -18,8 +20,8 @@ pub struct Support {
 pub(crate) struct Place {
     /// Row of the particle among those present.
     pub row: u32,
-    /// First grid point along each axis: along x wrapped into the row, along y and z not wrapped.
-    pub first: [i32; 3],
+    /// First grid point along each axis, wrapped into the box.
+    pub first: [u32; 3],
     /// Lattice coordinates of that point relative to the particle.
     pub offset: Vector,
 }
@@ -33,45 +35,42 @@ pub(crate) fn places(grid: &Grid, support: Support, positions: &[Vector]) -> Vec
         let coordinates = grid.cell().lattice_coordinates(position);
         let first = (coordinates / spacing - 0.5 * width).ceil();
         let offset = first * spacing - coordinates;
-        let [x, y, z] = first.to_array().map(|f| f as i32);
-        Place { row: row as u32, first: [x.rem_euclid(points[0]), y, z], offset }
+        let wrapped = |d: usize| (first[d] as i32).rem_euclid(points[d]) as u32;
+        Place { row: row as u32, first: [wrapped(0), wrapped(1), wrapped(2)], offset }
     });
     let blocks = Blocks::of(grid.points());
-    let key = |place: &Place| {
-        let [x, y, z] = place.first;
-        blocks.place([x, y.rem_euclid(points[1]), z.rem_euclid(points[2])].map(|p| p as usize))
-    };
+    let key = |place: &Place| blocks.place(place.first.map(|p| p as usize));
     sort_by_key(unsorted.collect(), key, blocks.count())
 }
 
-/// Blocks of the grid in an order in which neighbours in the list are neighbours in memory. What the stencils of a large
-/// block touch stays in the second cache, what those of a small one touch in the first.
+/// Blocks of the grid in an order in which neighbours in the list are neighbours in memory: columns of blocks along z, one
+/// after the other, and in each the blocks by layers from below. What the stencils of a layer touch stays in the second
+/// cache, so that each plane comes from afar once a column; what those of a block touch stays in the first.
 struct Blocks {
+    /// Columns along x and y, and layers.
     counts: [usize; 3],
 }
 
-/// Points of a large block, and how many small ones it has along each axis.
-const LARGE: [usize; 3] = [64, 16, 16];
-const FINER: usize = 4;
+/// Points of a block along each axis, and blocks of a layer of a column along x and y.
+const BLOCK: [usize; 3] = [16, 4, 4];
+const COLUMN: [usize; 2] = [4, 16];
 
 impl Blocks {
     fn of(points: [usize; 3]) -> Self {
-        Self { counts: std::array::from_fn(|d| points[d].div_ceil(LARGE[d])) }
+        let column = [COLUMN[0] * BLOCK[0], COLUMN[1] * BLOCK[1], BLOCK[2]];
+        Self { counts: std::array::from_fn(|d| points[d].div_ceil(column[d])) }
     }
 
-    /// The small blocks of all.
     fn count(&self) -> usize {
-        self.counts.iter().product::<usize>() * FINER.pow(3)
+        self.counts.iter().chain(&COLUMN).product()
     }
 
-    /// The place of the small block of a point in the order of all.
+    /// The place of the block of a point in the order of all.
     fn place(&self, point: [usize; 3]) -> usize {
-        let (mut large, mut small) = (0, 0);
-        for d in [2, 1, 0] {
-            large = large * self.counts[d] + point[d] / LARGE[d];
-            small = small * FINER + point[d] % LARGE[d] * FINER / LARGE[d];
-        }
-        large * FINER.pow(3) + small
+        let [x, y, z] = std::array::from_fn(|d| point[d] / BLOCK[d]);
+        let column = y / COLUMN[1] * self.counts[0] + x / COLUMN[0];
+        let layer = column * self.counts[2] + z;
+        (layer * COLUMN[1] + y % COLUMN[1]) * COLUMN[0] + x % COLUMN[0]
     }
 }
 

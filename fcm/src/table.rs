@@ -2,6 +2,7 @@
 
 use crate::envelope::Envelope;
 use crate::pair_functions::Difference;
+use solver::Real;
 
 /// The functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the
 /// second's dipole, `f_2, f_3` the other way round, and `f_2, f_3, f_4` of two dipoles.
@@ -47,21 +48,20 @@ const DEGREE: usize = 5;
 
 /// [`PairFunctions`] as Taylor polynomials about the middles of equal intervals of the squared distance.
 #[derive(Debug, Clone)]
-pub(crate) struct Table {
+pub(crate) struct Table<T> {
     per_interval: f64,
-    intervals: Vec<Interval>,
+    intervals: Vec<Interval<T>>,
 }
 
-/// The coefficients of an interval, by order: those of the first eight functions, each order a cache line, and those of
-/// the last.
-#[derive(Debug, Clone, Default)]
+/// The coefficients of an interval, by order: those of the first eight functions, and those of the last.
+#[derive(Debug, Clone, Copy, Default)]
 #[repr(align(64))]
-struct Interval {
-    first: [[f64; 8]; DEGREE + 1],
-    last: [f64; DEGREE + 1],
+struct Interval<T> {
+    first: [[T; 8]; DEGREE + 1],
+    last: [T; DEGREE + 1],
 }
 
-impl Table {
+impl<T: Real> Table<T> {
     /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and point.
     pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Self {
         let first = functions.exact(0.0);
@@ -78,7 +78,7 @@ impl Table {
             let middle = (i as f64 + 0.5) * width;
             let (mut interval, mut factor) = (Interval::default(), 1.0);
             for order in 0..=DEGREE {
-                let [first @ .., last] = functions.derivative(middle, order).map(|f| f * factor);
+                let [first @ .., last] = functions.derivative(middle, order).map(|f| T::from_f64(f * factor));
                 (interval.first[order], interval.last[order]) = (first, last);
                 factor *= 0.5 * width / (order + 1) as f64;
             }
@@ -89,10 +89,10 @@ impl Table {
 
     /// The functions at `r^2 = square`, below the cutoff.
     #[inline(always)]
-    pub fn evaluate(&self, square: f64) -> Values {
+    pub fn evaluate(&self, square: f64) -> [T; 9] {
         let place = square * self.per_interval;
         let index = (place as usize).min(self.intervals.len() - 1);
-        let t = 2.0 * (place - index as f64) - 1.0;
+        let t = T::from_f64(2.0 * (place - index as f64) - 1.0);
         let Interval { first, last } = &self.intervals[index];
         let (mut values, mut ninth) = (first[DEGREE], last[DEGREE]);
         for order in (0..DEGREE).rev() {
@@ -116,7 +116,7 @@ mod tests {
             let functions = PairFunctions::new(Envelope::of_sphere(i), Envelope::of_sphere(j), 2.5);
             let first = functions.exact(0.0);
             for tolerance in [1e-4, 1e-8, 1e-12] {
-                let table = Table::new(&functions, 9.0, tolerance);
+                let table = Table::<f64>::new(&functions, 9.0, tolerance);
                 for n in 0..400 {
                     let square = f64::from(n) * 0.2017;
                     let (found, exact) = (table.evaluate(square), functions.exact(square));

@@ -72,16 +72,20 @@ impl<T: Real> Field<T, Physical> {
     /// All values of each component: the row of the lines `y` and `z` begins at
     /// `(z - rows[1].start) * plane_stride + (y - rows[0].start) * row_stride`.
     pub fn components(&self) -> [&[T]; 3] {
-        let size = self.layout.physical.component;
-        std::array::from_fn(|c| &self.memory.values()[c * size..(c + 1) * size])
+        let (size, stride) = (self.component_size(), self.layout.physical.component);
+        std::array::from_fn(|c| &self.memory.values()[c * stride..c * stride + size])
     }
 
     /// All values of each component, to write.
     pub fn components_mut(&mut self) -> [&mut [T]; 3] {
-        let size = self.layout.physical.component;
-        let (x, rest) = self.memory.values_mut().split_at_mut(size);
-        let (y, rest) = rest.split_at_mut(size);
-        [x, y, &mut rest[..size]]
+        let (size, stride) = (self.component_size(), self.layout.physical.component);
+        let (x, rest) = self.memory.values_mut().split_at_mut(stride);
+        let (y, z) = rest.split_at_mut(stride);
+        [&mut x[..size], &mut y[..size], &mut z[..size]]
+    }
+
+    fn component_size(&self) -> usize {
+        self.layout.rows[1].len() * self.layout.physical.z
     }
 
     /// The row of a component at two lines that this rank owns, halo included.
@@ -135,11 +139,12 @@ impl<T: Real> Field<T, Physical> {
 
     fn for_each_row(&mut self, work: impl Fn(&mut [T]) + Sync) {
         let strides = self.layout.physical;
-        let planes = 3 * self.layout.rows[1].len();
         let rows = self.layout.rows[0].len();
-        if rows > 0 {
-            let values = &mut self.memory.values_mut()[..planes * strides.z];
-            values.par_chunks_mut(strides.z).for_each(|p| p.chunks_exact_mut(strides.y).take(rows).for_each(&work));
+        if rows == 0 {
+            return;
+        }
+        for component in self.components_mut() {
+            component.par_chunks_mut(strides.z).for_each(|p| p.chunks_exact_mut(strides.y).take(rows).for_each(&work));
         }
     }
 

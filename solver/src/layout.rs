@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The share of one rank. Physical values stand in rows along x, [component][z][y][x], with room for a halo after each
 /// row; rows and planes are odd numbers of cache lines, so that columns across them do not compete for the same places
-/// of the cache. A spectral row has `nx/2` complex values, in blocks: the real parts of a few neighbours, as many as
+/// of the cache, and components are a third of a page apart, for the same reason. A spectral row has `nx/2` complex values, in blocks: the real parts of a few neighbours, as many as
 /// fill a cache line, then their imaginary parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
@@ -54,7 +54,7 @@ impl Layout {
         let odd_lines = |reals: usize| (reals.div_ceil(T::LANES) | 1) * T::LANES;
         let y = odd_lines((nx + halo).max(blocks_in_all * block_size));
         let z = odd_lines(rows[0].len() * y);
-        let physical = Strides { component: rows[1].len() * z, z, y };
+        let physical = Strides { component: apart::<T>(rows[1].len() * z), z, y };
         let width = blocks.len() * block_size;
         let transposed = if column.size() == 1 {
             physical
@@ -70,4 +70,12 @@ impl Layout {
         let capacity = capacity.into_iter().max().unwrap_or(0);
         Self { points, rows, blocks, modes, halo, physical, transposed, spectral, capacity }
     }
+}
+
+/// At least so many reals, and a third of a page more than whole pages: 21 of 64 cache lines. Processors take a read for
+/// one of what was just written if both are equally far into a page.
+fn apart<T: Real>(reals: usize) -> usize {
+    const PAGE: usize = 64;
+    let lines = reals.div_ceil(T::LANES);
+    (lines + (PAGE + PAGE / 3 - lines % PAGE) % PAGE) * T::LANES
 }

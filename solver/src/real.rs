@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use crate::simd::x86;
-use crate::simd::{Level, Work};
+use crate::simd::{Level, Vector, Work};
 use bytemuck::Pod;
 use std::fmt::{Debug, Display};
 use std::iter::Sum;
@@ -29,6 +29,8 @@ pub trait Real:
 {
     /// Values that fill 64 bytes: a cache line, and the widest vector register.
     const LANES: usize = 64 / size_of::<Self>();
+    /// Half of them, for any machine.
+    type Half: Vector<Self>;
     /// The distance from 1 to the next larger value.
     const EPSILON: f64;
 
@@ -41,6 +43,10 @@ pub trait Real:
     /// `self * factor + term`, rounded once.
     #[must_use]
     fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// `2^self` for a whole number for which that is a normal number.
+    #[must_use]
+    fn power_of_two(self) -> Self;
 
     /// Runs a kernel with this type's vectors of a set of instructions that the machine has.
     ///
@@ -56,8 +62,9 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($type:ty, $avx2:ty, $avx512:ty) => {
+    ($type:ty, $bits:ty, $avx2:ty, $avx512:ty) => {
         impl Real for $type {
+            type Half = [Self; Self::LANES / 2];
             const EPSILON: f64 = <$type>::EPSILON as f64;
 
             #[inline(always)]
@@ -73,6 +80,12 @@ macro_rules! real {
             #[inline(always)]
             fn mul_add(self, factor: Self, term: Self) -> Self {
                 <$type>::mul_add(self, factor, term)
+            }
+
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                let exponent = self as i32 + <$type>::MAX_EXP - 1;
+                <$type>::from_bits((exponent as $bits) << (<$type>::MANTISSA_DIGITS - 1))
             }
 
             unsafe fn dispatch_at<W: Work<Self>>(level: Level, work: W) -> W::Output {
@@ -100,5 +113,5 @@ macro_rules! real {
     };
 }
 
-real!(f32, x86::Two<std::arch::x86_64::__m256>, std::arch::x86_64::__m512);
-real!(f64, x86::Two<std::arch::x86_64::__m256d>, std::arch::x86_64::__m512d);
+real!(f32, u32, x86::Two<std::arch::x86_64::__m256>, std::arch::x86_64::__m512);
+real!(f64, u64, x86::Two<std::arch::x86_64::__m256d>, std::arch::x86_64::__m512d);

@@ -21,16 +21,22 @@ use crate::Real;
 ///
 /// All functions are meant to be inlined into [`Work::run`].
 pub trait Vector<T: Real>: Copy {
+    /// Values in it: [`Real::LANES`], or half of them.
+    const LANES: usize;
+
+    /// A vector of half as many values, where they are too few for a whole one; its own half is itself.
+    type Half: Vector<T>;
+
     /// Reads neighbouring values.
     ///
     /// # Safety
-    /// [`Real::LANES`] values can be read at `from`.
+    /// [`Vector::LANES`] values can be read at `from`.
     unsafe fn load(from: *const T) -> Self;
 
     /// Writes neighbouring values.
     ///
     /// # Safety
-    /// [`Real::LANES`] values can be written at `to`.
+    /// [`Vector::LANES`] values can be written at `to`.
     unsafe fn store(self, to: *mut T);
 
     /// The same value in every lane.
@@ -60,7 +66,15 @@ pub trait Vector<T: Real>: Copy {
     #[must_use]
     fn mul_sub_from(self, factor: Self, term: Self) -> Self;
 
-    /// Transposes a square of [`Real::LANES`] rows and columns: `to[j * to_stride + i] = from[i * from_stride + j]`.
+    /// The larger of both, lane by lane.
+    #[must_use]
+    fn max(self, other: Self) -> Self;
+
+    /// `self * 2^exponent`, for whole exponents whose powers are normal numbers.
+    #[must_use]
+    fn times_power_of_two(self, exponent: Self) -> Self;
+
+    /// Transposes a square of [`Vector::LANES`] rows and columns: `to[j * to_stride + i] = from[i * from_stride + j]`.
     ///
     /// # Safety
     /// The rows can be read and written, and the two squares do not overlap.

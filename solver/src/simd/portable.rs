@@ -15,6 +15,9 @@ macro_rules! each {
 }
 
 impl<T: Real, const LANES: usize> Vector<T> for [T; LANES] {
+    const LANES: usize = LANES;
+    type Half = T::Half;
+
     #[inline(always)]
     unsafe fn load(from: *const T) -> Self {
         // SAFETY: the caller's promise.
@@ -60,6 +63,16 @@ impl<T: Real, const LANES: usize> Vector<T> for [T; LANES] {
     #[inline(always)]
     fn mul_sub_from(self, factor: Self, term: Self) -> Self {
         each!(i, (-self[i]).mul_add(factor[i], term[i]))
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        each!(i, if self[i] > other[i] { self[i] } else { other[i] })
+    }
+
+    #[inline(always)]
+    fn times_power_of_two(self, exponent: Self) -> Self {
+        each!(i, self[i] * exponent[i].power_of_two())
     }
 
     #[inline(always)]

@@ -13,18 +13,42 @@ impl<T: Real> Work<T> for Everything {
             (0..lanes * lanes).map(|i| T::from_f64(((i * 7 + seed) as f64 * 0.731).sin() + 2.0)).collect()
         };
         let [a, b, c] = [numbers(1), numbers(2), numbers(3)];
-        let mut results = vec![T::default(); 8 * lanes + lanes * lanes];
+        let mut results = vec![T::default(); 10 * lanes + lanes * lanes];
         // SAFETY: all have room for a vector, and the squares for a vector of vectors.
         unsafe {
-            let [x, y, z] = [V::load(a.as_ptr()), V::load(b.as_ptr()), V::load(c.as_ptr())];
-            let all =
-                [V::splat(a[3]), x.add(y), x.sub(y), x.mul(y), x.div(y), x.mul_add(y, z), x.mul_sub_from(y, z), z];
-            for (i, value) in all.into_iter().enumerate() {
-                value.store(results.as_mut_ptr().add(i * lanes));
+            let (from, to) = ([a.as_ptr(), b.as_ptr(), c.as_ptr()], results.as_mut_ptr());
+            every::<T, V>(from, to);
+            // Both halves again, which gives the same.
+            for first in [0, V::Half::LANES] {
+                every::<T, V::Half>(from.map(|p| p.add(first)), to.add(first));
             }
-            V::transpose((a.as_ptr(), lanes), (results.as_mut_ptr().add(8 * lanes), lanes));
+            V::transpose((a.as_ptr(), lanes), (to.add(10 * lanes), lanes));
         }
         results
+    }
+}
+
+/// Each result of a vector, a cache line apart.
+#[inline(always)]
+unsafe fn every<T: Real, V: Vector<T>>([a, b, c]: [*const T; 3], to: *mut T) {
+    unsafe {
+        let [x, y, z] = [V::load(a), V::load(b), V::load(c)];
+        let exponent = V::splat(T::from_f64(-17.0));
+        let all = [
+            V::splat(T::from_f64(2.5)),
+            x.add(y),
+            x.sub(y),
+            x.mul(y),
+            x.div(y),
+            x.mul_add(y, z),
+            x.mul_sub_from(y, z),
+            x.max(y),
+            x.times_power_of_two(exponent),
+            z,
+        ];
+        for (i, value) in all.into_iter().enumerate() {
+            value.store(to.add(i * T::LANES));
+        }
     }
 }
 
@@ -48,7 +72,7 @@ fn same_bits_on_all_levels<T: Real>() {
         assert_eq!(found, expected, "{level:?}");
         let a = |i: usize| T::from_f64(((i * 7 + 1) as f64 * 0.731).sin() + 2.0);
         for (i, j) in (0..lanes).flat_map(|i| (0..lanes).map(move |j| (i, j))) {
-            assert_eq!(found[8 * lanes + j * lanes + i], a(i * lanes + j));
+            assert_eq!(found[10 * lanes + j * lanes + i], a(i * lanes + j));
         }
     }
 }

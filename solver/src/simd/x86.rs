@@ -3,6 +3,7 @@
 #![allow(clippy::needless_range_loop, reason = "loops over registers, by index so that they unroll")]
 
 use super::Vector;
+use crate::Real;
 #[allow(clippy::wildcard_imports, reason = "the instructions")]
 use std::arch::x86_64::*;
 
@@ -37,9 +38,12 @@ pub struct Two<R>(R, R);
 // SAFETY of every intrinsic below: vectors of these types live only in work that `avx512` or `avx2` runs, on machines
 // that have the instructions.
 macro_rules! one_register {
-    ($real:ty, $register:ty, $transpose:path, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
-     $mul:ident, $div:ident, $fma:ident, $fnma:ident) => {
+    ($real:ty, $register:ty, $half:ty, $lanes:literal, $transpose:path, $scale:path, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
+     $mul:ident, $div:ident, $fma:ident, $fnma:ident, $max:ident) => {
         impl Vector<$real> for $register {
+            const LANES: usize = $lanes;
+            type Half = $half;
+
             #[inline(always)]
             unsafe fn load(from: *const $real) -> Self {
                 unsafe { $load(from) }
@@ -86,6 +90,16 @@ macro_rules! one_register {
             }
 
             #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                unsafe { $max(self, other) }
+            }
+
+            #[inline(always)]
+            fn times_power_of_two(self, exponent: Self) -> Self {
+                unsafe { $scale(self, exponent) }
+            }
+
+            #[inline(always)]
             unsafe fn transpose(from: (*const $real, usize), to: (*mut $real, usize)) {
                 unsafe { $transpose(from, to) }
             }
@@ -97,6 +111,9 @@ macro_rules! two_registers {
     ($real:ty, $register:ty, $lanes:literal, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
      $mul:ident, $div:ident, $fma:ident, $fnma:ident) => {
         impl Vector<$real> for Two<$register> {
+            const LANES: usize = 2 * $lanes;
+            type Half = $register;
+
             #[inline(always)]
             unsafe fn load(from: *const $real) -> Self {
                 unsafe { Self($load(from), $load(from.add($lanes))) }
@@ -146,8 +163,18 @@ macro_rules! two_registers {
             }
 
             #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self(self.0.max(other.0), self.1.max(other.1))
+            }
+
+            #[inline(always)]
+            fn times_power_of_two(self, exponent: Self) -> Self {
+                Self(self.0.times_power_of_two(exponent.0), self.1.times_power_of_two(exponent.1))
+            }
+
+            #[inline(always)]
             unsafe fn transpose(from: (*const $real, usize), to: (*mut $real, usize)) {
-                unsafe { <[$real; 2 * $lanes] as Vector<$real>>::transpose(from, to) }
+                unsafe { transpose_plainly::<$real, { 2 * $lanes }>(from, to) }
             }
         }
     };
@@ -156,7 +183,10 @@ macro_rules! two_registers {
 one_register!(
     f64,
     __m512d,
+    __m256d,
+    8,
     transpose_8,
+    _mm512_scalef_pd,
     _mm512_loadu_pd,
     _mm512_storeu_pd,
     _mm512_set1_pd,
@@ -165,12 +195,16 @@ one_register!(
     _mm512_mul_pd,
     _mm512_div_pd,
     _mm512_fmadd_pd,
-    _mm512_fnmadd_pd
+    _mm512_fnmadd_pd,
+    _mm512_max_pd
 );
 one_register!(
     f32,
     __m512,
+    __m256,
+    16,
     transpose_16,
+    _mm512_scalef_ps,
     _mm512_loadu_ps,
     _mm512_storeu_ps,
     _mm512_set1_ps,
@@ -179,7 +213,44 @@ one_register!(
     _mm512_mul_ps,
     _mm512_div_ps,
     _mm512_fmadd_ps,
-    _mm512_fnmadd_ps
+    _mm512_fnmadd_ps,
+    _mm512_max_ps
+);
+one_register!(
+    f64,
+    __m256d,
+    __m256d,
+    4,
+    transpose_plainly::<f64, 4>,
+    times_power_of_two_f64,
+    _mm256_loadu_pd,
+    _mm256_storeu_pd,
+    _mm256_set1_pd,
+    _mm256_add_pd,
+    _mm256_sub_pd,
+    _mm256_mul_pd,
+    _mm256_div_pd,
+    _mm256_fmadd_pd,
+    _mm256_fnmadd_pd,
+    _mm256_max_pd
+);
+one_register!(
+    f32,
+    __m256,
+    __m256,
+    8,
+    transpose_plainly::<f32, 8>,
+    times_power_of_two_f32,
+    _mm256_loadu_ps,
+    _mm256_storeu_ps,
+    _mm256_set1_ps,
+    _mm256_add_ps,
+    _mm256_sub_ps,
+    _mm256_mul_ps,
+    _mm256_div_ps,
+    _mm256_fmadd_ps,
+    _mm256_fnmadd_ps,
+    _mm256_max_ps
 );
 two_registers!(
     f64,
@@ -209,6 +280,30 @@ two_registers!(
     _mm256_fmadd_ps,
     _mm256_fnmadd_ps
 );
+
+/// `value * 2^exponent`: the exponent in the low bits of a large number, moved to where a number has its own.
+#[inline(always)]
+unsafe fn times_power_of_two_f64(value: __m256d, exponent: __m256d) -> __m256d {
+    unsafe {
+        let shifted = _mm256_add_pd(exponent, _mm256_set1_pd(6_755_399_441_055_744.0 + 1023.0));
+        _mm256_mul_pd(value, _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(shifted))))
+    }
+}
+
+/// The same for `f32`.
+#[inline(always)]
+unsafe fn times_power_of_two_f32(value: __m256, exponent: __m256) -> __m256 {
+    unsafe {
+        let shifted = _mm256_add_ps(exponent, _mm256_set1_ps(12_582_912.0 + 127.0));
+        _mm256_mul_ps(value, _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(shifted))))
+    }
+}
+
+/// Transposes as on any machine, which is rarely asked for here.
+#[inline(always)]
+unsafe fn transpose_plainly<T: Real, const LANES: usize>(from: (*const T, usize), to: (*mut T, usize)) {
+    unsafe { <[T; LANES] as Vector<T>>::transpose(from, to) }
+}
 
 /// Transposes 8 x 8 values: neighbours in pairs of rows first, then the quarters of four such pairs.
 #[inline(always)]

@@ -1,0 +1,58 @@
+//! Sums over the lanes of vectors.
+
+use solver::simd::Vector as Lanes;
+use solver::{Memory, Real};
+
+/// Sums that are added up at once, filled up with zeros: a multiple of the lanes of any vector.
+const SUMS: usize = 16;
+
+/// The sums of one particle, three of velocity and nine of its gradient, lane by lane.
+pub(crate) struct Totals<T> {
+    lanes: Memory<T>,
+    /// The same with sums and lanes exchanged.
+    turned: Memory<T>,
+}
+
+impl<T: Real> Default for Totals<T> {
+    fn default() -> Self {
+        Self { lanes: Memory::zero(SUMS * T::LANES), turned: Memory::zero(T::LANES * T::LANES) }
+    }
+}
+
+impl<T: Real> Totals<T> {
+    /// Forgets all sums.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.lanes.values_mut().fill(T::default());
+    }
+
+    /// Adds to the first lanes of each sum.
+    #[inline(always)]
+    pub fn add<V: Lanes<T>>(&mut self, terms: &[V; 12]) {
+        for (sum, term) in self.lanes.values_mut().chunks_exact_mut(T::LANES).zip(terms) {
+            // SAFETY: each sum has the lanes of a whole vector.
+            unsafe { V::load(sum.as_ptr()).add(*term).store(sum.as_mut_ptr()) };
+        }
+    }
+
+    /// The sums over their lanes: always added in the same order, whatever the vectors.
+    #[inline(always)]
+    pub fn take<V: Lanes<T>>(&mut self) -> [T; 12] {
+        let mut totals = [T::default(); SUMS];
+        for first in (0..SUMS).step_by(T::LANES) {
+            let from = self.lanes.values()[first * T::LANES..].as_ptr();
+            let to = self.turned.values_mut().as_mut_ptr();
+            // SAFETY: there are `SUMS` sums, a multiple of the lanes, and room for a square.
+            unsafe {
+                V::transpose((from, T::LANES), (to, T::LANES));
+                let mut total = V::load(to);
+                for lane in 1..T::LANES {
+                    total = total.add(V::load(to.add(lane * T::LANES)));
+                }
+                total.store(totals.as_mut_ptr().add(first));
+            }
+        }
+        let [sums @ .., _, _, _, _] = totals;
+        sums
+    }
+}
