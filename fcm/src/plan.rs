@@ -261,7 +261,7 @@ impl Plan {
 /// below the tolerance, with a sixth of it or more to spare.
 const MONOPOLE_LEEWAY: f64 = 1.2;
 const GIVEN_LEEWAY: f64 = 0.5;
-const RIGID_LEEWAY: f64 = 0.18;
+const RIGID_LEEWAY: f64 = 0.22;
 
 /// One way to keep a tolerance: a method, a precision and what they need.
 struct Candidate {
@@ -393,7 +393,7 @@ impl Problem {
             viscosity: self.viscosity,
             multipoles: self.multipoles,
             tolerance: self.tolerance,
-            iteration_tolerance: self.fixed.iteration_tolerance.unwrap_or(0.05 * self.tolerance),
+            iteration_tolerance: self.fixed.iteration_tolerance.unwrap_or(0.25 * self.tolerance),
             method,
             precision: candidate.precision,
             grid,

@@ -32,14 +32,17 @@ fn keeps_tolerances(suspension: &Suspension, loads: &Loads) {
     let scale = at_surfaces(suspension, &motion).iter().map(|m| m * m).sum::<f64>().sqrt();
     for digits in 2..=10 {
         let tolerance = 10f64.powi(-digits);
-        let found = solve(suspension, &plan(suspension, tolerance), loads, &[]).unwrap();
+        let plan = plan(suspension, tolerance);
+        let found = solve(suspension, &plan, loads, &[]).unwrap();
         let error = error(&tensors(&found.stresslets), &tensors(&stresslets));
         println!("rigid {:.2} at {tolerance:e}", tolerance / error);
         assert!(error < tolerance, "stresslets: {error:e} at {tolerance:e}");
         for part in at_surfaces(suspension, &difference(&found.motion, &motion)) {
             assert!(part < tolerance * scale, "motions: {part:e} of {scale:e} at {tolerance:e}");
         }
-        assert!(found.residual <= 0.1 * tolerance, "the iteration may take a tenth, took {}", found.residual);
+        let share = plan.iteration_tolerance;
+        assert!(found.residual <= share, "the iteration may leave {share}, left {}", found.residual);
+        assert!(share <= 0.25 * tolerance);
     }
 }
 
@@ -91,6 +94,6 @@ fn the_solution_as_a_guess_needs_no_iteration() {
     let near: Vec<Traceless> = cold.stresslets.iter().map(|&s| s * 1.001).collect();
     let short = solve(&suspension, &plan, &loads, &near).unwrap();
     assert!(0 < short.iterations && short.iterations < cold.iterations);
-    // Both stop within a twentieth of the tolerance of the solution, by their own estimate.
-    assert!(error(&tensors(&short.stresslets), &tensors(&cold.stresslets)) < 0.2 * plan.tolerance);
+    // Both stop within a quarter of the tolerance of the solution, by their own estimate.
+    assert!(error(&tensors(&short.stresslets), &tensors(&cold.stresslets)) < 0.5 * plan.tolerance);
 }

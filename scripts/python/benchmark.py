@@ -9,6 +9,7 @@ import platform
 import subprocess
 
 import matplotlib
+import parts
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -82,6 +83,7 @@ def sections(programs, quick):
         peer(*PAPER),
         solve("direct, 128^3", method="direct", grid=128),
         solve("auto"),
+        solve("auto, 2e-3", "2e-3"),
         *([programs.finufft("1e-3")] if programs.python.exists() else []),
     ]
     if quick:
@@ -99,7 +101,14 @@ def sections(programs, quick):
         *(solve("direct", t, method="direct") for t in TOLERANCES[::2]),
         *(solve("auto", t) for t in TOLERANCES if t != "1e-3"),
     ]
-    yield "Forces alone, one thread", [solve("auto, forces alone", t, monopoles=True) for t in ("1e-3", "1e-6")]
+    yield "What a scene does not need, one thread", [
+        solve("everything, sizes 1 and 1.2", **{"size-ratio": 1.2}),
+        solve("one size"),
+        solve("stresslets alone", stresslets=True),
+        solve("forces alone", monopoles=True),
+        solve("everything, 2%", **{"volume-fraction": 0.02}),
+        solve("forces alone, 1e-6", "1e-6", monopoles=True),
+    ]
     yield "Volume fraction and size ratio, one thread", [
         solve(f"auto, {100 * fraction:g}%, 1:{ratio}", **{"volume-fraction": fraction, "size-ratio": ratio})
         for fraction in (0.01, 0.1, 0.4)
@@ -188,7 +197,7 @@ def processor():
     return platform.machine()
 
 
-def write_page(tables, by_size, rounds):
+def write_page(tables, by_size, rest, rounds):
     page = [
         "# Benchmarks",
         "",
@@ -208,8 +217,8 @@ def write_page(tables, by_size, rounds):
         if title == "The paper's case":
             page += [*verdicts(lines), "", "![Error and time](figures/benchmarks.svg)", ""]
     page += ["## Number of spheres, two threads", "", *size_table(by_size), ""]
-    page += ["![Number of spheres and time](figures/benchmark-sizes.svg)"]
-    (DOCS / "benchmarks.md").write_text("\n".join(page) + "\n")
+    page += ["![Number of spheres and time](figures/benchmark-sizes.svg)", "", *rest]
+    (DOCS / "benchmarks.md").write_text("\n".join(page).rstrip() + "\n")
 
 
 def main():
@@ -238,7 +247,7 @@ def main():
         print(f"\n{title}\n", *table(lines), sep="\n")
     if not arguments.quick:
         by_size = [case.median() for case in larger]
-        write_page(tables, by_size, arguments.rounds)
+        write_page(tables, by_size, parts.page(programs, arguments.target), arguments.rounds)
         draw([line for lines in tables.values() for line in lines], DOCS / "figures" / "benchmarks.svg")
         draw_sizes(by_size, DOCS / "figures" / "benchmark-sizes.svg")
     print(f"all lines  {raw}")

@@ -12,6 +12,9 @@ mod processes;
 mod processes;
 
 use bytemuck::Pod;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 pub use failure::Failure;
 
 /// Why the ranks could not be reached.
@@ -45,7 +48,11 @@ pub enum CommError {
 /// A group of ranks that work together; every call of it is collective: all ranks of the group make the same calls in
 /// the same order. Sums run in rank order, so that results do not depend on timing.
 #[derive(Clone)]
-pub struct Comm(Backend);
+pub struct Comm {
+    backend: Backend,
+    /// Bytes sent to other ranks, by this group and those that were split from it.
+    sent: Arc<AtomicU64>,
+}
 
 #[derive(Clone)]
 enum Backend {
@@ -57,26 +64,30 @@ enum Backend {
 impl Comm {
     /// One rank on its own: every exchange is a copy.
     pub fn alone() -> Self {
-        Self(Backend::Alone)
+        Self::of(Backend::Alone)
+    }
+
+    fn of(backend: Backend) -> Self {
+        Self { backend, sent: Arc::default() }
     }
 
     /// All the processes that a launcher such as `mpirun` started, or one rank alone without a launcher.
     pub fn world() -> Result<Self, CommError> {
         match launched() {
             None => Ok(Self::alone()),
-            Some(ranks) => processes::Rank::world(ranks).map(|rank| Self(Backend::Processes(rank))),
+            Some(ranks) => processes::Rank::world(ranks).map(|rank| Self::of(Backend::Processes(rank))),
         }
     }
 
     /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns what each returned in
     /// rank order. A panic on one rank is a panic of the call.
     pub fn threads<R: Send>(ranks: usize, body: impl Fn(Self) -> R + Sync) -> Vec<R> {
-        threads::run(ranks, |rank| body(Self(Backend::Threads(rank))))
+        threads::run(ranks, |rank| body(Self::of(Backend::Threads(rank))))
     }
 
     /// This rank's number, from 0.
     pub fn rank(&self) -> usize {
-        match &self.0 {
+        match &self.backend {
             Backend::Alone => 0,
             Backend::Threads(rank) => rank.rank(),
             Backend::Processes(rank) => rank.rank(),
@@ -85,7 +96,7 @@ impl Comm {
 
     /// The number of ranks.
     pub fn size(&self) -> usize {
-        match &self.0 {
+        match &self.backend {
             Backend::Alone => 1,
             Backend::Threads(rank) => rank.size(),
             Backend::Processes(rank) => rank.size(),
@@ -101,16 +112,22 @@ impl Comm {
     #[must_use]
     #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
     pub fn split(&self, colour: usize) -> Self {
-        match &self.0 {
-            Backend::Alone => Self(Backend::Alone),
-            Backend::Threads(rank) => Self(Backend::Threads(rank.split(colour))),
-            Backend::Processes(rank) => Self(Backend::Processes(rank.split(colour))),
-        }
+        let backend = match &self.backend {
+            Backend::Alone => Backend::Alone,
+            Backend::Threads(rank) => Backend::Threads(rank.split(colour)),
+            Backend::Processes(rank) => Backend::Processes(rank.split(colour)),
+        };
+        Self { backend, sent: self.sent.clone() }
+    }
+
+    /// Bytes that this rank has sent to others so far.
+    pub fn bytes_sent(&self) -> u64 {
+        self.sent.load(Ordering::Relaxed)
     }
 
     /// Waits for all ranks.
     pub fn barrier(&self) {
-        match &self.0 {
+        match &self.backend {
             Backend::Alone => {}
             Backend::Threads(rank) => rank.barrier(),
             Backend::Processes(rank) => rank.barrier(),
@@ -122,7 +139,9 @@ impl Comm {
     pub fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
         assert_eq!(send.0.len(), send.1.iter().sum::<usize>(), "send counts cover the values to send");
         assert_eq!(receive.0.len(), receive.1.iter().sum::<usize>(), "receive counts cover the room to receive");
-        match &self.0 {
+        let elsewhere = send.0.len() - send.1[self.rank()];
+        self.sent.fetch_add((elsewhere * size_of::<T>()) as u64, Ordering::Relaxed);
+        match &self.backend {
             Backend::Alone => receive.0.copy_from_slice(send.0),
             Backend::Threads(rank) => rank.all_to_all(send, receive),
             Backend::Processes(rank) => rank.all_to_all(send, receive),

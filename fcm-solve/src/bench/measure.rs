@@ -7,13 +7,24 @@ use fcm::{Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, P
 use serde::Serialize;
 use std::time::Instant;
 
+/// Which loads there are and which motions are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Forces, torques and stresslets to velocities, angular velocities and rates of strain.
+    All,
+    /// Forces to velocities.
+    Forces,
+    /// Stresslets to angular velocities and rates of strain.
+    Stresslets,
+}
+
 /// What to measure.
 #[derive(Debug, Clone, Copy)]
 pub struct Task {
     /// Relative error allowed.
     pub tolerance: f64,
-    /// Forces alone.
-    pub monopoles: bool,
+    /// Loads and motions.
+    pub kind: Kind,
     /// Evaluations that count.
     pub repeats: u32,
     /// Whether to measure the error.
@@ -32,6 +43,7 @@ pub struct Measurement {
     support: usize,
     ranks: usize,
     threads: usize,
+    bytes_sent: u64,
     seconds: Times,
     predicted_seconds: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,7 +65,7 @@ impl Task {
     /// Evaluates the mobility of the spheres again and again. Collective.
     pub fn measure(&self, spheres: &Spheres, comm: &Comm) -> anyhow::Result<Measurement> {
         let plan = self.plan(spheres, comm)?;
-        let (times, found) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
+        let (times, sent, found) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
         let error = if self.with_error { Some(self.error(&found, spheres, comm)?) } else { None };
         Ok(Measurement {
             tolerance: self.tolerance,
@@ -63,6 +75,7 @@ impl Task {
             support: plan.support.support,
             ranks: comm.size(),
             threads: rayon::current_num_threads(),
+            bytes_sent: sent,
             seconds: medians(&times[1..]),
             predicted_seconds: plan.predicted_seconds,
             error,
@@ -75,7 +88,7 @@ impl Task {
             largest_strain: 0.0,
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: 1.0,
-            multipoles: if self.monopoles { Multipoles::Monopole } else { Multipoles::Dipole },
+            multipoles: if self.kind == Kind::Forces { Multipoles::Monopole } else { Multipoles::Dipole },
             rigid: false,
             tolerance: self.tolerance,
             threads: rayon::current_num_threads(),
@@ -85,32 +98,40 @@ impl Task {
         Plan::choose(&problem).context("this case can't be evaluated")
     }
 
-    /// The seconds of an evaluation at each turn's positions, and the motions of the last one, on the first rank.
+    /// The seconds of an evaluation at each turn's positions, the bytes that a rank sends for the last one, the most of
+    /// all, and its motions, on the first rank.
     fn evaluate(
         &self,
         plan: &Plan,
         spheres: &Spheres,
         comm: &Comm,
         turns: std::ops::RangeInclusive<u32>,
-    ) -> (Vec<(Seconds, f64)>, [Vec<f64>; 3]) {
+    ) -> (Vec<(Seconds, f64)>, u64, [Vec<f64>; 3]) {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let mut mobility = Mobility::new(plan, &partition);
-        let wanted = if self.monopoles { Evaluation::Velocities } else { Evaluation::All };
-        let mut times = Vec::new();
+        let wanted = match self.kind {
+            Kind::All => Evaluation::All,
+            Kind::Forces => Evaluation::Velocities,
+            Kind::Stresslets => Evaluation::Gradients,
+        };
+        let (mut times, mut sent) = (Vec::new(), 0);
         let mut last = (Particles::default(), Motion::default());
         for turn in turns {
             let particles = spheres.displaced(turn, &partition);
-            let loads = loads(&particles, self.monopoles);
+            let loads = loads(&particles, self.kind);
             let before = mobility.work().seconds;
             comm.barrier();
-            let start = Instant::now();
+            let (start, sent_before) = (Instant::now(), comm.bytes_sent());
             mobility.arrange(&spheres.cell, &particles.positions, &particles.radii);
             let motion = mobility.apply(&loads, wanted);
+            sent = comm.bytes_sent() - sent_before;
             comm.barrier();
             times.push((mobility.work().seconds - before, start.elapsed().as_secs_f64()));
             last = (particles, motion);
         }
-        (times, gathered(last.0, &last.1, &partition))
+        let mut most = [sent as f64];
+        comm.max(&mut most);
+        (times, most[0] as u64, gathered(last.0, &last.1, &partition))
     }
 
     /// The largest relative error against an evaluation with a tolerance 100 times smaller.
@@ -118,7 +139,7 @@ impl Task {
         let fixed = Fixed { method: Some(MethodName::Split), ..Fixed::default() };
         let tighter = Self { tolerance: (self.tolerance * 1e-2).max(1e-12), fixed, ..*self };
         let plan = tighter.plan(spheres, comm)?;
-        let (_, exact) = tighter.evaluate(&plan, spheres, comm, self.repeats..=self.repeats);
+        let (_, _, exact) = tighter.evaluate(&plan, spheres, comm, self.repeats..=self.repeats);
         let errors = found.iter().zip(&exact).map(|(found, exact)| relative(found, exact));
         Ok(errors.fold(0.0, f64::max))
     }

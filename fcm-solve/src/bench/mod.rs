@@ -6,7 +6,7 @@ mod spheres;
 use clap::ValueEnum;
 use domain::Comm;
 use fcm::{Fixed, MethodName};
-use measure::{Measurement, Task};
+use measure::{Kind, Measurement, Task};
 use serde::Serialize;
 use spheres::Spheres;
 
@@ -35,6 +35,9 @@ pub struct Args {
     /// Forces alone: no torque, no stresslet
     #[arg(long)]
     monopoles: bool,
+    /// Stresslets alone, and rates of strain for them, as in an iteration for rigid spheres
+    #[arg(long, conflicts_with = "monopoles")]
+    stresslets: bool,
     /// Evaluations, each at new positions, after one that is not counted
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     repeats: u32,
@@ -45,7 +48,8 @@ pub struct Args {
 
 const LINE: &str = "\
 A line has particles, volume_fraction, size_ratio, tolerance, method, precision, grid, support, ranks,
-threads, seconds and error. Seconds are medians over the repeats: spread, fft, solve, interpolate,
+threads, bytes_sent, seconds and error. Bytes are what a rank sends to others for one mobility, the most of
+all ranks. Seconds are medians over the repeats: spread, fft, solve, interpolate,
 near, exchange and total, for one mobility F, T, S -> V, Omega, E at new positions. The Stokes solve is
 made within the transform, so its time is part of fft and solve is 0. The error is the largest relative
 2-norm of velocities, angular velocities and rates of strain against an evaluation with a tolerance
@@ -124,7 +128,11 @@ impl Args {
         };
         Task {
             tolerance,
-            monopoles: self.monopoles,
+            kind: match (self.monopoles, self.stresslets) {
+                (true, _) => Kind::Forces,
+                (_, true) => Kind::Stresslets,
+                _ => Kind::All,
+            },
             repeats: self.repeats,
             with_error: !self.no_error,
             fixed: Fixed { method, grid: self.grid.map(|m| [m; 3]), ..Fixed::default() },

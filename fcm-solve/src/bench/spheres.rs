@@ -1,6 +1,7 @@
 //! Random spheres that move a little from evaluation to evaluation.
 
 use super::Case;
+use super::measure::Kind;
 use anyhow::Context;
 use domain::{Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector, random_packing};
 use fcm::Loads;
@@ -44,16 +45,21 @@ impl Spheres {
     }
 }
 
-/// Forces like `a`, torques and stresslets like `a^2`, by the particles' ids.
-pub fn loads(particles: &Particles, monopoles: bool) -> Loads {
+/// Forces like `a`, torques and stresslets like `a^2`, by the particles' ids; of them those of a kind.
+pub fn loads(particles: &Particles, kind: Kind) -> Loads {
     let mut loads = Loads::default();
     for (&id, &radius) in particles.ids.iter().zip(&particles.radii) {
         let mut random = Random::new(SEED, id);
         let mut vector = |scale: f64| (random.point() - Vector::splat(0.5)) * scale;
-        loads.forces.push(vector(radius));
-        if !monopoles {
-            loads.torques.push(vector(radius * radius));
-            let (p, q) = (vector(radius * radius), vector(radius * radius));
+        let (force, torque) = (vector(radius), vector(radius * radius));
+        let (p, q) = (vector(radius * radius), vector(radius * radius));
+        if kind != Kind::Stresslets {
+            loads.forces.push(force);
+        }
+        if kind == Kind::All {
+            loads.torques.push(torque);
+        }
+        if kind != Kind::Forces {
             loads.stresslets.push(Traceless([p.x, p.y, p.z, q.x, q.y]));
         }
     }

@@ -1,0 +1,169 @@
+"""The parts of the benchmark that are no mobility on its own: transforms, whole steps, and what ranks exchange."""
+
+import csv
+import json
+import math
+import os
+import pathlib
+import subprocess
+import tempfile
+
+TRANSFORMS = [48, 64, 96, 128, 144, 192]
+RANKS = [2, 4, 8, 16, 32, 64]
+EXCHANGING = 20_000
+
+# The network of the projection: what a node sends a second, and what a message costs beside.
+BANDWIDTH, LATENCY = 12.5e9, 2e-6
+# Messages to every other rank for one mobility.
+MESSAGES = 10
+
+
+def output(command, **environment):
+    """What a command prints, as JSON lines."""
+    environment = {**os.environ, **environment}
+    ended = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True)
+    if ended.returncode:
+        raise SystemExit(f"{' '.join(map(str, command))} failed:\n{ended.stderr}")
+    return [json.loads(line) for line in ended.stdout.splitlines()]
+
+
+def transforms(target):
+    """Forward and backward transforms of a real field beside FFTW's, whose plans were measured."""
+    rows = [
+        "| points | threads | precision | FFTW | fcm-solve | ratio |",
+        "|---|---|---|---|---|---|",
+    ]
+    for threads in (1, 2):
+        for size in TRANSFORMS:
+            theirs = output([target / "peers" / "fftw", 0.25, threads, size])
+            ours = output([target / "release" / "examples" / "fft_speed", "--seconds", 0.25, "--threads", threads, size])
+            best = {line["precision"]: min(line["transform_ms"], line["three_ms"] / 3) for line in theirs}
+            for line in ours:
+                known, own = best[line["precision"]], line["transform_ms"]
+                cells = [f"{size}^3", threads, line["precision"], f"{known:.2f}", f"{own:.2f}", f"{own / known:.2f}"]
+                rows.append("| " + " | ".join(map(str, cells)) + " |")
+    return rows
+
+
+SCENE = """
+title = "{title}"
+seed = 1
+[box]
+edges = [48.0, 48.0, 48.0]
+[fluid]
+viscosity = 1.0
+[[species]]
+name = "spheres"
+radius = 1.0
+count = 3200
+force = [0.0, 0.0, {force}]
+[particles]
+initial = "random"
+minimum_gap = 0.02
+{flow}
+[repulsion]
+strength = 40.0
+range = 0.1
+[hydrodynamics]
+tolerance = 1e-3
+[time]
+step = {step}
+steps = 40
+[output]
+trajectory_every = 40
+observables_every = 1
+checkpoint_every = 40
+"""
+SHEAR = '[flow]\nkind = "shear"\nrate = 1.0\nlees_edwards = true'
+STEPS = {"settling": dict(force=-18.85, flow="", step=0.05), "sheared": dict(force=0.0, flow=SHEAR, step=0.005)}
+
+
+def steps(programs):
+    """Stresslet iterations and time of whole steps, against the time of one mobility."""
+    rows = ["| suspension | iterations, cold | iterations, later | ms a step | mobilities' worth |", "|---|---|---|---|---|"]
+    for title, values in STEPS.items():
+        mobility = programs.solve("", **{"no-error": True})
+        mobility.run()
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "scene.toml"
+            scene.write_text(SCENE.format(title=title, **values))
+            out = pathlib.Path(folder) / "out"
+            command = [programs.ours, "run", scene, "--out", out, "--threads", 1]
+            subprocess.run(list(map(str, command)), check=True, capture_output=True)
+            lines = list(csv.DictReader(open(out / "observables.csv")))
+        # The first steps are those of Runge and Kutta, without a history to start from.
+        later = lines[10:]
+        iterations = sum(float(line["iterations"]) for line in later) / len(later)
+        seconds = sorted(float(line["seconds_per_step"]) for line in later)[len(later) // 2]
+        worth = seconds / mobility.median()["seconds"]["total"]
+        cold = float(lines[0]["iterations"])
+        rows.append(f"| {title} | {cold:.0f} | {iterations:.1f} | {1e3 * seconds:.0f} | {worth:.1f} |")
+    return rows
+
+
+def exchange(programs):
+    """Bytes that a rank sends for one mobility, and a projection to more ranks than there are cores."""
+    alone = output(programs.solve("", **exchanging()).command)[0]
+    grid, total = alone["grid"][0], alone["seconds"]["total"]
+    bytes_of_grid = 3 * grid**3 * (4 if alone["precision"] == "f32" else 8)
+    rows = [
+        "| ranks | bytes sent by a rank | of them transposition | projected ms | efficiency, strong | efficiency, weak |",
+        "|---|---|---|---|---|---|",
+    ]
+    halo = 0
+    for ranks in [*RANKS, 256, 1024]:
+        transposed = 2 * bytes_of_grid / ranks * kept_moving(ranks, grid)
+        sent = transposed + halo / math.sqrt(ranks)
+        if ranks <= RANKS[-1]:
+            case = programs.solve("", ranks=ranks, **exchanging())
+            case.command.insert(1, "--oversubscribe")
+            sent = output(case.command, OMPI_MCA_mpi_yield_when_idle="1")[0]["bytes_sent"]
+            halo = (sent - transposed) * math.sqrt(ranks)
+        waiting = MESSAGES * ranks * LATENCY
+        strong = total / ranks + sent / BANDWIDTH + waiting
+        # As many spheres a rank as one has here, with a halo around its whole share.
+        weak = total + (2 * bytes_of_grid * kept_moving(ranks, grid * ranks ** (1 / 3)) + halo) / BANDWIDTH + waiting
+        shown = f"{sent / 1e6:.2f} MB" if ranks <= RANKS[-1] else f"({sent / 1e6:.2f} MB)"
+        cells = [ranks, shown, f"{transposed / 1e6:.2f} MB", f"{1e3 * strong:.2f}"]
+        cells += [f"{total / strong / ranks:.0%}", f"{total / weak:.0%}"]
+        rows.append("| " + " | ".join(map(str, cells)) + " |")
+    return grid, total, rows
+
+
+def kept_moving(ranks, lines):
+    """The least share of the grid that two transpositions move, over all tables of ranks that the grid's lines allow."""
+    tables = [(n, ranks // n) for n in range(1, ranks + 1) if ranks % n == 0 and max(n, ranks // n) <= lines]
+    return min(2 - 1 / a - 1 / b for a, b in tables)
+
+
+def exchanging():
+    return {"particles": EXCHANGING, "repeats": 1, "no-error": True}
+
+
+def page(programs, target):
+    """What the benchmark page says of all this."""
+    grid, total, exchanged = exchange(programs)
+    return [
+        "## Transforms",
+        "",
+        "Milliseconds for one real component forward and backward, medians; FFTW with measured plans, the fastest of in",
+        "place, out of place and three at a time (`scripts/peers/fftw.c`, `cargo run --release -p solver --example fft_speed`).",
+        "",
+        *transforms(target),
+        "",
+        "## Whole steps",
+        "",
+        "3,200 spheres at 12%, tolerance 1e-3, one thread: iterations for the stresslets from nothing and from the steps",
+        "before, and the time of a step over that of one mobility.",
+        "",
+        *steps(programs),
+        "",
+        "## What ranks exchange",
+        "",
+        f"One mobility of {EXCHANGING} spheres at 12% on a grid of {grid}^3, which takes {1e3 * total:.0f} ms on one thread. Bytes are",
+        "counted, with more ranks than cores. Times are a projection, not a measurement: the work shared out, bytes at",
+        f"{BANDWIDTH / 1e9} GB/s a rank, {1e6 * LATENCY:.0f} microseconds a message. In brackets: the halos' part extrapolated as the square root of the ranks.",
+        "",
+        *exchanged,
+        "",
+    ]
