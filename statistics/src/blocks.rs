@@ -69,6 +69,11 @@ impl Blocks {
         self.levels.first().map_or(0, |level| level.count)
     }
 
+    /// The standard deviation of the numbers themselves; not a number without any.
+    pub fn deviation(&self) -> f64 {
+        self.levels.first().map_or(f64::NAN, |level| (level.squares / level.count as f64).sqrt())
+    }
+
     /// The mean and its error; without numbers the mean is not a number, with one the error is infinite.
     pub fn estimate(&self) -> Estimate {
         let Some(single) = self.levels.first() else {
@@ -154,6 +159,9 @@ mod tests {
             constant.add(2.0);
         }
         assert_eq!(constant.estimate(), Estimate { mean: 2.0, error: 0.0, converged: true });
+        assert!(constant.deviation().abs() < 1e-15);
+        constant.add(12.0);
+        assert!((constant.deviation() - 3.0).abs() < 1e-15 && Blocks::default().deviation().is_nan());
     }
 
     #[test]

@@ -12,14 +12,9 @@ SEEDS = [1, 2, 3, 4, 5, 6]
 INDEPENDENT = {0.001: (0.225, 0.04), 0.004: (0.295, 0.045), 0.01: (0.368, 0.045), 0.03: (0.388, 0.045)}
 
 
-def by_viscosity(mode):
-    """The runs, which are those of one branch of Fig. 7 too."""
-    return Sweep(f"fig6-{mode}", FULL if mode == "full" else QUICK, seeds=SEEDS, viscosities=VISCOSITIES)
-
-
 def draw(mode):
     """Means over six seeds."""
-    sweep = by_viscosity(mode)
+    sweep = Sweep(f"fig6-{mode}", FULL if mode == "full" else QUICK, seeds=SEEDS, viscosities=VISCOSITIES)
     make([sweep])
     report = Report("disks-fig6", mode, "Fig. 6: segregation in the course of time")
     found = {}

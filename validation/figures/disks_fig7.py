@@ -3,17 +3,18 @@
 import numpy as np
 
 from disks import FULL, QUICK, RATE, Sweep
-from disks_fig6 import SEEDS, by_viscosity
 from report import Report, main
 from runs import make
 
 RATES = [0.003, 0.01, 0.03, 0.1]
+VISCOSITIES = [0.001, 0.004, 0.01, 0.03]
 
 
 def draw(mode):
     """Two branches: one viscosity and several rates of shear, one rate and several viscosities."""
-    rates = Sweep(f"fig7-rates-{mode}", FULL if mode == "full" else QUICK, seeds=SEEDS, rates=RATES)
-    viscosities = by_viscosity(mode)
+    strain, seeds = (FULL, [1, 2, 3, 4, 5, 6]) if mode == "full" else (QUICK, [1, 2, 3])
+    rates = Sweep(f"fig7-rates-{mode}", strain, seeds=seeds, rates=RATES)
+    viscosities = Sweep(f"fig7-viscosities-{mode}", strain, seeds=seeds, viscosities=VISCOSITIES)
     make([rates])
     make([viscosities])
     report = Report("disks-fig7", mode, "Fig. 7: final segregation against the viscous length")

@@ -1,6 +1,7 @@
 //! The top wall: at its height, or free to move up and down under its load.
 
 use super::Model;
+use statistics::{State, Store};
 
 /// Height and velocity of the top wall, and what they cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,5 +21,12 @@ impl Lid {
     /// Kinetic energy of a free top wall.
     pub fn energy(&self, model: &Model) -> f64 {
         0.5 * model.lid_mass().unwrap_or(0.0) * self.velocity * self.velocity
+    }
+}
+
+impl State for Lid {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.number(&mut self.height);
+        store.number(&mut self.velocity);
     }
 }

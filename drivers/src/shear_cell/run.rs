@@ -1,13 +1,11 @@
 //! A run of the shear cell: one of the two engines, and what is measured on the way.
 
 use super::{
-    Balance, Collisions, DensityMap, Engine, Estimate, Grains, Layer, Model, Profile, Sample, Side, State, Tally,
-    WallStress,
-    measure::{Start, estimate},
-    numbers::Numbers,
+    Balance, Collisions, DensityMap, Engine, Grains, Layer, Lid, Model, Sample, Side, State, Tally, WallStress,
+    measure::{Measured, Start},
 };
 use crate::parameter::{ParameterError, positive, require};
-use domain::Vector;
+use statistics::{Estimate, State as _, Store};
 use std::f64::consts::PI;
 
 /// What is sampled, and how often.
@@ -52,19 +50,26 @@ pub struct Run {
     engine: Engine,
     sampling: Sampling,
     start: Start,
-    impulses: [Vec<Vector>; 4],
-    heights: Vec<f64>,
-    profile: Profile,
-    map: DensityMap,
-    mark: Mark,
+    measured: Measured,
+    /// Where the engine last started anew, and what had been measured by then.
+    mark: (State, Measured),
 }
 
-/// Where the engine last started anew, and what had been measured by then.
-struct Mark {
-    state: State,
-    windows: usize,
-    profile: Profile,
-    map: DensityMap,
+/// What a checkpoint keeps besides the grains.
+struct Kept {
+    lid: Lid,
+    tally: Tally,
+    start: Start,
+    measured: Measured,
+}
+
+impl statistics::State for Kept {
+    fn visit(&mut self, store: &mut dyn Store) {
+        self.lid.visit(store);
+        self.tally.visit(store);
+        self.start.visit(store);
+        self.measured.visit(store);
+    }
 }
 
 /// What a run found.
@@ -110,20 +115,9 @@ impl Run {
         let start = Start::new(model, &engine);
         // A free top wall may rise.
         let height = model.parameters().height * if model.is_lid_free() { 1.25 } else { 1.0 };
-        let (profile, map) =
-            (Profile::new(model, height, sampling.layers), DensityMap::new(model, height, sampling.pixels));
-        let mark = Mark { state: State::new(model, grains), windows: 0, profile: profile.clone(), map: map.clone() };
-        Ok(Self {
-            model: *model,
-            engine,
-            sampling,
-            start,
-            impulses: Default::default(),
-            heights: Vec::new(),
-            profile,
-            map,
-            mark,
-        })
+        let measured = Measured::new(model, height, &sampling);
+        let mark = (State::new(model, grains), measured.clone());
+        Ok(Self { model: *model, engine, sampling, start, measured, mark })
     }
 
     /// Runs for a time without measuring, as long as the grains are not jammed and `go_on` says so. Returns whether it
@@ -139,77 +133,46 @@ impl Run {
             if !go_on() || !self.engine.advance(self.sampling.window, go_on) {
                 return false;
             }
-            let after = self.engine.tally();
-            for (side, impulses) in self.impulses.iter_mut().enumerate() {
-                impulses.push(after.walls[side].impulse - before.walls[side].impulse);
-            }
-            self.heights.push(self.engine.lid().height);
-            if (self.heights.len() as u64).is_multiple_of(self.sampling.every) {
-                let grains = self.engine.grains();
-                self.profile.add(&self.model, &grains);
-                self.map.add(&self.model, &grains);
-            }
+            self.measured.add(&self.model, &self.engine, &before, &self.sampling);
         }
         true
     }
 
     /// Starts the engine anew from where it is, as one that resumes does.
     pub fn renew(&mut self) -> Result<(), ParameterError> {
-        let state = self.engine.checkpoint(&self.model)?;
-        self.mark = self.mark_at(state);
+        self.mark = (self.engine.checkpoint(&self.model)?, self.measured.clone());
         Ok(())
     }
 
     /// Goes back to where the engine last started anew.
     pub fn go_back(&mut self) -> Result<(), ParameterError> {
-        self.engine = Engine::resume(&self.model, &self.mark.state, self.engine.collisions())?;
-        self.heights.truncate(self.mark.windows);
-        self.impulses.iter_mut().for_each(|impulses| impulses.truncate(self.mark.windows));
-        (self.profile, self.map) = (self.mark.profile.clone(), self.mark.map.clone());
+        self.engine = Engine::resume(&self.model, &self.mark.0, self.engine.collisions())?;
+        self.measured = self.mark.1.clone();
         Ok(())
-    }
-
-    fn mark_at(&self, state: State) -> Mark {
-        Mark { state, windows: self.heights.len(), profile: self.profile.clone(), map: self.map.clone() }
     }
 
     /// All that a checkpoint needs besides the grains. A run that was renewed goes on as one that resumes does, to the
     /// last bit.
-    pub fn to_numbers(&self) -> Vec<f64> {
-        let mut numbers = Numbers::default();
+    pub fn save(&self) -> Vec<u8> {
         let (lid, tally) = (self.engine.lid(), *self.engine.tally());
-        State { grains: Grains::default(), lid, tally }.keep(&mut numbers);
-        self.start.keep(&mut numbers);
-        numbers.list(&self.heights);
-        for impulses in &self.impulses {
-            numbers.vectors(impulses);
-        }
-        self.profile.keep(&mut numbers);
-        self.map.keep(&mut numbers);
-        numbers.into_values()
+        Kept { lid, tally, start: self.start, measured: self.measured.clone() }.save()
     }
 
-    /// Goes on from the grains and the numbers of a checkpoint; the rest as for a new run.
+    /// Goes on from the grains of a checkpoint and what was saved there; the rest as for a new run.
     pub fn resume(
         model: &Model,
         grains: &Grains,
         (collisions, sampling): (Collisions, Sampling),
-        numbers: &[f64],
+        saved: &[u8],
     ) -> Result<Self, ParameterError> {
-        let mut run = Self::new(model, grains, collisions, sampling)?;
-        let mut numbers = Numbers::from(numbers);
-        let state = State::kept(grains, &mut numbers);
-        run.engine = Engine::resume(model, &state, collisions)?;
-        run.start = Start::kept(&mut numbers);
-        run.heights = numbers.take_list();
-        for impulses in &mut run.impulses {
-            *impulses = numbers.take_vectors();
-        }
-        run.profile.recall(&mut numbers);
-        run.map.recall(&mut numbers);
-        require(numbers.are_spent(), "checkpoint", &"of another form", "the numbers that a run of this scene keeps")?;
-        run.mark = run.mark_at(state);
-        Ok(run)
+        let run = Self::new(model, grains, collisions, sampling)?;
+        let State { grains, lid, tally } = State::new(model, grains);
+        let mut kept = Kept { lid, tally, start: run.start, measured: run.measured };
+        require(kept.load(saved), "checkpoint", &"of another form", "what a run of this scene keeps")?;
+        let Kept { lid, tally, start, measured } = kept;
+        let state = State { grains, lid, tally };
+        let engine = Engine::resume(model, &state, collisions)?;
+        Ok(Self { model: *model, engine, sampling, start, mark: (state, measured.clone()), measured })
     }
 
     /// The engine, to look at.
@@ -224,20 +187,19 @@ impl Run {
 
     /// The results so far; stresses and profiles of what was measured.
     pub fn report(&self) -> Report {
-        let (model, tally) = (&self.model, *self.engine.tally());
-        let window = self.sampling.window;
-        let height = estimate(&self.heights);
+        let (model, tally, measured) = (&self.model, *self.engine.tally(), &self.measured);
+        let height = measured.heights.estimate();
         let p = model.parameters();
         let volume = self.engine.grains().len() as f64 * PI / 6.0 * p.diameter.powi(3);
         let balance = self.start.balance(model, &self.engine);
         Report {
-            measured: self.heights.len() as f64 * window,
-            walls: Side::ALL.map(|side| WallStress::new(model, side, &self.impulses[side as usize], window)),
+            measured: measured.windows() as f64 * self.sampling.window,
+            walls: Side::ALL.map(|side| measured.walls[side as usize].stress(side)),
             height,
             solid_fraction: volume / (p.length * p.width * height.mean),
-            temperature: self.profile.temperature(),
-            layers: self.profile.layers(),
-            map: self.map.clone(),
+            temperature: measured.profile.temperature(),
+            layers: measured.profile.layers(),
+            map: measured.map.clone(),
             balance,
             tally,
             warnings: warnings(&tally, &balance),

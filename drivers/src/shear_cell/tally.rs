@@ -2,6 +2,7 @@
 
 use super::{Lid, Model, contact::Face};
 use domain::Vector;
+use statistics::{State, Store};
 
 /// The walls, in the order of their tallies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,5 +107,22 @@ impl Tally {
         wall.work += impulse.dot(held) * mass;
         wall.hits += 1;
         self.dissipated += (impulse.dot(held) - gain) * mass - (lid.energy(model) - before);
+    }
+}
+
+impl State for Tally {
+    fn visit(&mut self, store: &mut dyn Store) {
+        let Self { time, walls, body_impulse, body_work, load_work, dissipated, largest_overlap, overlaps, .. } = self;
+        for WallTally { impulse, work, hits } in walls {
+            impulse.as_mut().iter_mut().for_each(|component| store.number(component));
+            store.number(work);
+            store.count(hits);
+        }
+        body_impulse.as_mut().iter_mut().for_each(|component| store.number(component));
+        for number in [time, body_work, load_work, dissipated, largest_overlap, overlaps] {
+            store.number(number);
+        }
+        store.count(&mut self.pair_hits);
+        store.count(&mut self.elastic_hits);
     }
 }

@@ -1,7 +1,7 @@
 //! Grains in a shear cell as the march and the recorder see them.
 
 use super::cell_tables::{WALLS, tables};
-use super::{from_bytes, on_one_rank, outline, to_bytes};
+use super::{on_one_rank, outline};
 use crate::clock::Clock;
 use crate::signals::Heard;
 use crate::simulation::Simulation;
@@ -38,7 +38,7 @@ impl CellRun {
         on_one_rank(comm)?;
         let grains = Grains::from_particles(&scene.model, &checkpoint.particles)?;
         let how = (scene.collisions, scene.sampling);
-        let run = Run::resume(&scene.model, &grains, how, &from_bytes(&checkpoint.statistics))?;
+        let run = Run::resume(&scene.model, &grains, how, &checkpoint.statistics)?;
         Ok(Self::of(scene, run, (checkpoint.step, comm)))
     }
 
@@ -129,7 +129,7 @@ impl Simulation for CellRun {
             strain: 0.0,
             plan: self.plan.clone(),
             particles: self.run.engine().grains().to_particles(&self.model),
-            statistics: to_bytes(&self.run.to_numbers()),
+            statistics: self.run.save(),
         })
     }
 

@@ -1,8 +1,9 @@
 //! The averages of a shear cell as tables.
 
 use domain::Vector;
-use drivers::shear_cell::{Estimate, Report};
+use drivers::shear_cell::Report;
 use io::Table;
+use statistics::Estimate;
 
 /// The walls in the order of their stresses.
 pub const WALLS: [&str; 4] = ["bottom", "top", "outer", "inner"];
@@ -26,11 +27,12 @@ fn walls(report: &Report) -> Table {
 fn profile(report: &Report) -> Table {
     let [speed, squared] = ["length/time", "length^2/time^2"];
     let velocities = ["velocity_x", "velocity_y", "velocity_z"].map(|name| (name, speed));
-    let columns = [&[("y", "length"), ("solid_fraction", "")], &velocities[..], &[("temperature", squared)]].concat();
-    let mut table = Table::new("profile", &[], &columns);
+    let errors = [("solid_fraction_error", ""), ("velocity_x_error", speed), ("temperature_error", squared)];
+    let columns = [&[("y", "length"), ("solid_fraction", "")], &velocities[..], &[("temperature", squared)], &errors];
+    let mut table = Table::new("profile", &[], &columns.concat());
     for layer in &report.layers {
         let Vector { x, y, z } = layer.velocity;
-        table.add(&[], &[layer.y, layer.solid_fraction, x, y, z, layer.temperature]);
+        table.add(&[], &[&[layer.y, layer.solid_fraction, x, y, z, layer.temperature][..], &layer.errors].concat());
     }
     table
 }

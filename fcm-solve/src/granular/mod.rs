@@ -25,12 +25,3 @@ pub fn on_one_rank(comm: &Comm) -> anyhow::Result<()> {
     );
     Ok(())
 }
-
-/// Numbers as a checkpoint stores them, to the bit.
-fn to_bytes(numbers: &[f64]) -> Vec<u8> {
-    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
-}
-
-fn from_bytes(bytes: &[u8]) -> Vec<f64> {
-    bytes.as_chunks::<8>().0.iter().map(|&bytes| f64::from_le_bytes(bytes)).collect()
-}

@@ -40,14 +40,14 @@ impl EventDriven {
 
     /// The earliest contact with a grain in the cells that far away, if it is earlier than the one planned.
     fn contact<const ACCELERATED: bool>(&mut self, i: usize, reach: [[isize; 2]; 3]) -> Option<(f64, u32)> {
+        let best = (self.plans[i].contact - self.now, NONE);
+        let size = [self.diameter(), self.size[1]];
         let Self { grains, cells, near, flights, now, .. } = self;
         let grain = &grains[i];
         cells.near(cells.coordinates(grain.cell), reach, near);
-        let best = (self.plans[i].contact - *now, NONE);
         let (t, partner) = if ACCELERATED {
             self.first_curved(i, best)
         } else {
-            let size = [self.size[0] + self.size[1] * *now, self.size[1]];
             let view = View { grains, grain, now: *now, periods: cells.periods(), size };
             flights.first(i, near.list(), &view, best)
         };

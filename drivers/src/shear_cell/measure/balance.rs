@@ -1,7 +1,8 @@
 //! Whether what a run booked explains how it changed.
 
-use super::super::{Engine, Model, numbers::Numbers};
+use super::super::{Engine, Model};
 use domain::Vector;
+use statistics::{State, Store};
 
 /// What is left over of the balances, over what went through them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,16 +26,6 @@ impl Start {
         Self { energy: grains.energy(model) + engine.lid().energy(model), momentum: grains.momentum(model) }
     }
 
-    pub fn keep(&self, numbers: &mut Numbers) {
-        numbers.put(&[self.energy]);
-        numbers.put(&self.momentum.to_array());
-    }
-
-    pub fn kept(numbers: &mut Numbers) -> Self {
-        let [energy, x, y, z] = numbers.take();
-        Self { energy, momentum: Vector::new(x, y, z) }
-    }
-
     /// The balance from the start of the engine's tally until now.
     pub fn balance(&self, model: &Model, engine: &Engine) -> Balance {
         let (now, tally) = (Self::new(model, engine), engine.tally());
@@ -48,5 +39,12 @@ impl Start {
             energy: relative((now.energy - self.energy - given).abs(), handled),
             momentum: relative((now.momentum - self.momentum - pushed).length(), moved),
         }
+    }
+}
+
+impl State for Start {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.number(&mut self.energy);
+        self.momentum.as_mut().iter_mut().for_each(|component| store.number(component));
     }
 }

@@ -1,6 +1,7 @@
 //! A map of the solid fraction across the cell, averaged along the flow and over time.
 
-use super::super::{Grains, Model, numbers::Numbers};
+use super::super::{Grains, Model};
+use statistics::{State, Store};
 
 /// Points along each edge of a pixel at which the solid fraction is taken.
 const POINTS: usize = 3;
@@ -49,17 +50,6 @@ impl DensityMap {
         self.samples += 1;
     }
 
-    pub(in super::super) fn keep(&self, numbers: &mut Numbers) {
-        numbers.put(&[self.samples as f64]);
-        numbers.list(&self.sums);
-    }
-
-    pub(in super::super) fn recall(&mut self, numbers: &mut Numbers) {
-        let [samples] = numbers.take();
-        self.samples = samples as u64;
-        self.sums = numbers.take_list();
-    }
-
     /// Middles of the pixels along z and along y.
     pub fn middles(&self) -> [Vec<f64>; 2] {
         let middles =
@@ -70,5 +60,12 @@ impl DensityMap {
     /// Solid fractions, a row of pixels along z for each height, from the bottom up.
     pub fn solid_fractions(&self) -> Vec<f64> {
         self.sums.iter().map(|s| s / self.samples as f64).collect()
+    }
+}
+
+impl State for DensityMap {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.count(&mut self.samples);
+        store.numbers(&mut self.sums);
     }
 }

@@ -2,12 +2,14 @@
 
 mod balance;
 mod map;
+mod measured;
 mod profile;
 mod sample;
 mod stress;
 
 pub use balance::{Balance, Start};
 pub use map::DensityMap;
+pub use measured::Measured;
 pub use profile::{Layer, Profile};
 pub use sample::Sample;
-pub use stress::{Estimate, WallStress, estimate};
+pub use stress::{WallSeries, WallStress};

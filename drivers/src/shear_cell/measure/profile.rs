@@ -1,7 +1,8 @@
 //! Profiles across the gap, averaged over the volume of the grains in each layer and over time.
 
-use super::super::{Grains, Model, numbers::Numbers};
+use super::super::{Grains, Model};
 use domain::Vector;
+use statistics::{Blocks, State, Store};
 use std::f64::consts::PI;
 
 /// A layer between two heights.
@@ -15,6 +16,8 @@ pub struct Layer {
     pub velocity: Vector,
     /// Granular temperature: a third of the mean squared velocity relative to the layer's mean.
     pub temperature: f64,
+    /// Standard errors, by blocks of samples, of solid fraction, velocity along the flow and temperature.
+    pub errors: [f64; 3],
 }
 
 /// Sums over samples, layer by layer.
@@ -23,9 +26,25 @@ pub struct Profile {
     height: f64,
     area: f64,
     samples: u64,
-    volumes: Vec<f64>,
-    velocities: Vec<Vector>,
-    squares: Vec<f64>,
+    layers: Vec<Sums>,
+    /// Solid fraction, velocity along the flow and temperature of each layer, sample by sample.
+    series: Vec<[Blocks; 3]>,
+}
+
+/// What the grains of a layer add up to: volume, and velocity and its square times volume.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Sums {
+    volume: f64,
+    velocity: Vector,
+    square: f64,
+}
+
+impl Sums {
+    /// Mean velocity and granular temperature; not numbers without grains.
+    fn means(&self) -> (Vector, f64) {
+        let velocity = self.velocity / self.volume;
+        (velocity, (self.square / self.volume - velocity.length_squared()) / 3.0)
+    }
 }
 
 impl Profile {
@@ -36,69 +55,89 @@ impl Profile {
             height,
             area: edges.x * edges.z,
             samples: 0,
-            volumes: vec![0.0; layers],
-            velocities: vec![Vector::ZERO; layers],
-            squares: vec![0.0; layers],
+            layers: vec![Sums::default(); layers],
+            series: vec![Default::default(); layers],
         }
     }
 
     /// Adds a sample. A grain counts in each layer by the volume that it has there.
     pub fn add(&mut self, model: &Model, grains: &Grains) {
-        let (radius, layers) = (model.radius(), self.volumes.len());
-        let thickness = self.height / layers as f64;
-        // Volume of a sphere below a plane at t above its centre.
-        let below = |t: f64| {
-            let h = (t + radius).clamp(0.0, 2.0 * radius);
-            PI * h * h * (radius - h / 3.0)
-        };
-        for (x, motion) in grains.positions.iter().zip(&grains.motions) {
-            let first = ((x.y - radius) / thickness).max(0.0) as usize;
-            let last = (((x.y + radius) / thickness) as usize).min(layers - 1);
-            for layer in first..=last {
-                let low = layer as f64 * thickness - x.y;
-                let volume = below(low + thickness) - below(low);
-                self.volumes[layer] += volume;
-                self.velocities[layer] += motion.velocity * volume;
-                self.squares[layer] += motion.velocity.length_squared() * volume;
+        let sample = self.sums(model.radius(), grains);
+        let room = self.area * self.thickness();
+        for ((all, now), [fraction, velocity, temperature]) in self.layers.iter_mut().zip(sample).zip(&mut self.series)
+        {
+            all.volume += now.volume;
+            all.velocity += now.velocity;
+            all.square += now.square;
+            fraction.add(now.volume / room);
+            if now.volume > 0.0 {
+                let (mean, granular) = now.means();
+                velocity.add(mean.x);
+                temperature.add(granular);
             }
         }
         self.samples += 1;
     }
 
-    pub(in super::super) fn keep(&self, numbers: &mut Numbers) {
-        numbers.put(&[self.samples as f64]);
-        numbers.list(&self.volumes);
-        numbers.vectors(&self.velocities);
-        numbers.list(&self.squares);
+    fn thickness(&self) -> f64 {
+        self.height / self.layers.len() as f64
     }
 
-    pub(in super::super) fn recall(&mut self, numbers: &mut Numbers) {
-        let [samples] = numbers.take();
-        self.samples = samples as u64;
-        self.volumes = numbers.take_list();
-        self.velocities = numbers.take_vectors();
-        self.squares = numbers.take_list();
+    fn sums(&self, radius: f64, grains: &Grains) -> Vec<Sums> {
+        let (thickness, top) = (self.thickness(), self.layers.len() - 1);
+        // Volume of a sphere below a plane at t above its centre.
+        let below = |t: f64| {
+            let h = (t + radius).clamp(0.0, 2.0 * radius);
+            PI * h * h * (radius - h / 3.0)
+        };
+        let mut layers = vec![Sums::default(); self.layers.len()];
+        for (x, motion) in grains.positions.iter().zip(&grains.motions) {
+            let first = ((x.y - radius) / thickness).max(0.0) as usize;
+            let last = (((x.y + radius) / thickness) as usize).min(top);
+            for layer in first..=last {
+                let low = layer as f64 * thickness - x.y;
+                let volume = below(low + thickness) - below(low);
+                let sums = &mut layers[layer];
+                sums.volume += volume;
+                sums.velocity += motion.velocity * volume;
+                sums.square += motion.velocity.length_squared() * volume;
+            }
+        }
+        layers
     }
 
     /// The layers from the bottom up.
     pub fn layers(&self) -> Vec<Layer> {
-        let thickness = self.height / self.volumes.len() as f64;
-        let layer = |k: usize| {
-            let velocity = self.velocities[k] / self.volumes[k];
+        let thickness = self.thickness();
+        let layer = |(k, (sums, series)): (usize, (&Sums, &[Blocks; 3]))| {
+            let (velocity, temperature) = sums.means();
             Layer {
                 y: (k as f64 + 0.5) * thickness,
-                solid_fraction: self.volumes[k] / (self.samples as f64 * self.area * thickness),
+                solid_fraction: sums.volume / (self.samples as f64 * self.area * thickness),
                 velocity,
-                temperature: (self.squares[k] / self.volumes[k] - velocity.length_squared()) / 3.0,
+                temperature,
+                errors: series.each_ref().map(|blocks| blocks.estimate().error),
             }
         };
-        (0..self.volumes.len()).map(layer).collect()
+        self.layers.iter().zip(&self.series).enumerate().map(layer).collect()
     }
 
     /// Granular temperature relative to the profile, averaged over all grains.
     pub fn temperature(&self) -> f64 {
-        let weighted: f64 =
-            self.layers().iter().zip(&self.volumes).filter(|(_, v)| **v > 0.0).map(|(l, v)| l.temperature * v).sum();
-        weighted / self.volumes.iter().sum::<f64>()
+        let filled = || self.layers.iter().filter(|sums| sums.volume > 0.0);
+        let weighted: f64 = filled().map(|sums| sums.means().1 * sums.volume).sum();
+        weighted / filled().map(|sums| sums.volume).sum::<f64>()
+    }
+}
+
+impl State for Profile {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.count(&mut self.samples);
+        for Sums { volume, velocity, square } in &mut self.layers {
+            store.number(volume);
+            velocity.as_mut().iter_mut().for_each(|component| store.number(component));
+            store.number(square);
+        }
+        self.series.iter_mut().flatten().for_each(|blocks| blocks.visit(store));
     }
 }

@@ -1,0 +1,54 @@
+//! What a run has measured so far.
+
+use super::super::{Engine, Model, Sampling, Side, Tally};
+use super::{DensityMap, Profile, WallSeries};
+use statistics::{Blocks, State, Store};
+
+/// Stresses and heights window by window, profile and map sample by sample.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    pub walls: [WallSeries; 4],
+    pub heights: Blocks,
+    pub profile: Profile,
+    pub map: DensityMap,
+}
+
+impl Measured {
+    /// Nothing yet, with profile and map up to `height`.
+    pub fn new(model: &Model, height: f64, sampling: &Sampling) -> Self {
+        Self {
+            walls: Default::default(),
+            heights: Blocks::default(),
+            profile: Profile::new(model, height, sampling.layers),
+            map: DensityMap::new(model, height, sampling.pixels),
+        }
+    }
+
+    /// Adds the window that has passed since a tally, and a sample where one is due.
+    pub fn add(&mut self, model: &Model, engine: &Engine, before: &Tally, sampling: &Sampling) {
+        for (wall, side) in self.walls.iter_mut().zip(Side::ALL) {
+            let impulse = engine.tally().walls[side as usize].impulse - before.walls[side as usize].impulse;
+            wall.add(model, side, impulse, sampling.window);
+        }
+        self.heights.add(engine.lid().height);
+        if self.windows().is_multiple_of(sampling.every) {
+            let grains = engine.grains();
+            self.profile.add(model, &grains);
+            self.map.add(model, &grains);
+        }
+    }
+
+    /// How many windows there were.
+    pub fn windows(&self) -> u64 {
+        self.heights.count()
+    }
+}
+
+impl State for Measured {
+    fn visit(&mut self, store: &mut dyn Store) {
+        self.walls.iter_mut().for_each(|wall| wall.visit(store));
+        self.heights.visit(store);
+        self.profile.visit(store);
+        self.map.visit(store);
+    }
+}
