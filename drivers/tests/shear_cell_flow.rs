@@ -137,9 +137,9 @@ fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
     }
 }
 
-/// Going back undoes a step, measurements and all.
+/// Going back undoes a step, measurements and all; what was saved resumes at the step's beginning.
 #[test]
-fn a_step_that_was_taken_back_is_taken_again_to_the_same_bits() {
+fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
     let model = Model::new(small()).unwrap();
     let mut grains = model.pack(300, 5).unwrap();
     grains.stir(&model, 0.1, 5);
@@ -150,13 +150,18 @@ fn a_step_that_was_taken_back_is_taken_again_to_the_same_bits() {
             run.renew().unwrap();
             run
         });
+        let how = (collisions, Sampling::default());
+        let mut resumed = Run::resume(&model, &once.engine().grains(), how, &once.save()).unwrap();
+        assert!(Run::resume(&model, &grains, how, &once.save()[8..]).is_err());
         assert!(twice.measure(1e-3, &|| true));
         twice.go_back().unwrap();
-        for run in [&mut once, &mut twice] {
+        for run in [&mut once, &mut twice, &mut resumed] {
             assert!(run.measure(1e-3, &|| true));
         }
-        assert_eq!(once.save(), twice.save());
-        assert_eq!(once.engine().grains(), twice.engine().grains());
+        for other in [twice, resumed] {
+            assert_eq!(once.save(), other.save());
+            assert_eq!(once.engine().grains(), other.engine().grains());
+        }
     }
 }
 
