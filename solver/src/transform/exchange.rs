@@ -5,17 +5,20 @@ use crate::layout::{Layout, Strides};
 use crate::memory::Memory;
 use crate::shared::Shared;
 use domain::{Comm, Partition, block};
-use rayon::prelude::*;
 
 /// An exchange between the ranks of a group, planned. What arrives stands where the next direction needs it, since the
 /// split index is the slowest in memory: only what leaves is packed.
 pub(super) struct Exchange {
     group: Comm,
-    planes: usize,
-    strides: Strides,
-    parts: Vec<Part>,
+    packing: Packing,
     send_counts: Vec<usize>,
     receive_counts: Vec<usize>,
+}
+
+/// Where what leaves stands in the field and in the outbox.
+pub(super) struct Packing {
+    strides: Strides,
+    parts: Vec<Part>,
 }
 
 /// What goes to one rank: `rows` times `width` reals of each plane of each component.
@@ -74,7 +77,8 @@ impl Exchange {
             start += count;
         }
         let receive_counts = (0..group.size()).map(received).collect();
-        Some(Self { group: group.clone(), planes, strides, parts, send_counts, receive_counts })
+        let packing = Packing { strides, parts };
+        Some(Self { group: group.clone(), packing, send_counts, receive_counts })
     }
 
     /// Reals that the outbox needs to hold.
@@ -82,41 +86,55 @@ impl Exchange {
         self.send_counts.iter().sum()
     }
 
-    /// Sends away the field and receives the columns in its place.
-    pub fn send<T: Real>(&self, field: &mut Memory<T>, outbox: &mut Memory<T>) {
-        self.copy(field, outbox, |ours, packed| packed.copy_from_slice(ours));
+    /// How to pack.
+    pub fn packing(&self) -> &Packing {
+        &self.packing
+    }
+
+    /// Sends what was packed and receives the columns in the field's place.
+    pub fn send<T: Real>(&self, field: &mut Memory<T>, outbox: &Memory<T>) {
         let received = self.receive_counts.iter().sum();
         let send = (&outbox.values()[..self.room()], self.send_counts.as_slice());
         self.group.all_to_all(send, (&mut field.values_mut()[..received], &self.receive_counts));
     }
 
-    /// The inverse of [`Self::send`].
-    pub fn send_back<T: Real>(&self, field: &mut Memory<T>, outbox: &mut Memory<T>) {
+    /// Sends the columns back; what arrives is still to be unpacked.
+    pub fn send_back<T: Real>(&self, field: &Memory<T>, outbox: &mut Memory<T>) {
         let received = self.receive_counts.iter().sum();
         let room = self.room();
         let send = (&field.values()[..received], self.receive_counts.as_slice());
         self.group.all_to_all(send, (&mut outbox.values_mut()[..room], &self.send_counts));
-        self.copy(field, outbox, |ours, packed| ours.copy_from_slice(packed));
+    }
+}
+
+impl Packing {
+    /// Copies a plane to the outbox, best while it is in the cache.
+    ///
+    /// # Safety
+    /// The field and the outbox are those of the exchange, and nobody else touches the plane.
+    pub unsafe fn pack<T: Real>(&self, field: &Shared<T>, outbox: &Shared<T>, plane: [usize; 2]) {
+        self.each_row(plane, |[place, packed], width| unsafe {
+            std::ptr::copy_nonoverlapping(field.at(place), outbox.at(packed), width);
+        });
     }
 
-    /// Brings each row of the field together with its place in the outbox.
-    fn copy<T: Real>(&self, field: &mut Memory<T>, outbox: &mut Memory<T>, work: impl Fn(&mut [T], &mut [T]) + Sync) {
-        let (ours, packed) = (Shared::new(field.values_mut()), Shared::new(outbox.values_mut()));
-        // The group of ranks stays on the thread that made it.
-        let Self { planes, strides, parts, .. } = self;
-        (0..3 * planes).into_par_iter().for_each(|i| {
-            let (component, z) = (i / planes, i % planes);
-            for part in parts {
-                for row in 0..part.rows {
-                    let from = part.start[0] + strides.at(component, row, z);
-                    let to = part.start[1] + part.packed.at(component, row, z);
-                    // SAFETY: rows lie inside field and outbox, and each is one thread's.
-                    unsafe {
-                        let from = std::slice::from_raw_parts_mut(ours.at(from), part.width);
-                        work(from, std::slice::from_raw_parts_mut(packed.at(to), part.width));
-                    }
-                }
-            }
+    /// Copies a plane from the outbox.
+    ///
+    /// # Safety
+    /// As for [`Self::pack`].
+    pub unsafe fn unpack<T: Real>(&self, field: &Shared<T>, outbox: &Shared<T>, plane: [usize; 2]) {
+        self.each_row(plane, |[place, packed], width| unsafe {
+            std::ptr::copy_nonoverlapping(outbox.at(packed), field.at(place), width);
         });
+    }
+
+    /// Where each row of a plane of a component stands in the field and in the outbox, and its reals.
+    fn each_row(&self, [component, z]: [usize; 2], visit: impl Fn([usize; 2], usize)) {
+        for part in &self.parts {
+            for row in 0..part.rows {
+                let place = part.start[0] + self.strides.at(component, row, z);
+                visit([place, part.start[1] + part.packed.at(component, row, z)], part.width);
+            }
+        }
     }
 }

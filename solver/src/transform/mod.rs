@@ -9,7 +9,7 @@ use crate::memory::Memory;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
 use exchange::Exchange;
-use share::{Axis, Share};
+use share::{Share, Task};
 
 /// The Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
 /// allocating.
@@ -83,30 +83,36 @@ impl<T: Real> Transform<T> {
     /// Transforms along x and y, after which columns along z are whole.
     fn planes_forward(&mut self, memory: &mut Memory<T>) {
         assert!(memory.values().len() >= self.share.layout().capacity, "the field is of this transform");
+        let (mut tasks, outbox) = (vec![Task::X], &mut self.outbox);
         if let Some(exchange) = &self.along_y {
-            self.share.planes(memory, Direction::Forward, &[Axis::X]);
-            exchange.send(memory, &mut self.outbox);
-            self.share.planes(memory, Direction::Forward, &[Axis::Y]);
-        } else {
-            self.share.planes(memory, Direction::Forward, &[Axis::X, Axis::Y]);
+            tasks.push(Task::Pack(exchange.packing()));
+            self.share.planes(memory, outbox, Direction::Forward, &tasks);
+            exchange.send(memory, outbox);
+            tasks.clear();
         }
+        tasks.push(Task::Y);
+        tasks.extend(self.along_z.as_ref().map(|exchange| Task::Pack(exchange.packing())));
+        self.share.planes(memory, outbox, Direction::Forward, &tasks);
         if let Some(exchange) = &self.along_z {
-            exchange.send(memory, &mut self.outbox);
+            exchange.send(memory, outbox);
         }
     }
 
     /// The way back from whole columns along z.
     fn planes_backward(&mut self, memory: &mut Memory<T>) {
+        let (mut tasks, outbox) = (Vec::new(), &mut self.outbox);
         if let Some(exchange) = &self.along_z {
-            exchange.send_back(memory, &mut self.outbox);
+            exchange.send_back(memory, outbox);
+            tasks.push(Task::Unpack(exchange.packing()));
         }
+        tasks.push(Task::Y);
         if let Some(exchange) = &self.along_y {
-            self.share.planes(memory, Direction::Backward, &[Axis::Y]);
-            exchange.send_back(memory, &mut self.outbox);
-            self.share.planes(memory, Direction::Backward, &[Axis::X]);
-        } else {
-            self.share.planes(memory, Direction::Backward, &[Axis::Y, Axis::X]);
+            self.share.planes(memory, outbox, Direction::Backward, &tasks);
+            exchange.send_back(memory, outbox);
+            tasks = vec![Task::Unpack(exchange.packing())];
         }
+        tasks.push(Task::X);
+        self.share.planes(memory, outbox, Direction::Backward, &tasks);
     }
 }
 

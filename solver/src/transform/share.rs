@@ -1,5 +1,6 @@
 //! What a rank transforms by itself: planes along x and y, and columns along z.
 
+use super::exchange::Packing;
 use crate::fourier::{At, Batch, Columns, Direction, Rows};
 use crate::layout::Layout;
 use crate::memory::Memory;
@@ -8,11 +9,16 @@ use crate::{Real, Stokes};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// The directions within a plane.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Axis {
+/// What there is to do with a plane.
+pub(super) enum Task<'a> {
+    /// Transform its rows.
     X,
+    /// Transform its columns.
     Y,
+    /// Copy it to the outbox.
+    Pack(&'a Packing),
+    /// Copy it from the outbox.
+    Unpack(&'a Packing),
 }
 
 /// One rank's layout, the plans of its three directions, and room for each thread to work in.
@@ -49,16 +55,20 @@ impl<T: Real> Share<T> {
         work([first.as_mut_ptr(), second.as_mut_ptr()], panel.as_mut_ptr(), batch);
     }
 
-    /// Transforms every plane of this rank along the axes, one after the other while the plane is in the cache.
-    pub fn planes(&self, memory: &mut Memory<T>, direction: Direction, axes: &[Axis]) {
-        let memory = Shared::new(memory.values_mut());
+    /// Does all that there is to do with every plane of this rank, one thing after the other while the plane is in the
+    /// cache.
+    pub fn planes(&self, memory: &mut Memory<T>, outbox: &mut Memory<T>, direction: Direction, tasks: &[Task]) {
+        let (memory, outbox) = (Shared::new(memory.values_mut()), Shared::new(outbox.values_mut()));
         let planes = self.layout.rows[1].len();
         (0..3 * planes).into_par_iter().for_each(|i| {
             let (component, z) = (i / planes, i % planes);
-            for axis in axes {
-                match axis {
-                    Axis::X => self.plane_rows(&memory, direction, self.layout.physical.at(component, 0, z)),
-                    Axis::Y => self.plane_columns(&memory, direction, self.layout.transposed.at(component, 0, z)),
+            for task in tasks {
+                match task {
+                    Task::X => self.plane_rows(&memory, direction, self.layout.physical.at(component, 0, z)),
+                    Task::Y => self.plane_columns(&memory, direction, self.layout.transposed.at(component, 0, z)),
+                    // SAFETY: a plane belongs to one thread, and the packing is that of this field's transform.
+                    Task::Pack(packing) => unsafe { packing.pack(&memory, &outbox, [component, z]) },
+                    Task::Unpack(packing) => unsafe { packing.unpack(&memory, &outbox, [component, z]) },
                 }
             }
         });
