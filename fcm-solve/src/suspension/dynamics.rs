@@ -30,7 +30,8 @@ pub enum StepError {
     /// Near pairs come together faster than steps can follow.
     #[error(
         "step {step}: two spheres {gap:.1e} apart come together faster than any time step can follow; give the scene a \
-         [repulsion], or a larger repulsion.strength, or time.integrator = \"adams-bashforth\", which lets spheres overlap"
+         [repulsion], or a larger repulsion.strength, or hydrodynamics.lubrication = true, or time.integrator = \
+         \"adams-bashforth\", which lets spheres overlap"
     )]
     Collision {
         /// Steps taken before.
@@ -88,6 +89,7 @@ pub struct Dynamics {
     flow: BackgroundFlow,
     forces: Forces,
     hydrodynamics: Hydrodynamics,
+    lubrication: Option<Range>,
     warm_start: WarmStart,
     rigid: bool,
 }
@@ -100,6 +102,7 @@ impl Dynamics {
         let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
         let dynamics = Self {
             hydrodynamics: Hydrodynamics::new(&setup.plan, &setup.partition, range)?,
+            lubrication: range,
             warm_start: WarmStart::new(chosen.lubrication),
             forces: Forces::new(scene, setup.radii.largest())?,
             rigid: scene.hydrodynamics.multipoles == Multipoles::Dipole,
@@ -171,6 +174,11 @@ impl Dynamics {
     /// The relative motion of near pairs, with the velocities of the columns named. Collective.
     pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> Approach<N> {
         Approach::find(particles, &self.moving, &self.partition, columns)
+    }
+
+    /// From which gap to which lubrication acts, if it does.
+    pub fn lubrication(&self) -> Option<Range> {
+        self.lubrication
     }
 
     /// The box as it is.

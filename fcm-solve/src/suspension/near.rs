@@ -29,14 +29,24 @@ impl Near {
     /// For each particle that this rank owns, the sum over its pairs of what `of(separation, radii)` gives to the first and
     /// to the second of a pair. Collective.
     pub fn sums<T: Pod + AddAssign>(&self, of: impl Fn(Vector, [f64; 2]) -> [T; 2]) -> Vec<T> {
+        self.summed(self.pairs().map(|(separation, radii, _)| of(separation, radii)))
+    }
+
+    /// For each particle that this rank owns, the sum of what its pairs give to the first and to the second of them; there is one
+    /// item for each of [`Near::pairs`]. Collective.
+    pub fn summed<T: Pod + AddAssign>(&self, of_pairs: impl Iterator<Item = [T; 2]>) -> Vec<T> {
         let mut sums = vec![T::zeroed(); self.exchange.present()];
-        for pair in self.pairs.list() {
-            let [first, second] = of(self.separation(pair), self.radii_of(pair));
+        for (pair, [first, second]) in self.pairs.list().iter().zip(of_pairs) {
             sums[pair.i as usize] += first;
             sums[pair.j as usize] += second;
         }
         self.exchange.collect(&mut sums);
         sums
+    }
+
+    /// Particles that this rank owns.
+    pub fn owned(&self) -> usize {
+        self.exchange.owned()
     }
 
     /// Of vectors that each particle of this rank has, for each pair that of the second less that of the first. Collective.

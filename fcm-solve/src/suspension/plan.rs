@@ -1,7 +1,7 @@
 //! How the fluid of a scene is to be computed.
 
 use domain::{Comm, Particles};
-use fcm::{Fixed, MethodName, Plan, PlanError, Problem};
+use fcm::{Fixed, MethodName, Plan, PlanError, Precision, Problem};
 use io::{Evaluation, Flow, Hydrodynamics, Multipoles, SuspensionScene};
 
 /// The radii that occur, smallest first, and how many particles have each.
@@ -55,6 +55,8 @@ pub fn plan(scene: &SuspensionScene, radii: &Radii) -> Result<Plan, PlanError> {
     })
 }
 
+/// What the scene says of the plan. With lubrication the grid is in f64: the modes of a pair of gap `h` see differences of velocities
+/// over `sqrt(h)`, in which the noise of f32 would keep the solve from its end at gaps below 1e-5.
 fn fixed(chosen: &Hydrodynamics) -> Fixed {
     let method = match chosen.method {
         Evaluation::Auto => None,
@@ -62,5 +64,6 @@ fn fixed(chosen: &Hydrodynamics) -> Fixed {
         Evaluation::Split => Some(MethodName::Split),
     };
     let iteration_tolerance = chosen.iteration_tolerance;
-    Fixed { method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
+    let precision = chosen.lubrication.then_some(Precision::Double);
+    Fixed { method, precision, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
 }

@@ -1,5 +1,6 @@
 //! Steps as long as accuracy and near pairs allow.
 
+use super::approach::Approach;
 use super::dynamics::{Dynamics, Moment, Outcome, StepError};
 use crate::clock::Clock;
 use crate::extrapolation::integral;
@@ -31,8 +32,17 @@ const SHORTEST: f64 = 1e-9;
 ///
 /// The method of order 2, with a line in place of the parabola, differs from it by the error that it makes; `h` is such
 /// that this is at most `tolerance` radii for every sphere and a hundredth of `gap_fraction` of every gap, and that no gap loses
-/// more than `gap_fraction` of itself. All this is known before anything moves: no substep is ever taken back, and each takes one evaluation. The first substeps of a
-/// run have less of a past and are short for it. Collective; fails on every rank or on none.
+/// more than `gap_fraction` of itself. All this is known before anything moves: no substep is ever taken back, and each takes one
+/// evaluation. The first substeps of a run have less of a past and are short for it.
+///
+/// With lubrication a force closes a gap `g` at a rate in proportion to the gap, `g' = -k g`: gaps shrink exponentially and never
+/// close, and the limit on losses, `k h < gap_fraction`, is the same however small they are; it keeps the method stable too. But the
+/// error by which a turning pair misses its gap does not shrink with it, and substeps that kept it in proportion would become ever
+/// shorter while nothing changes faster. So there gaps below `tolerance` radii count as so large as far as errors go. Spheres that
+/// would come nearer than the closest gap that lubrication knows, by that error or since nothing resists more below it, are moved
+/// apart to that gap, within `tolerance` too.
+///
+/// Collective; fails on every rank or on none.
 pub fn advance(
     particles: &mut Particles,
     clock: &Clock,
@@ -45,11 +55,10 @@ pub fn advance(
         dynamics.remember(particles);
         let ages = ages(particles, &comm);
         let rest = (1.0 - fraction) * clock.dt();
-        let longest = Substep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
-        // Equal shares of what is left, so that the last one is not a small remainder.
-        let step = rest / (rest / longest).ceil();
+        let Chosen { step, apart } = Substep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
         let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
         move_by(particles, USED, weights(&ages, step));
+        particles.positions.iter_mut().zip(&apart).for_each(|(position, &apart)| *position += apart);
         remember(particles);
         outcome =
             dynamics.evaluate(particles, &Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step })?;
@@ -67,27 +76,44 @@ struct Substep<'a> {
     clock: &'a Clock,
 }
 
+/// How long a substep is, and how spheres are moved apart in it; no displacements stand for none.
+struct Chosen {
+    step: f64,
+    apart: Vec<Vector>,
+}
+
 impl Substep<'_> {
-    /// The longest substep, up to `rest`, that is allowed.
-    fn choose(self, rest: f64, dynamics: &Dynamics) -> Result<f64, StepError> {
+    /// The longest substep that is allowed, one of equal shares of `rest`, so that the last one is not a small remainder.
+    fn choose(self, rest: f64, dynamics: &Dynamics) -> Result<Chosen, StepError> {
         let comm = dynamics.partition().comm();
         let approach = dynamics.approach(self.particles, USED);
-        let mut step = self.ages.get(1).map_or(rest, |last| rest.min(GROWTH * last));
+        let mut longest = self.ages.get(1).map_or(rest, |last| rest.min(GROWTH * last));
         loop {
+            let step = rest / (rest / longest).ceil();
             let both = [weights(self.ages, step), lower_weights(self.ages, step)];
-            let gaps = approach.after(both[0], both[1], comm);
+            let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.closest(), self.control.tolerance]);
+            let gaps = approach.after(both, least, comm);
             let error = largest_error(self.particles, both, comm) / self.control.tolerance;
             let error = error.max(gaps.error / (GAP_ERROR * self.control.gap_fraction));
             let loss = gaps.loss / self.control.gap_fraction;
-            if error <= 1.0 && loss <= 1.0 {
-                return Ok(step);
+            if error <= 1.0
+                && loss <= 1.0
+                && let Some(apart) = self.apart(&approach, both[0], dynamics)
+            {
+                return Ok(Chosen { step, apart });
             }
             if !error.is_finite() || step < SHORTEST * self.clock.dt() {
                 return Err(StepError::Collision { step: self.clock.step(), gap: gaps.gap });
             }
             let order = self.ages.len() as f64;
-            step *= 0.9 * error.max(1e-9).powf(-1.0 / order).min(1.0 / loss.max(1e-9)).clamp(0.1, 1.0);
+            longest = step * 0.9 * error.max(1e-9).powf(-1.0 / order).min(1.0 / loss.max(1e-9)).clamp(0.1, 1.0);
         }
+    }
+
+    /// How spheres are moved apart if lubrication acts. None if they cannot be. Collective.
+    fn apart(&self, approach: &Approach<3>, weights: [f64; 3], dynamics: &Dynamics) -> Option<Vec<Vector>> {
+        let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
+        approach.apart(weights, range.closest(), dynamics.partition().comm())
     }
 }
 
