@@ -11,7 +11,7 @@ mod common;
 mod accuracy;
 
 /// Where the library's module of bounds looks for it.
-mod plan {
+mod problem {
     pub use fcm::MethodName;
 }
 

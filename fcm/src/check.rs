@@ -1,7 +1,8 @@
 //! What can't be planned, and why.
 
 use crate::envelope::Envelope;
-use crate::plan::{Fixed, PlanError, Problem};
+use crate::plan::PlanError;
+use crate::problem::{Fixed, Problem};
 use domain::PeriodicBox;
 use solver::Grid;
 

@@ -2,7 +2,8 @@
 //! `predicted_seconds` beside what it measures. They are the same everywhere, so that a scene has one plan.
 
 use crate::passes;
-use crate::plan::{Method, Multipoles, Plan, Precision};
+use crate::plan::Plan;
+use crate::problem::{Method, Multipoles, Precision};
 
 /// Seconds for one evaluation in a box of the given strain, with as many threads on all ranks.
 pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, workers: usize) -> f64 {

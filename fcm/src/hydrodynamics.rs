@@ -3,7 +3,8 @@
 use crate::conjugate_gradients::{Limits, System, conjugate_gradients};
 use crate::loads::{Loads, Motion};
 use crate::mobility::{Evaluation, Mobility};
-use crate::plan::{Multipoles, Plan};
+use crate::plan::Plan;
+use crate::problem::Multipoles;
 use crate::work::Work;
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless};
 use std::f64::consts::PI;

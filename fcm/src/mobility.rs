@@ -3,7 +3,8 @@
 use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
 use crate::near::{Near, NearField, Present};
-use crate::plan::{Method, Plan, Precision};
+use crate::plan::Plan;
+use crate::problem::{Method, Precision};
 use crate::work::{Clock, Work};
 use domain::{Exchange, Neighbours, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use rayon::prelude::*;

@@ -1,97 +1,13 @@
 //! How an evaluation is to be made: grid, supports, cutoff, precision.
 
-use crate::accuracy::Accuracy;
+use crate::accuracy::{self, Accuracy};
 use crate::cost;
 use crate::envelope::Envelope;
 use crate::passes::STEP;
+use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use domain::{PeriodicBox, Vector};
 use solver::Grid;
-
-/// How envelopes are evaluated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Method {
-    /// Each envelope itself is spread: the smallest one sets the grid.
-    Direct,
-    /// All particles share one wider Gaussian on the grid, and pairs within the cutoff make up the difference.
-    Split {
-        /// Width of the common Gaussian.
-        width: f64,
-        /// Distance beyond which pairs are left out.
-        cutoff: f64,
-    },
-}
-
-/// Precision of the values on the grid; everything else is in `f64`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Precision {
-    /// `f32`
-    Single,
-    /// `f64`
-    Double,
-}
-
-/// Which terms of the multipole expansion the particles have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Multipoles {
-    /// Forces alone.
-    Monopole,
-    /// Forces, torques and stresslets.
-    Dipole,
-}
-
-/// What is to be evaluated, and what the user fixed of how.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Problem {
-    /// Edges of the box.
-    pub edges: Vector,
-    /// Largest strain of the box that will be met.
-    pub largest_strain: f64,
-    /// Radius and number of each kind of particle; radii may repeat.
-    pub radii: Vec<(f64, usize)>,
-    /// Viscosity of the fluid.
-    pub viscosity: f64,
-    /// Terms of the expansion.
-    pub multipoles: Multipoles,
-    /// Whether stresslets are solved for, which makes more of an error than given ones do.
-    pub rigid: bool,
-    /// Relative error asked for.
-    pub tolerance: f64,
-    /// Threads in all.
-    pub threads: usize,
-    /// Ranks.
-    pub ranks: usize,
-    /// What the user fixed.
-    pub fixed: Fixed,
-}
-
-/// What a user may fix; the planner chooses the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Fixed {
-    /// Direct or split.
-    pub method: Option<MethodName>,
-    /// Grid points along each edge.
-    pub grid: Option<[usize; 3]>,
-    /// Grid points of a stencil along each axis.
-    pub support: Option<usize>,
-    /// Width of the common Gaussian of the split method.
-    pub width: Option<f64>,
-    /// Cutoff of the pairs of the split method.
-    pub cutoff: Option<f64>,
-    /// Precision of the grid.
-    pub precision: Option<Precision>,
-    /// Relative error left in the stresslets.
-    pub iteration_tolerance: Option<f64>,
-}
-
-/// The name of a [`Method`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MethodName {
-    /// [`Method::Direct`]
-    Direct,
-    /// [`Method::Split`]
-    Split,
-}
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -398,7 +314,12 @@ impl Problem {
             precision: candidate.precision,
             grid,
             support,
-            predicted_error: accuracy.expected,
+            predicted_error: accuracy::expected(
+                candidate.method,
+                width / (spacing * Vector::new(1.0, self.stretch(), 1.0)).max_element(),
+                support.reach / widest,
+                method.cutoff() / width,
+            ),
             predicted_seconds: 0.0,
         };
         plan.predicted_seconds = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks * self.threads);

@@ -118,6 +118,21 @@ fn fixed_choices_are_kept() {
     assert!((plan.iteration_tolerance - 1e-5).abs() < 1e-20);
 }
 
+/// The error that is expected is that of what is done, also where a user fixed it.
+#[test]
+fn fixed_choices_change_what_is_expected() {
+    let expected = |fixed| Plan::choose(&Problem { fixed, ..problem() }).unwrap().predicted_error;
+    let split = Fixed { method: Some(MethodName::Split), width: Some(1.3), ..Fixed::default() };
+    let at_best = expected(split);
+    for worse in [
+        Fixed { grid: Some([8; 3]), ..split },
+        Fixed { support: Some(6), ..split },
+        Fixed { cutoff: Some(2.6), ..split },
+    ] {
+        assert!(expected(worse) > 3.0 * at_best, "{worse:?}: {:e} and {at_best:e}", expected(worse));
+    }
+}
+
 /// Each rank's answer, from four ranks of which some own nothing.
 fn on_four_ranks(suspension: &Suspension, plan: &Plan, loads: &Loads) -> Vec<Result<(), SolveError>> {
     let outcomes = Mutex::new(Vec::new());
