@@ -125,7 +125,7 @@ fn fixed_choices_change_what_is_expected() {
     let split = Fixed { method: Some(MethodName::Split), width: Some(1.3), ..Fixed::default() };
     let at_best = expected(split);
     for worse in [
-        Fixed { grid: Some([8; 3]), ..split },
+        Fixed { grid: Some([6; 3]), ..split },
         Fixed { support: Some(6), ..split },
         Fixed { cutoff: Some(2.6), ..split },
     ] {
