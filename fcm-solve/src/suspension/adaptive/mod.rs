@@ -98,7 +98,7 @@ impl Substep<'_> {
             let loss = gaps.loss / self.control.gap_fraction;
             if error <= 1.0
                 && loss <= 1.0
-                && let Some(apart) = self.apart(&approach, both[0], dynamics)
+                && let Some(apart) = moved_apart(&approach, both[0], dynamics)
             {
                 return Ok(Chosen { step, apart });
             }
@@ -109,12 +109,12 @@ impl Substep<'_> {
             longest = step * 0.9 * error.max(1e-9).powf(-1.0 / order).min(1.0 / loss.max(1e-9)).clamp(0.1, 1.0);
         }
     }
+}
 
-    /// How spheres are moved apart if lubrication acts. None if they cannot be. Collective.
-    fn apart(&self, approach: &Approach<3>, weights: [f64; 3], dynamics: &Dynamics) -> Option<Vec<Vector>> {
-        let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
-        approach.apart(weights, range.closest(), dynamics.partition().comm())
-    }
+/// How spheres are moved apart if lubrication acts. None if they cannot be. Collective.
+fn moved_apart(approach: &Approach<3>, weights: [f64; 3], dynamics: &Dynamics) -> Option<Vec<Vector>> {
+    let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
+    approach.apart(weights, range.closest(), dynamics.partition().comm())
 }
 
 /// Weights of the velocities in [`USED`] for a substep.
