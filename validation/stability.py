@@ -74,6 +74,7 @@ def cases():
             yield "repulsion", strength, kind, sheared(kind, strength=strength), []
         for cutoff in (0.2, 1.0, 2.5):
             yield "cutoff", cutoff, kind, sheared(kind), [f"hydrodynamics.lubrication_cutoff={cutoff}"]
+        yield "weak repulsion at 40%", 1.0, kind, sheared(kind, fraction=0.4, strength=1.0, step=0.02, steps=round(5 * STRAIN / 0.02)), []
         yield "long run at 40%", LONG, kind, sheared(kind, fraction=0.4, step=2e-3, steps=LONG), []
         one = 'radius = 1.0, count = {}'
         yield "start that overlaps", 0, kind, ODD.format(
