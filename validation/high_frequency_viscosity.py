@@ -1,10 +1,13 @@
 """High-frequency viscosity and short-time self-mobility of hard spheres at equilibrium, with lubrication and without,
 against Ladd, J. Chem. Phys. 93, 3484 (1990).
 
-The published values are the closed forms that represent that work's simulations and later ones to 1 or 2%: with
-x = phi (1 + phi - 0.189 phi^2) the viscosity is (1 + 1.5 x)/(1 - x) (Ladd 1990), and the self-mobility is
-1 - 1.8315 phi (1 + 0.1195 phi - 0.70 phi^2) (Heinen, Banchio & Naegele, J. Chem. Phys. 135, 154504 (2011)). A box of N
-spheres has a self-mobility that is too small by 1.7601 (phi/N)^(1/3) over the viscosity, as Ladd found, and is corrected."""
+The published values are closed forms that represent that work's simulations and later ones to 1 or 2%. The viscosity is the
+generalised expression of Saito, 1 + 5/2 x/(1 - x) with x = phi (1 + S) and S = phi + phi^2 - 2.3 phi^3, as Ladd's results
+are quoted by Banchio & Naegele, J. Chem. Phys. 128, 104903 (2008), and Heinen, Banchio & Naegele, J. Chem. Phys. 135, 154504
+(2011). Its series 1 + 2.5 phi + 5 phi^2 + 10 phi^3 is near the exact 5.00 and 9.09 of two and three spheres (Cichocki,
+Ekiel-Jezewska, Szymczak & Wajnryb, J. Chem. Phys. 119, 606 (2003)). The self-mobility is
+1 - 1.8315 phi (1 + 0.1195 phi - 0.70 phi^2) (Heinen et al. 2011). A box of N spheres has a self-mobility that is too small by
+1.7601 (phi/N)^(1/3) over the viscosity, as Ladd found, and is corrected."""
 
 import concurrent.futures
 import math
@@ -20,15 +23,15 @@ from support.page import save, table, write_section
 from support.program import mobility
 
 FRACTIONS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
-SPHERES, SAMPLES, PROBES = 108, 4, 8
+SPHERES, SAMPLES, PROBES = 108, 8, 16
 TOLERANCE = 1e-3
 # With lubrication, up to this volume fraction.
 LIMIT, DENSEST = 0.03, 0.45
 
 
 def published_viscosity(phi):
-    x = phi * (1 + phi - 0.189 * phi**2)
-    return (1 + 1.5 * x) / (1 - x)
+    x = phi * (1 + phi + phi**2 - 2.3 * phi**3)
+    return 1 + 2.5 * x / (1 - x)
 
 
 def published_mobility(phi):

@@ -84,6 +84,30 @@ fn action_equals_reaction_at_contact() {
     }
 }
 
+/// What grows as surfaces that slide on each other come nearer acts where they meet: opposite forces, and torques that balance
+/// those of the forces about any point.
+#[test]
+fn forces_and_torques_of_sliding_surfaces_balance_for_unequal_spheres() {
+    for ratio in [1.0, 2.0, 4.0, 10.0] {
+        let force = force(&[1.0, ratio]);
+        let axis = Vector::new(0.6, 0.0, 0.8);
+        let across = Vector::new(-0.8, 0.0, 0.6);
+        for motion in [moving(0, across), moving(1, across), turning(0, Vector::Y), turning(1, Vector::Y)] {
+            let [near, nearest] =
+                [1e-3, 1e-5].map(|gap| force.loads(axis * (1.0 + ratio + gap), [0, 1], &motion).unwrap());
+            let grown = [0, 1].map(|k| nearest.force[k] - near.force[k]);
+            let turned = [0, 1].map(|k| nearest.torque[k] - near.torque[k]);
+            let net = grown[0] + grown[1];
+            let moment = turned[0] + turned[1] + (axis * (1.0 + ratio)).cross(grown[1]);
+            let force = grown[0].length();
+            assert!(force > 10.0 && net.length() < 1e-4 * force, "ratio {ratio}: {} of {force}", net.length());
+            // Surfaces meet up to a gap of a thousandth apart.
+            let allowed = 1e-3 * force * (1.0 + ratio);
+            assert!(moment.length() < allowed, "ratio {ratio}: {} of {allowed}", moment.length());
+        }
+    }
+}
+
 /// What resists a rigid motion of both spheres is a small part of their drag: lubrication is between them.
 #[test]
 fn pairs_that_move_as_one_feel_little() {

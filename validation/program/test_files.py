@@ -79,7 +79,7 @@ class Files(unittest.TestCase):
         with h5py.File(self.out / "observables.h5") as file:
             observables = file["observables"]
             np.testing.assert_array_equal(observables["mean_velocity/value"][:, 0, 2], table["mean_velocity_z[heavy]"])
-            for name in ("smallest_gap", "iterations", "residual", "divergence", "seconds_per_step"):
+            for name in ("smallest_gap", "iterations", "residual", "evaluations", "divergence", "seconds_per_step"):
                 np.testing.assert_array_equal(observables[name]["value"], table[name])
         with h5py.File(self.out / "trajectory.h5") as file:
             mean = file["particles/all/velocity/value"][-1].mean(axis=0)

@@ -13,6 +13,7 @@ PLACE = tempfile.TemporaryDirectory()
 os.environ["FCM_SOLVE_RUNS"] = PLACE.name
 sys.path.insert(0, str(ROOT / "validation" / "figures"))
 sys.path.insert(0, str(ROOT / "validation"))
+import iterations
 import pair_settling
 import runs
 import settling
@@ -27,6 +28,14 @@ class PairSettling(unittest.TestCase):
         self.assertEqual(len(reference), 8)
         worst = pair_settling.differences(reference, pair_settling.compute(list(reference)))
         self.assertLess(max(worst.values()), pair_settling.LIMIT)
+
+
+class Iterations(unittest.TestCase):
+    def test_a_dense_suspension_takes_few_and_more_without_a_preconditioner(self):
+        found, _ = iterations.solve(0.45, 1e-4, 1e-3)
+        plain, _ = iterations.solve(0.45, 1e-4, 1e-3, preconditioner=False)
+        self.assertLessEqual(found, iterations.ALLOWED[0.45][0])
+        self.assertGreater(plain, 2 * found)
 
 
 class Viscosity(unittest.TestCase):

@@ -43,7 +43,8 @@ impl Unknowns for PairsAndMoments {
 pub struct Coupled<'a> {
     mobility: &'a mut Mobility,
     near: &'a NearPairs,
-    matrix: ParticleMatrix<'a>,
+    /// What preconditions the modes, if anything does.
+    matrix: Option<ParticleMatrix<'a>>,
     /// Resistances of single spheres to motion and to strain.
     single: &'a [Screw],
     strain_resistance: &'a [f64],
@@ -59,7 +60,7 @@ impl<'a> Coupled<'a> {
     pub fn new(
         mobility: &'a mut Mobility,
         near: &'a NearPairs,
-        matrix: ParticleMatrix<'a>,
+        matrix: Option<ParticleMatrix<'a>>,
         (single, strain_resistance): (&'a [Screw], &'a [f64]),
         (loads, start): (&Loads, &PairsAndMoments),
     ) -> Self {
@@ -138,10 +139,11 @@ impl System for Coupled<'_> {
     }
 
     fn precondition(&mut self, residual: &PairsAndMoments) -> PairsAndMoments {
-        self.correction = self.matrix.solve(self.near.loads(&residual.modes));
-        let mut modes = self.near.modes(&self.correction, Traceless::ZERO);
-        for (mode, r) in modes.as_flattened_mut().iter_mut().zip(residual.modes.as_flattened()) {
-            *mode = r - *mode;
+        let mut modes = residual.modes.clone();
+        if let Some(matrix) = &mut self.matrix {
+            self.correction = matrix.solve(self.near.loads(&residual.modes));
+            let known = self.near.modes(&self.correction, Traceless::ZERO);
+            modes.as_flattened_mut().iter_mut().zip(known.as_flattened()).for_each(|(mode, known)| *mode -= known);
         }
         let moments = residual.moments.iter().zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
         PairsAndMoments { modes, moments }

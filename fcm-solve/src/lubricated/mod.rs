@@ -19,6 +19,7 @@ use std::f64::consts::PI;
 pub struct Hydrodynamics {
     far: fcm::Hydrodynamics,
     lubrication: Option<PairForce>,
+    preconditioned: bool,
     partition: Partition,
 }
 
@@ -56,7 +57,13 @@ impl Hydrodynamics {
     /// task.
     pub fn new(plan: &Plan, partition: &Partition, range: Option<Range>) -> Result<Self, PairForceError> {
         let lubrication = range.map(|range| PairForce::new(&plan.radii, plan.viscosity, range)).transpose()?;
-        Ok(Self { far: fcm::Hydrodynamics::new(plan, partition), lubrication, partition: partition.clone() })
+        let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
+        Ok(Self { far, lubrication, preconditioned: true, partition })
+    }
+
+    /// With the preconditioner of the solve with lubrication, as it comes, or without, to see what it is worth.
+    pub fn preconditioned(self, preconditioned: bool) -> Self {
+        Self { preconditioned, ..self }
     }
 
     /// The mobility of the far field.
@@ -81,13 +88,8 @@ impl Hydrodynamics {
             if self.partition.comm().any(!near.list().is_empty()) {
                 let mobility = self.far.mobility();
                 mobility.arrange(cell, &particles.positions, &particles.radii);
-                return lubricated(
-                    self.partition.comm(),
-                    (mobility, &near),
-                    &particles.radii,
-                    (loads, background),
-                    guess,
-                );
+                let parts = (mobility, &near, self.preconditioned);
+                return lubricated(self.partition.comm(), parts, &particles.radii, (loads, background), guess);
             }
         }
         let solved = self.far.solve(cell, particles, loads, background, &guess.stresslets_far)?;
@@ -99,7 +101,7 @@ impl Hydrodynamics {
 
 fn lubricated(
     comm: &Comm,
-    (mobility, near): (&mut Mobility, &NearPairs),
+    (mobility, near, preconditioned): (&mut Mobility, &NearPairs, bool),
     radii: &[f64],
     (loads, background): (&Loads, Traceless),
     guess: &Guess,
@@ -109,7 +111,7 @@ fn lubricated(
     let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
     let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
     let mut x = start(comm, near, background, guess, radii.len());
-    let matrix = ParticleMatrix::new(comm, near, &single);
+    let matrix = preconditioned.then(|| ParticleMatrix::new(comm, near, &single));
     let loads = with_strain(near, loads, background, radii.len());
     let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&loads, &x));
     let mut residual = system.residual(&x, background);

@@ -100,8 +100,9 @@ impl Dynamics {
         let chosen = &scene.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
         let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
+        let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, range)?;
         let dynamics = Self {
-            hydrodynamics: Hydrodynamics::new(&setup.plan, &setup.partition, range)?,
+            hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
             lubrication: range,
             warm_start: WarmStart::new(chosen.lubrication),
             forces: Forces::new(scene, setup.radii.largest())?,
@@ -204,6 +205,11 @@ impl Dynamics {
     /// How the fluid is computed, in words.
     pub fn plan(&mut self) -> String {
         self.hydrodynamics.mobility().plan().describe()
+    }
+
+    /// Evaluations of the mobility since the start.
+    pub fn evaluations(&mut self) -> u64 {
+        self.hydrodynamics.mobility().work().evaluations
     }
 
     /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last. Collective.

@@ -38,6 +38,8 @@ pub struct Suspension {
     clock: Clock,
     control: Option<Adaptive>,
     outcome: Outcome,
+    /// Evaluations of the mobility in the last step.
+    evaluations: u64,
     comm: Comm,
 }
 
@@ -48,6 +50,8 @@ pub struct StepReport {
     pub iterations: usize,
     /// Its relative residual.
     pub residual: f64,
+    /// Evaluations of the mobility in the last step, in all of its solves.
+    pub evaluations: u64,
     /// Divergence of the flow of the last evaluation relative to what it could be: near round-off.
     pub divergence: f64,
     /// Smallest gap between the surfaces of two particles.
@@ -60,7 +64,8 @@ impl Suspension {
         let (mut dynamics, mut particles) = Dynamics::new(scene, Setup::start(scene, comm)?)?;
         let clock = Clock::at(0, scene.time.step);
         let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0))?;
-        Ok(Self { particles, dynamics, clock, control: scene.adaptive, outcome, comm: comm.clone() })
+        let (control, evaluations) = (scene.adaptive, dynamics.evaluations());
+        Ok(Self { particles, dynamics, clock, control, outcome, evaluations, comm: comm.clone() })
     }
 
     /// A scene as a checkpoint has it, which the first rank brings. Collective.
@@ -73,7 +78,7 @@ impl Suspension {
         let (dynamics, particles) = Dynamics::new(scene, Setup::at(scene, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], scene.time.step);
         let (control, outcome) = (scene.adaptive, Outcome::default());
-        let mut resumed = Self { particles, dynamics, clock, control, outcome, comm: comm.clone() };
+        let mut resumed = Self { particles, dynamics, clock, control, outcome, evaluations: 0, comm: comm.clone() };
         if then.is_some_and(|plan| plan != resumed.plan()) {
             eprintln!(
                 "warning: the fluid is computed in another way than before, so the run goes on, but not bit for bit"
@@ -85,10 +90,12 @@ impl Suspension {
     /// Takes one step. `Err` on every rank or on none.
     pub fn step(&mut self) -> Result<(), StepError> {
         let Self { particles, dynamics, clock, outcome, control, .. } = self;
+        let before = dynamics.evaluations();
         *outcome = match control {
             Some(control) => adaptive::advance(particles, clock, control, dynamics)?,
             None => fixed_step(particles, clock, dynamics)?,
         };
+        self.evaluations = dynamics.evaluations() - before;
         self.clock.tick();
         Ok(())
     }
@@ -151,6 +158,7 @@ impl Suspension {
         StepReport {
             iterations: self.outcome.iterations,
             residual: self.outcome.residual,
+            evaluations: self.evaluations,
             divergence: self.dynamics.divergence(),
             smallest_gap: near::smallest_gap(&self.particles, self.cell(), self.dynamics.partition()),
         }

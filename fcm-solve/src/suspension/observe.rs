@@ -37,6 +37,7 @@ impl Observer {
             Quantity::number("smallest_gap", "length"),
             Quantity::number("iterations", ""),
             Quantity::number("residual", ""),
+            Quantity::number("evaluations", ""),
             Quantity::number("divergence", ""),
             Quantity::number("seconds_per_step", "s"),
         ]);
@@ -48,7 +49,7 @@ impl Observer {
         let (means, variances) = self.moments(suspension);
         let report = suspension.report();
         let seconds = self.seconds_per_step(suspension.clock().step());
-        let StepReport { iterations, residual, divergence, smallest_gap } = report;
+        let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
         let mut row = vec![components(&means), components(&variances)];
         if let Some(rheology) = &self.rheology {
             row.extend(rheology.row(&suspension.stress(self.species.len())));
@@ -58,7 +59,8 @@ impl Observer {
             suspension.comm().sum(counted.counts());
             row.push(vec![counted.intensity()]);
         }
-        row.extend([smallest_gap, iterations as f64, residual, divergence, seconds].map(|number| vec![number]));
+        let (iterations, evaluations) = (iterations as f64, evaluations as f64);
+        row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));
         row
     }
 

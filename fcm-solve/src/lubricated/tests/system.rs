@@ -97,7 +97,7 @@ fn the_system_is_symmetric_and_positive_definite() {
     let strain_resistance: Vec<f64> = particles.radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
     let basis = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance };
     let start = basis.unit(0);
-    let matrix = ParticleMatrix::new(&comm, &near, &single);
+    let matrix = Some(ParticleMatrix::new(&comm, &near, &single));
     let mut system =
         Coupled::new(&mut mobility, &near, matrix, (&single, &strain_resistance), (&Loads::default(), &start));
 

@@ -95,6 +95,8 @@ pub struct Hydrodynamics {
     pub lubrication: bool,
     /// The gap where lubrication ends over the mean radius of the two; the program's default where the scene has none.
     pub lubrication_cutoff: Option<f64>,
+    /// Whether the solve with lubrication is preconditioned.
+    pub preconditioner: bool,
 }
 
 /// What limits the length of a substep.
@@ -213,6 +215,7 @@ fn hydrodynamics(raw: &raw::Hydrodynamics) -> Result<Hydrodynamics, Fault> {
         iteration_tolerance: raw.iteration_tolerance,
         lubrication: raw.lubrication,
         lubrication_cutoff: raw.lubrication_cutoff,
+        preconditioner: raw.preconditioner,
     })
 }
 
@@ -220,6 +223,10 @@ fn lubrication(raw: &raw::Hydrodynamics) -> Result<(), Fault> {
     if raw.lubrication && raw.multipoles == Multipoles::Monopole {
         let message = "is true, but hydrodynamics.multipoles is \"monopole\"; lubrication needs \"dipole\"";
         return Err(Fault::new("hydrodynamics.lubrication", message));
+    }
+    if !raw.preconditioner && !raw.lubrication {
+        let message = "is false, but only a solve with lubrication has one; write lubrication = true or leave it out";
+        return Err(Fault::new("hydrodynamics.preconditioner", message));
     }
     match raw.lubrication_cutoff {
         Some(_) if !raw.lubrication => {

@@ -117,6 +117,7 @@ pub(super) struct Hydrodynamics {
     pub(super) iteration_tolerance: Option<f64>,
     pub(super) lubrication: bool,
     pub(super) lubrication_cutoff: Option<f64>,
+    pub(super) preconditioner: bool,
 }
 
 impl Default for Hydrodynamics {
@@ -130,6 +131,7 @@ impl Default for Hydrodynamics {
             iteration_tolerance: None,
             lubrication: false,
             lubrication_cutoff: None,
+            preconditioner: true,
         }
     }
 }
