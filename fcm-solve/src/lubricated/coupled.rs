@@ -38,8 +38,8 @@ impl Unknowns for PairsAndMoments {
 /// ```
 ///
 /// with `B` for its rows of forces and torques and `B_E` for those of first moments. It is symmetric and positive
-/// definite. The preconditioner has the mobility `M_0` of single spheres in the place of `M`: for `g` the inverse is
-/// `I - B^T (M_0^-1 + B B^T)^-1 B`, by Woodbury's identity.
+/// definite. The preconditioner has the mobility `M_0` of single spheres in the place of `M`, and the stiff pairs' columns
+/// alone of `B`: for `g` the inverse is `I - B^T (M_0^-1 + B B^T)^-1 B`, by Woodbury's identity.
 pub struct Coupled<'a> {
     mobility: &'a mut Mobility,
     near: &'a NearPairs,
@@ -141,9 +141,7 @@ impl System for Coupled<'_> {
     fn precondition(&mut self, residual: &PairsAndMoments) -> PairsAndMoments {
         let mut modes = residual.modes.clone();
         if let Some(matrix) = &mut self.matrix {
-            self.correction = matrix.solve(self.near.loads(&residual.modes));
-            let known = self.near.modes(&self.correction, Traceless::ZERO);
-            modes.as_flattened_mut().iter_mut().zip(known.as_flattened()).for_each(|(mode, known)| *mode -= known);
+            self.correction = matrix.relieve(&mut modes);
         }
         let moments = residual.moments.iter().zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
         PairsAndMoments { modes, moments }
