@@ -89,14 +89,16 @@ impl<T: Real> Near<T> {
     /// farther apart than the cutoff are left out; tables are exact to `tolerance`.
     pub fn new(radii: &[f64], wide: f64, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
         let envelopes: Vec<Envelope> = radii.iter().map(|&a| Envelope::of_sphere(a)).collect();
-        let functions = if radii.len() > MOST_TABULATED {
-            Functions::Exact { envelopes, wide }
-        } else {
-            let pair = |&i: &Envelope, &j: &Envelope| PairFunctions::new(i, j, wide);
-            let tables = envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| pair(i, j)));
-            let tables = tables.map(|functions| Table::new(&functions, cutoff, tolerance)).collect();
-            let alone = envelopes.iter().map(|e| pair(e, e).exact(0.0)).collect();
-            Functions::Tabulated { classes: radii.len(), tables, alone }
+        let pair = |&i: &Envelope, &j: &Envelope| PairFunctions::new(i, j, wide);
+        let table = |functions: PairFunctions| Table::new(&functions, cutoff, tolerance);
+        let all = || envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| pair(i, j))).map(table).collect();
+        let tables: Option<Vec<_>> = if radii.len() > MOST_TABULATED { None } else { all() };
+        let functions = match tables {
+            None => Functions::Exact { envelopes, wide },
+            Some(tables) => {
+                let alone = envelopes.iter().map(|e| pair(e, e).exact(0.0)).collect();
+                Functions::Tabulated { classes: radii.len(), tables, alone }
+            }
         };
         Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
     }

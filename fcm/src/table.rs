@@ -45,6 +45,8 @@ impl PairFunctions {
 }
 
 const DEGREE: usize = 5;
+/// Eight megabytes.
+const MOST_INTERVALS: usize = 1 << 14;
 
 /// [`PairFunctions`] as Taylor polynomials about the middles of equal intervals of the squared distance.
 #[derive(Debug, Clone)]
@@ -62,8 +64,9 @@ struct Interval<T> {
 }
 
 impl<T: Real> Table<T> {
-    /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and point.
-    pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Self {
+    /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and point; none
+    /// where that takes too many intervals, as for a cutoff of hundreds of radii.
+    pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<Self> {
         let first = functions.exact(0.0);
         let bound = functions.derivative(0.0, DEGREE + 1);
         let factorial = 720.0;
@@ -72,7 +75,10 @@ impl<T: Real> Table<T> {
             .filter(|&f| bound[f] != 0.0)
             .map(|f| (tolerance * factorial * (first[f] / bound[f]).abs()).powf(1.0 / (DEGREE + 1) as f64))
             .fold(f64::INFINITY, f64::min);
-        let count = ((cutoff * cutoff / (2.0 * half)).ceil() as usize).clamp(8, 1 << 14);
+        let count = ((cutoff * cutoff / (2.0 * half)).ceil() as usize).max(8);
+        if count > MOST_INTERVALS {
+            return None;
+        }
         let width = cutoff * cutoff / count as f64;
         let interval = |i: usize| {
             let middle = (i as f64 + 0.5) * width;
@@ -84,7 +90,7 @@ impl<T: Real> Table<T> {
             }
             interval
         };
-        Self { per_interval: 1.0 / width, intervals: (0..count).map(interval).collect() }
+        Some(Self { per_interval: 1.0 / width, intervals: (0..count).map(interval).collect() })
     }
 
     /// The functions at `r^2 = square`, below the cutoff.
@@ -111,12 +117,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_a_table_cannot_hold_is_not_tabulated() {
+        let sphere = Envelope::of_sphere(1.0);
+        assert!(Table::<f64>::new(&PairFunctions::new(sphere, sphere, 33.0), 275.0, 1e-6).is_none());
+    }
+
+    #[test]
     fn tables_keep_their_tolerance() {
         for (i, j) in [(1.0, 1.0), (1.0, 2.0), (1.0, 4.0)] {
             let functions = PairFunctions::new(Envelope::of_sphere(i), Envelope::of_sphere(j), 2.5);
             let first = functions.exact(0.0);
             for tolerance in [1e-4, 1e-8, 1e-12] {
-                let table = Table::<f64>::new(&functions, 9.0, tolerance);
+                let table = Table::<f64>::new(&functions, 9.0, tolerance).unwrap();
                 for n in 0..400 {
                     let square = f64::from(n) * 0.2017;
                     let (found, exact) = (table.evaluate(square), functions.exact(square));
