@@ -68,11 +68,11 @@ range = 0.1
 tolerance = 1e-3
 [time]
 step = {step}
-steps = 40
+steps = 60
 [output]
-trajectory_every = 40
-observables_every = 1
-checkpoint_every = 40
+trajectory_every = 60
+observables_every = 5
+checkpoint_every = 60
 """
 SHEAR = '[flow]\nkind = "shear"\nrate = 1.0\nlees_edwards = true'
 STEPS = {"settling": dict(force=-18.85, flow="", step=0.05), "sheared": dict(force=0.0, flow=SHEAR, step=0.005)}
@@ -92,10 +92,11 @@ def steps(programs):
             subprocess.run(list(map(str, command)), check=True, capture_output=True)
             lines = list(csv.DictReader(open(out / "observables.csv")))
         # The first steps are those of Runge and Kutta, without a history to start from.
-        later = lines[10:]
+        later = lines[2:]
         iterations = sum(float(line["iterations"]) for line in later) / len(later)
+        mobility.run()
         seconds = sorted(float(line["seconds_per_step"]) for line in later)[len(later) // 2]
-        worth = seconds / mobility.median()["seconds"]["total"]
+        worth = seconds / (sum(line["seconds"]["total"] for line in mobility.lines) / len(mobility.lines))
         cold = float(lines[0]["iterations"])
         rows.append(f"| {title} | {cold:.0f} | {iterations:.1f} | {1e3 * seconds:.0f} | {worth:.1f} |")
     return rows
