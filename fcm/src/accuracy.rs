@@ -19,7 +19,12 @@ const CUTOFF_SHARE: f64 = 0.45;
 /// Error expected of a grid, stencils and, with the split method, a cutoff, in units of the Gaussian's width.
 pub(crate) fn expected(method: MethodName, resolution: f64, reach: f64, cutoff: f64) -> f64 {
     let left_out = if method == MethodName::Split { cutoff_error(cutoff) } else { 0.0 };
-    grid_error(method, resolution).hypot(stencil_error(method, reach)).hypot(left_out)
+    error_by_grid(method, resolution, reach).hypot(left_out)
+}
+
+/// The part of it by the grid and the stencils.
+fn error_by_grid(method: MethodName, resolution: f64, reach: f64) -> f64 {
+    grid_error(method, resolution).hypot(stencil_error(method, reach))
 }
 
 /// A grid and cutoffs that keep a tolerance, in units of the Gaussian's width.
@@ -67,9 +72,7 @@ impl Accuracy {
             MethodName::Split => smallest(|c| cutoff_error(c) <= CUTOFF_SHARE * tolerance),
         };
         let limit = GRID_SHARE * tolerance;
-        let error = |resolution: f64, points: f64| {
-            grid_error(method, resolution).hypot(stencil_error(method, 0.5 * points / resolution))
-        };
+        let error = |resolution: f64, points: f64| error_by_grid(method, resolution, 0.5 * points / resolution);
         let mut options = Vec::new();
         for points in 3..100 {
             let points = f64::from(points);

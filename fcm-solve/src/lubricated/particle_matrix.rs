@@ -23,8 +23,9 @@ pub struct ParticleMatrix<'a> {
     entries: Vec<(u32, Block)>,
 }
 
-/// Error left in a solve. The outer iteration does not know how exact it is, but the preconditioned modes of the nearest pairs are
-/// the small differences of large numbers: at gaps of 1e-6 an error of 1e-3 makes ten times as many outer iterations.
+/// Error left in a solve. The outer iteration does not know how exact it is, but the preconditioned modes of the nearest
+/// pairs are the small differences of large numbers: at gaps of 1e-6 an error of 1e-3 takes several times as many outer
+/// iterations.
 const LIMITS: Limits = Limits { tolerance: 1e-5, iterations: 2000 };
 
 /// A pair is stiff if it resists some motion of a sphere more than this part of what the sphere does alone: within gaps of about
