@@ -10,12 +10,15 @@ mod common;
 #[allow(dead_code, reason = "the bounds alone are printed")]
 mod accuracy;
 
-/// Where the library's module of bounds looks for it.
+/// Where the library's module of bounds looks for them.
 mod problem {
     pub use fcm::MethodName;
 }
+#[path = "../src/window/kaiser_bessel.rs"]
+#[allow(dead_code, reason = "its shape alone is needed")]
+mod window;
 
-use accuracy::{cutoff_error, grid_error, stencil_error};
+use accuracy::{cutoff_error, grid_error, roughness, stencil_error, window_error};
 use common::{Suspension, errors};
 use domain::{PeriodicBox, Vector};
 use fcm::{Fixed, Loads, Method, MethodName, Motion, Plan, Precision};
@@ -62,23 +65,46 @@ fn widths(plan: &Plan) -> [f64; 2] {
     }
 }
 
+/// One row of a table: the number that was made worse, the error, and the bound that the planner goes by.
+struct Row {
+    number: String,
+    error: f64,
+    bound: f64,
+}
+
 /// Grids from coarse to fine with stencils and cutoffs that add nothing: the error by `Sigma / h`.
-fn by_resolution(case: &Case, method: MethodName) -> Vec<(f64, f64)> {
+fn by_resolution(case: &Case, method: MethodName) -> Vec<Row> {
     let tight = case.tightest(method);
-    let edge = tight.edges.x;
     let [narrowest, widest] = widths(&tight);
     let row = |points: usize| {
-        let spacing = edge / points as f64;
-        let mut plan = tight.clone();
-        plan.grid = [points; 3];
+        let plan = on_grid(&tight, points);
+        let spacing = plan.edges.x / points as f64;
         // Eight widths to either side are exp(-32).
-        let support = (16.0 * widest / spacing).ceil() as usize;
-        let reach = 0.5 * support as f64 * spacing;
-        plan.support = fcm::Support { lanes: support.next_multiple_of(8), support, reach };
-        (narrowest / spacing, case.error(&plan))
+        let support = if method == MethodName::Split { 16 } else { (16.0 * widest / spacing).ceil() as usize };
+        let resolution = narrowest / spacing;
+        Row {
+            number: format!("{resolution:.2}"),
+            error: case.error(&with_support(&plan, support)),
+            bound: grid_error(method, resolution),
+        }
     };
-    let finest = tight.grid[0];
-    (4..=finest).step_by(2).filter(|&n| is_good(n) && n * 4 >= finest).map(row).collect()
+    grids(&tight).into_iter().map(row).collect()
+}
+
+/// Sizes of grids up to a plan's.
+fn grids(plan: &Plan) -> Vec<usize> {
+    let finest = plan.grid[0];
+    (4..=finest).step_by(2).filter(|&n| is_good(n) && n * 4 >= finest).collect()
+}
+
+fn on_grid(plan: &Plan, points: usize) -> Plan {
+    Plan { grid: [points; 3], ..plan.clone() }
+}
+
+fn with_support(plan: &Plan, support: usize) -> Plan {
+    let reach = 0.5 * support as f64 * plan.edges.x / plan.grid[0] as f64;
+    let support = fcm::Support { lanes: support.next_multiple_of(8), support, reach };
+    Plan { support, ..plan.clone() }
 }
 
 fn is_good(points: usize) -> bool {
@@ -90,38 +116,64 @@ fn is_good(points: usize) -> bool {
     }) == 1
 }
 
-/// Stencils from short to long on the finest grid: the error by half a stencil over the width.
-fn by_reach(case: &Case, method: MethodName) -> Vec<(f64, f64)> {
-    let tight = case.tightest(method);
-    let spacing = tight.edges.x / tight.grid[0] as f64;
+/// The direct method's stencils from short to long on the finest grid: the error by half a stencil over the width.
+fn by_reach(case: &Case) -> Vec<Row> {
+    let tight = case.tightest(MethodName::Direct);
     let row = |support: usize| {
-        let mut plan = tight.clone();
-        let reach = 0.5 * support as f64 * spacing;
-        plan.support = fcm::Support { lanes: support.next_multiple_of(8), support, reach };
-        (reach / widths(&tight)[1], case.error(&plan))
+        let plan = with_support(&tight, support);
+        let reach = plan.support.reach / widths(&tight)[1];
+        Row { number: format!("{reach:.2}"), error: case.error(&plan), bound: stencil_error(reach) }
     };
     (8..=tight.support.support).step_by(4).map(row).collect()
 }
 
-/// Cutoffs from short to long on the finest grid: the error by the cutoff over the width.
-fn by_cutoff(case: &Case) -> Vec<(f64, f64)> {
+/// The split method's windows, by points and by grid.
+fn by_window(case: &Case) -> Vec<Row> {
     let tight = case.tightest(MethodName::Split);
-    let row = |reach: i32| {
-        let mut plan = tight.clone();
-        let width = widths(&tight)[0];
-        plan.method = Method::Split { width, cutoff: f64::from(reach) * width };
-        (f64::from(reach), case.error(&plan))
-    };
-    (2..=10).map(row).collect()
+    let rest = rest(&tight);
+    let mut rows = Vec::new();
+    for support in [4, 5, 6, 7, 8, 10, 12, 14, 16] {
+        for points in grids(&tight) {
+            let plan = with_support(&on_grid(&tight, points), support);
+            let resolution = widths(&tight)[0] * points as f64 / plan.edges.x;
+            let bound = window_error(support, resolution, roughness(rest, plan.edges.x / points as f64));
+            // Where the grid itself does not add much.
+            if 4.0 * grid_error(MethodName::Split, resolution) < bound {
+                rows.push(Row { number: format!("{support} at {resolution:.2}"), error: case.error(&plan), bound });
+            }
+        }
+    }
+    rows
 }
 
-/// A table for each case: the number, the error, and the bound that the planner goes by.
-fn print(title: &str, cases: &[Case], measure: impl Fn(&Case) -> Vec<(f64, f64)>, bound: impl Fn(f64) -> f64) {
+/// What the planner calls so: a quarter of the range of the squared widths of dipoles.
+fn rest(plan: &Plan) -> f64 {
+    let [smallest, largest] = [plan.radii.first(), plan.radii.last()]
+        .map(|radius| fcm::Envelope::of_sphere(*radius.expect("a plan has radii")).dipole);
+    0.25 * (largest * largest - smallest * smallest)
+}
+
+/// Cutoffs from short to long on the finest grid: the error by the cutoff over the width.
+fn by_cutoff(case: &Case) -> Vec<Row> {
+    let tight = case.tightest(MethodName::Split);
+    let row = |tenths: i32| {
+        let (width, reach) = (widths(&tight)[0], 0.1 * f64::from(tenths));
+        let plan = Plan { method: Method::Split { width, cutoff: reach * width }, ..tight.clone() };
+        Row {
+            number: format!("{reach:.1}"),
+            error: case.error(&plan),
+            bound: cutoff_error(reach, rest(&tight) / (width * width)),
+        }
+    };
+    (20..=100).step_by(10).map(row).collect()
+}
+
+/// A table for each case.
+fn print(title: &str, cases: &[Case], measure: impl Fn(&Case) -> Vec<Row>) {
     println!("\n## {title}\n\n| suspension | number | error | bound | bound / error |\n|---|---|---|---|---|");
     for case in cases {
-        for (number, error) in measure(case).into_iter().filter(|row| row.1 > 1e-12) {
-            let bound = bound(number);
-            println!("| {} | {number:.2} | {error:.1e} | {bound:.1e} | {:.1} |", case.name, bound / error);
+        for Row { number, error, bound } in measure(case).into_iter().filter(|row| row.error > 1e-12) {
+            println!("| {} | {number} | {error:.1e} | {bound:.1e} | {:.1} |", case.name, bound / error);
         }
     }
 }
@@ -131,18 +183,9 @@ fn main() {
     println!("# Errors by one number at a time\n\nThe largest of the relative errors of velocities, angular");
     println!("velocities and rates of strain; the number in units of the width of the Gaussian on the grid.");
     for method in [MethodName::Direct, MethodName::Split] {
-        print(
-            &format!("{method:?}: width over grid spacing"),
-            &cases,
-            |case| by_resolution(case, method),
-            |n| grid_error(method, n),
-        );
-        print(
-            &format!("{method:?}: half a stencil over the width"),
-            &cases,
-            |case| by_reach(case, method),
-            |n| stencil_error(method, n),
-        );
+        print(&format!("{method:?}: width over grid spacing"), &cases, |case| by_resolution(case, method));
     }
-    print("Split: cutoff of the pairs over the width", &cases, by_cutoff, cutoff_error);
+    print("Direct: half a stencil over the width", &cases, by_reach);
+    print("Split: points of the window, at width over grid spacing", &cases, by_window);
+    print("Split: cutoff of the pairs over the width", &cases, by_cutoff);
 }

@@ -7,7 +7,9 @@
 //! know nothing of each other, so that their squares add up.
 
 use crate::problem::MethodName;
+use crate::window::Window;
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 /// Tolerances below this need a grid in `f64`.
 pub(crate) const FINEST_SINGLE: f64 = 2e-5;
@@ -16,26 +18,13 @@ pub(crate) const FINEST_SINGLE: f64 = 2e-5;
 const GRID_SHARE: f64 = 0.89;
 const CUTOFF_SHARE: f64 = 0.45;
 
-/// Error expected of a grid, stencils and, with the split method, a cutoff, in units of the Gaussian's width.
-pub(crate) fn expected(method: MethodName, resolution: f64, reach: f64, cutoff: f64) -> f64 {
-    let left_out = if method == MethodName::Split { cutoff_error(cutoff) } else { 0.0 };
-    error_by_grid(method, resolution, reach).hypot(left_out)
-}
-
-/// The part of it by the grid and the stencils.
-fn error_by_grid(method: MethodName, resolution: f64, reach: f64) -> f64 {
-    grid_error(method, resolution).hypot(stencil_error(method, reach))
-}
-
-/// A grid and cutoffs that keep a tolerance, in units of the Gaussian's width.
+/// A grid and stencils, in units of the Gaussian's width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Accuracy {
     /// Width over grid spacing.
     pub resolution: f64,
-    /// Half a stencil over the width.
-    pub reach: f64,
-    /// Cutoff of the pairs over the width.
-    pub cutoff: f64,
+    /// Points of a stencil.
+    pub points: usize,
 }
 
 /// Error of a grid with `Sigma / h = resolution`: what a Gaussian squared has beyond the highest wavevector, `pi / h`,
@@ -48,48 +37,75 @@ pub(crate) fn grid_error(method: MethodName, resolution: f64) -> f64 {
     }
 }
 
-/// Error of stencils that end `reach` widths from the particle: there a Gaussian has fallen to `exp(-reach^2 / 2)`, and
-/// the split method's polynomial has grown.
-pub(crate) fn stencil_error(method: MethodName, reach: f64) -> f64 {
-    let decay = (-0.5 * reach * reach).exp();
-    match method {
-        MethodName::Direct => 2.0 * decay,
-        // The bound falls with the reach, also where that is too short to be of use.
-        MethodName::Split => 0.03 * reach.max(2.5).powf(4.5) * decay,
-    }
+/// Error of the direct method's stencils that end `reach` widths from the particle, where a Gaussian has fallen to
+/// `exp(-reach^2 / 2)`.
+pub(crate) fn stencil_error(reach: f64) -> f64 {
+    2.0 * (-0.5 * reach * reach).exp()
 }
 
-/// Error of leaving out pairs farther apart than `cutoff` widths.
-pub(crate) fn cutoff_error(cutoff: f64) -> f64 {
-    (0.75 + 2.0 * (cutoff - 5.8).max(0.0).powi(2)) * (-0.25 * cutoff * cutoff).exp()
+/// Error of a window of so many points by what folds onto the wavenumbers of the Gaussian, times what derivatives make of
+/// it: see [`roughness`].
+pub(crate) fn window_error(points: usize, resolution: f64, roughness: f64) -> f64 {
+    126.0 * resolution * resolution * roughness * (-0.917 * Window::new(points, resolution).shape()).exp()
+}
+
+/// What the second derivatives on the grid, `1 - rest lap`, make of a window's error: what folds comes from wavenumbers
+/// about `2 pi / h` and beyond.
+pub(crate) fn roughness(rest: f64, spacing: f64) -> f64 {
+    1.0 + 1.4 * rest * (2.0 * PI / spacing).powi(2)
+}
+
+/// Error of leaving out pairs farther apart than `cutoff` widths, with derivatives `1 - rest lap`, `rest` over the square
+/// of the width.
+pub(crate) fn cutoff_error(cutoff: f64, rest: f64) -> f64 {
+    let square = 0.25 * cutoff * cutoff;
+    (0.75 + 2.0 * (cutoff - 5.8).max(0.0).powi(2)) * (1.0 + rest * square).powf(1.5) * (-square).exp()
+}
+
+/// The cutoff that keeps a tolerance, in widths.
+pub(crate) fn cutoff(tolerance: f64, rest: f64) -> f64 {
+    let enough = |&cutoff: &f64| cutoff_error(cutoff, rest) <= CUTOFF_SHARE * tolerance;
+    (100..2000).map(|c| f64::from(c) * 0.01).find(enough).expect("an error that decays gets small")
+}
+
+/// Error of the direct method's grid and stencils, in units of the narrowest and of the widest Gaussian.
+pub(crate) fn direct_error(resolution: f64, reach: f64) -> f64 {
+    grid_error(MethodName::Direct, resolution).hypot(stencil_error(reach))
+}
+
+/// Error of the split method's grid and window.
+pub(crate) fn split_error(resolution: f64, points: usize, roughness: f64) -> f64 {
+    grid_error(MethodName::Split, resolution).hypot(window_error(points, resolution, roughness))
 }
 
 impl Accuracy {
-    /// Ways to keep a tolerance, from the shortest stencil, which needs a fine grid, to a few points more.
-    pub fn options(method: MethodName, tolerance: f64) -> Vec<Self> {
-        let cutoff = match method {
-            MethodName::Direct => 0.0,
-            MethodName::Split => smallest(|c| cutoff_error(c) <= CUTOFF_SHARE * tolerance),
-        };
-        let limit = GRID_SHARE * tolerance;
-        let error = |resolution: f64, points: f64| error_by_grid(method, resolution, 0.5 * points / resolution);
-        let mut options = Vec::new();
-        for points in 3..100 {
-            let points = f64::from(points);
-            let coarsest = (50..400).map(|r| f64::from(r) * 0.01).find(|&r| error(r, points) <= limit);
-            if let Some(resolution) = coarsest {
-                options.push(Self { resolution, reach: 0.5 * points / resolution, cutoff });
-            }
-            if options.len() == 5 {
-                break;
-            }
-        }
-        options
+    /// Ways of the direct method to keep a tolerance, from the shortest stencil, which needs a fine grid, to a few points
+    /// more.
+    pub fn direct(tolerance: f64) -> Vec<Self> {
+        let error = |resolution: f64, points: usize| direct_error(resolution, 0.5 * points as f64 / resolution);
+        options(3..=100, GRID_SHARE * tolerance, error)
+    }
+
+    /// The same of the split method, with the roughness that a resolution has.
+    pub fn split(tolerance: f64, roughness: impl Fn(f64) -> f64) -> Vec<Self> {
+        let error = |resolution: f64, points: usize| split_error(resolution, points, roughness(resolution));
+        options(3..=Window::POINTS[1], GRID_SHARE * tolerance, error)
     }
 }
 
-fn smallest(holds: impl Fn(f64) -> bool) -> f64 {
-    (100..2000).map(|c| f64::from(c) * 0.01).find(|&c| holds(c)).expect("an error that decays gets small")
+/// The coarsest grid for each stencil that keeps the error below a limit, from the shortest on.
+fn options(points: RangeInclusive<usize>, limit: f64, error: impl Fn(f64, usize) -> f64) -> Vec<Accuracy> {
+    let coarsest = |points: usize| {
+        // Errors fall with the resolution.
+        let (mut coarse, mut fine) = (50, 400);
+        let resolution = |hundredths: u32| f64::from(hundredths) * 0.01;
+        while coarse < fine {
+            let middle = u32::midpoint(coarse, fine);
+            if error(resolution(middle), points) <= limit { fine = middle } else { coarse = middle + 1 }
+        }
+        (fine < 400).then_some(Accuracy { resolution: resolution(fine), points })
+    };
+    points.filter_map(coarsest).take(5).collect()
 }
 
 #[cfg(test)]
@@ -98,13 +114,15 @@ mod tests {
 
     #[test]
     fn options_trade_points_for_spacing() {
-        for method in [MethodName::Direct, MethodName::Split] {
-            for digits in 1..=12 {
-                let options = Accuracy::options(method, 10f64.powi(-digits));
-                assert_eq!(options.len(), 5);
+        for digits in 1..=12 {
+            let tolerance = 0.2 * 10f64.powi(-digits);
+            for options in [Accuracy::direct(tolerance), Accuracy::split(tolerance, |_| 1.0)] {
+                assert!(!options.is_empty());
                 assert!(options.windows(2).all(|o| o[0].resolution >= o[1].resolution));
-                let error = |o: &Accuracy| expected(method, o.resolution, o.reach, o.cutoff);
-                assert!(options.iter().all(|o| error(o) <= 10f64.powi(-digits)));
+            }
+            for option in Accuracy::split(tolerance, |_| 2.0) {
+                let left_out = cutoff_error(cutoff(tolerance, 0.1), 0.1);
+                assert!(split_error(option.resolution, option.points, 2.0).hypot(left_out) <= tolerance);
             }
         }
     }

@@ -2,7 +2,8 @@
 
 use crate::envelope::Envelope;
 use crate::plan::PlanError;
-use crate::problem::{Fixed, Problem};
+use crate::problem::{Fixed, MethodName, Problem};
+use crate::window::Window;
 use domain::PeriodicBox;
 use solver::Grid;
 
@@ -19,6 +20,14 @@ impl Fixed {
         least("cutoff", self.cutoff, 0.0)?;
         if self.support == Some(0) {
             return Err(PlanError::Fixed("hydrodynamics.support is 0; a stencil needs at least 1 point".to_owned()));
+        }
+        let [fewest, most] = Window::POINTS;
+        if let (Some(MethodName::Split), Some(points)) = (self.method, self.support)
+            && !(fewest..=most).contains(&points)
+        {
+            return Err(PlanError::Fixed(format!(
+                "hydrodynamics.support is {points}; the split method takes {fewest} to {most} points"
+            )));
         }
         match self.iteration_tolerance {
             Some(value) if !(value > 0.0 && value < 1.0) => Err(PlanError::Fixed(format!(

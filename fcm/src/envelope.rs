@@ -20,34 +20,55 @@ impl Envelope {
     }
 }
 
-/// What is spread for one multipole: `(constant + quadratic r^2) exp(-r^2 / (2 width^2))`, for a monopole the envelope
-/// itself, for a dipole the factor of `x_j` in its gradient.
-///
-/// A particle whose envelope has the width `sigma` may be spread with a wider Gaussian `Sigma` if the far field is
-/// restored: `w(k) = (1 + k^2 d / 2) exp(-k^2 Sigma^2 / 2)`, `d = Sigma^2 - sigma^2`, agrees with
-/// `exp(-k^2 sigma^2 / 2)` to `O(k^4)`. With `Sigma = sigma` it is the envelope.
+/// What the direct method spreads for one multipole: `peak exp(-r^2 / (2 width^2))`, for a monopole the envelope itself,
+/// for a dipole the factor of `x_j` in its gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Source {
-    /// Width of the Gaussian on the grid.
+    /// Width of the Gaussian.
     pub width: f64,
-    /// Coefficient of 1.
-    pub constant: f64,
-    /// Coefficient of r^2.
-    pub quadratic: f64,
+    /// Its value at the centre.
+    pub peak: f64,
 }
 
 impl Source {
-    /// `(1 - d/2 lap) Delta_Sigma = Delta_Sigma (1 + d/2 (3/Sigma^2 - r^2/Sigma^4))`.
-    pub fn monopole(sigma: f64, width: f64) -> Self {
-        let (d, square) = (width * width - sigma * sigma, width * width);
-        let peak = (2.0 * PI * square).powf(-1.5);
-        Self { width, constant: peak * (1.0 + 1.5 * d / square), quadratic: -peak * 0.5 * d / (square * square) }
+    /// The envelope.
+    pub fn monopole(width: f64) -> Self {
+        Self { width, peak: (2.0 * PI * width * width).powf(-1.5) }
     }
 
-    /// The factor of `x_j` in `d_j (1 - d/2 lap) Delta_Sigma`.
-    pub fn dipole(sigma: f64, width: f64) -> Self {
-        let base = Self::monopole(sigma, width);
-        let square = width * width;
-        Self { width, constant: 2.0 * base.quadratic - base.constant / square, quadratic: -base.quadratic / square }
+    /// The factor of `x_j` in its gradient.
+    pub fn dipole(width: f64) -> Self {
+        Self { width, peak: -Self::monopole(width).peak / (width * width) }
+    }
+}
+
+/// What the split method spreads in place of every envelope:
+///
+/// ```text
+/// w(k) = (1 + k^2 D/2) (1 + k^2 (d - D)/2) exp(-k^2 Sigma^2 / 2),     d = Sigma^2 - sigma^2
+/// ```
+///
+/// for an envelope of width `sigma`. It agrees with `exp(-k^2 sigma^2 / 2)` to `O(k^4)`: the far field is that of the
+/// envelope. The Gaussian and the first bracket are common to all envelopes and left to the spectrum; the second is
+/// `1 - (d - D)/2 lap` on the grid, and nothing at all where `d = D`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Common {
+    /// `Sigma`
+    pub width: f64,
+    /// `D`
+    pub increment: f64,
+}
+
+impl Common {
+    /// With `D` in the middle of those of the envelopes of the given widths.
+    pub fn new(width: f64, envelopes: impl Iterator<Item = f64> + Clone) -> Self {
+        let least = envelopes.clone().fold(f64::INFINITY, f64::min);
+        let most = envelopes.fold(0.0, f64::max);
+        Self { width, increment: width * width - 0.5 * (least * least + most * most) }
+    }
+
+    /// `d - D` of an envelope.
+    pub fn rest(&self, sigma: f64) -> f64 {
+        self.width * self.width - sigma * sigma - self.increment
     }
 }

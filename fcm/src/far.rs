@@ -1,19 +1,19 @@
 //! The far field: through the grid.
 
 use crate::envelope::{Envelope, Source};
+use crate::gaussian::{self, Gaussians, Sources, Terms};
 use crate::interpolate::Interpolation;
-use crate::kernel::Lattice;
-use crate::passes::passes;
+use crate::kernel::{Kernel, Load};
 use crate::plan::Plan;
-use crate::problem::Method;
-use crate::shape::{Load, Own, Sources, Wide};
 use crate::spread::Spread;
-use crate::stencil::{Place, Support, places};
+use crate::stencil::{Place, places};
+use crate::window::{self, Windowed};
 use crate::work::{Clock, Work};
 use domain::{Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
-use solver::{Field, Grid, Physical, Real, Stokes, Transform};
+use solver::{Field, Grid, Multiplier, Physical, Real, Stokes, Transform};
 use std::borrow::Cow;
+use std::marker::PhantomData;
 
 /// What particles apply: the forces and dipoles of all present, or none at all of a kind.
 pub(crate) struct FarLoads<'a> {
@@ -53,9 +53,14 @@ pub(crate) struct Far<T: Real> {
     transform: Transform<T>,
     operator: Stokes<T>,
     field: Field<T, Physical>,
-    lattice: Lattice,
-    sources: Vec<Sources>,
+    stencils: Stencils<T>,
     places: Vec<Place>,
+}
+
+/// What is on the grid: envelopes themselves, or a window.
+enum Stencils<T> {
+    Gaussian(gaussian::Lattice),
+    Window(window::Lattice<T>),
 }
 
 impl<T: Real> Far<T> {
@@ -63,36 +68,16 @@ impl<T: Real> Far<T> {
         let grid = Grid::new(plan.grid, *cell).expect("a plan has a grid that can be transformed");
         let transform = Transform::new(grid.points(), partition, plan.support.lanes);
         let field = transform.field();
-        let mut far = Self {
+        Self {
             plan: plan.clone(),
             partition: partition.clone(),
-            operator: Stokes::new(&grid, plan.viscosity),
-            lattice: lattice::<T>(&grid, plan.support),
+            operator: operator(plan, &grid),
+            stencils: Stencils::new(plan, &grid),
             grid,
             transform,
             field,
-            sources: Vec::new(),
             places: Vec::new(),
-        };
-        far.shear(cell);
-        far
-    }
-
-    fn shear(&mut self, cell: &PeriodicBox) {
-        self.grid = self.grid.in_cell(*cell);
-        self.lattice = lattice::<T>(&self.grid, self.plan.support);
-        self.operator = Stokes::new(&self.grid, self.plan.viscosity);
-        let strain = cell.strain();
-        let sources = |&radius: &f64| {
-            let envelope = Envelope::of_sphere(radius);
-            let [monopole, dipole] = match self.plan.method {
-                Method::Direct => [envelope.monopole, envelope.dipole],
-                Method::Split { width, .. } => [width; 2],
-            };
-            let monopole = Source::monopole(envelope.monopole, monopole);
-            Sources { monopole, dipole: Source::dipole(envelope.dipole, dipole), strain }
-        };
-        self.sources = self.plan.radii.iter().map(sources).collect();
+        }
     }
 
     fn spread(&mut self, loads: &FarLoads, work: &mut Work) {
@@ -110,34 +95,17 @@ impl<T: Real> Far<T> {
             Cow::Owned(self.places.iter().filter(|place| is_loaded(place)).copied().collect())
         };
         work.particles_spread += loaded.len() as u64;
-        let spread = Spread {
-            places: &loaded,
-            classes: loads.classes,
-            sources: &self.sources,
-            loads: &all,
-            lattice: &self.lattice,
-        };
-        match (self.plan.method, loads.forces.is_empty(), loads.dipoles.is_empty()) {
-            (Method::Split { .. }, _, true) => spread.run::<Wide<true, false>>(&mut self.field),
-            (Method::Split { .. }, true, false) => spread.run::<Wide<false, true>>(&mut self.field),
-            (Method::Split { .. }, false, false) => spread.run::<Wide<true, true>>(&mut self.field),
-            (Method::Direct, _, true) => spread.run::<Own<true, false>>(&mut self.field),
-            (Method::Direct, true, false) => spread.run::<Own<false, true>>(&mut self.field),
-            (Method::Direct, false, false) => spread.run::<Own<true, true>>(&mut self.field),
-        }
         work.dipole_spreads += u64::from(!loads.dipoles.is_empty());
+        let spread = Spread { places: &loaded, classes: loads.classes, loads: &all, period: self.plan.grid[2] };
+        let terms = [!loads.forces.is_empty(), !loads.dipoles.is_empty()];
+        self.stencils.with(terms, To { spread, field: &mut self.field });
     }
 
     fn interpolate(&self, classes: &[u32], wanted: Wanted) -> Vec<(Vector, Tensor)> {
-        let to = Interpolation { places: &self.places, classes, sources: &self.sources, lattice: &self.lattice };
-        match (self.plan.method, wanted) {
-            (Method::Split { .. }, Wanted::Velocities) => to.run::<T, Wide<true, false>>(&self.field),
-            (Method::Split { .. }, Wanted::Gradients) => to.run::<T, Wide<false, true>>(&self.field),
-            (Method::Split { .. }, Wanted::Both) => to.run::<T, Wide<true, true>>(&self.field),
-            (Method::Direct, Wanted::Velocities) => to.run::<T, Own<true, false>>(&self.field),
-            (Method::Direct, Wanted::Gradients) => to.run::<T, Own<false, true>>(&self.field),
-            (Method::Direct, Wanted::Both) => to.run::<T, Own<true, true>>(&self.field),
-        }
+        let spacing = self.grid.spacing();
+        let to = Interpolation { places: &self.places, classes, volume: spacing.x * spacing.y * spacing.z };
+        let terms = [wanted != Wanted::Gradients, wanted != Wanted::Velocities];
+        self.stencils.with(terms, From { to, field: &self.field })
     }
 
     fn evaluate(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)> {
@@ -154,17 +122,109 @@ impl<T: Real> Far<T> {
     }
 }
 
-fn lattice<T: Real>(grid: &Grid, support: Support) -> Lattice {
-    let (points, spacing) = (grid.points(), grid.spacing());
-    Lattice { points, spacing, support, passes: passes(&support, spacing, grid.cell().strain(), T::LANES) }
+/// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for spreading
+/// and once for interpolating. A window on the grid has no units, a force density has: the volume of a point.
+fn operator<T: Real>(plan: &Plan, grid: &Grid) -> Stokes<T> {
+    let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
+        return Stokes::new(grid, plan.viscosity);
+    };
+    let (spacing, strain) = (grid.spacing(), grid.cell().strain());
+    let volume = spacing.x * spacing.y * spacing.z;
+    let factor = |k: f64, spacing: f64| {
+        let amplitude = (-0.5 * (k * common.width).powi(2)).exp();
+        amplitude / window.transform(k * spacing)
+    };
+    // The window stands along the lattice, the Gaussian does not.
+    let plane = |k1: f64, k2: f64| {
+        let along = k2 + strain * k1;
+        let tilted = (-0.5 * (k2 * k2 - along * along) * common.width.powi(2)).exp();
+        (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2)
+    };
+    let axis = |k3: f64| factor(k3, spacing.z).powi(2);
+    Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening: 0.5 * common.increment })
+}
+
+/// Something done with a kernel.
+trait With<T: Real> {
+    type Output;
+
+    fn run<K: Kernel<T>>(self, kernel: &K) -> Self::Output;
+}
+
+struct To<'a, T: Real> {
+    spread: Spread<'a, T>,
+    field: &'a mut Field<T, Physical>,
+}
+
+impl<T: Real> With<T> for To<'_, T> {
+    type Output = ();
+
+    fn run<K: Kernel<T>>(self, kernel: &K) {
+        self.spread.run(kernel, self.field);
+    }
+}
+
+struct From<'a, T: Real> {
+    to: Interpolation<'a>,
+    field: &'a Field<T, Physical>,
+}
+
+impl<T: Real> With<T> for From<'_, T> {
+    type Output = Vec<(Vector, Tensor)>;
+
+    fn run<K: Kernel<T>>(self, kernel: &K) -> Self::Output {
+        self.to.run(kernel, self.field)
+    }
+}
+
+impl<T: Real> Stencils<T> {
+    fn new(plan: &Plan, grid: &Grid) -> Self {
+        let envelopes: Vec<Envelope> = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
+        if let (Some(window), Some(common)) = (plan.window(), plan.common()) {
+            return Self::Window(window::Lattice::new(grid, window, common, &envelopes));
+        }
+        let strain = grid.cell().strain();
+        let sources =
+            |e: &Envelope| Sources { monopole: Source::monopole(e.monopole), dipole: Source::dipole(e.dipole), strain };
+        let sources = envelopes.iter().map(sources).collect();
+        Self::Gaussian(gaussian::Lattice::new::<T>(grid, plan.support, sources))
+    }
+
+    /// Points of a stencil along each axis.
+    fn extent(&self, plan: &Plan) -> [usize; 3] {
+        let [y, z] = [plan.support.support; 2];
+        match self {
+            Self::Gaussian(_) => [plan.support.lanes, y, z],
+            Self::Window(_) => [y, y, z],
+        }
+    }
+
+    /// Does something with the kernel for forces or not, and dipoles or not.
+    fn with<W: With<T>>(&self, [forces, dipoles]: [bool; 2], what: W) -> W::Output {
+        match self {
+            Self::Gaussian(lattice) => match (forces, dipoles) {
+                (true, true) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<true, true>> }),
+                (false, true) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<false, true>> }),
+                (_, false) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<true, false>> }),
+            },
+            Self::Window(lattice) => match lattice.order(forces, dipoles) {
+                0 => what.run(&Windowed::<T, 0>(lattice)),
+                1 => what.run(&Windowed::<T, 1>(lattice)),
+                2 => what.run(&Windowed::<T, 2>(lattice)),
+                _ => what.run(&Windowed::<T, 3>(lattice)),
+            },
+        }
+    }
 }
 
 impl<T: Real> FarField for Far<T> {
     fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
         if cell != self.grid.cell() {
-            self.shear(cell);
+            self.grid = self.grid.in_cell(*cell);
+            self.operator = operator(&self.plan, &self.grid);
+            self.stencils = Stencils::new(&self.plan, &self.grid);
         }
-        self.places = places(&self.grid, self.plan.support, positions);
+        self.places = places(&self.grid, self.stencils.extent(&self.plan), positions);
     }
 
     fn motions(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)> {

@@ -1,20 +1,18 @@
 //! Velocity field to motions.
 
-use crate::kernel::{Lattice, Scratch, Slab, collect};
-use crate::shape::{Shape, Sources};
+use crate::kernel::{Kernel, Slab};
 use crate::stencil::Place;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 use solver::simd::{Vector as Lanes, Work};
 use solver::{Field, Physical, Real};
-use std::marker::PhantomData;
 
 /// What is interpolated to: stencils, and for each particle present its class.
 pub(crate) struct Interpolation<'a> {
     pub places: &'a [Place],
     pub classes: &'a [u32],
-    pub sources: &'a [Sources],
-    pub lattice: &'a Lattice,
+    /// Volume of a point of the grid.
+    pub volume: f64,
 }
 
 /// Particles in a batch of one thread.
@@ -22,11 +20,11 @@ const BATCH: usize = 64;
 
 impl Interpolation<'_> {
     /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present, by what this rank's rows add to them.
-    pub fn run<T: Real, S: Shape>(&self, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
+    pub fn run<T: Real, K: Kernel<T>>(&self, kernel: &K, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
-        let weigh = |places| T::dispatch(Weigh::<T, S> { to: self, places, slab, shape: PhantomData });
+        let weigh = |places| T::dispatch(Weigh { to: self, kernel, places, slab });
         let sorted: Vec<(Vector, Tensor)> = self.places.par_chunks(BATCH).flat_map_iter(weigh).collect();
         let mut motions = vec![(Vector::ZERO, Tensor::ZERO); sorted.len()];
         for (place, motion) in self.places.iter().zip(sorted) {
@@ -37,25 +35,23 @@ impl Interpolation<'_> {
 }
 
 /// One batch.
-struct Weigh<'a, T, S> {
+struct Weigh<'a, T, K> {
     to: &'a Interpolation<'a>,
+    kernel: &'a K,
     places: &'a [Place],
     slab: &'a Slab<&'a [T]>,
-    shape: PhantomData<S>,
 }
 
-impl<T: Real, S: Shape> Work<T> for Weigh<'_, T, S> {
+impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
     type Output = Vec<(Vector, Tensor)>;
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) -> Self::Output {
-        let Interpolation { classes, sources, lattice, .. } = self.to;
-        let mut scratch = Scratch::default();
-        let volume = lattice.spacing.x * lattice.spacing.y * lattice.spacing.z;
+        let Interpolation { classes, volume, .. } = self.to;
+        let mut scratch = K::Scratch::default();
         let mut motions = Vec::with_capacity(self.places.len());
         for place in self.places {
-            let sources = &sources[classes[place.row as usize] as usize];
-            let weighed = collect::<T, S, V>(&mut scratch, (place, sources), lattice, self.slab);
+            let weighed = self.kernel.collect::<V>(&mut scratch, (place, classes[place.row as usize]), self.slab);
             let (mut velocity, mut gradient) = (Vector::ZERO, [Vector::ZERO; 3]);
             for c in 0..3 {
                 velocity[c] = weighed.velocity[c].to_f64();
@@ -64,7 +60,7 @@ impl<T: Real, S: Shape> Work<T> for Weigh<'_, T, S> {
                 }
             }
             let [x, y, z] = gradient;
-            motions.push((velocity * volume, Tensor::from_cols(x, y, z) * -volume));
+            motions.push((velocity * *volume, Tensor::from_cols(x, y, z) * -*volume));
         }
         motions
     }

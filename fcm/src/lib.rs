@@ -6,14 +6,13 @@
 //! adds the stresslets that keep spheres rigid.
 
 mod accuracy;
-mod axis;
 mod boys;
 mod check;
 mod conjugate_gradients;
 mod cost;
 mod envelope;
-mod exponential;
 mod far;
+mod gaussian;
 mod hydrodynamics;
 mod interpolate;
 mod kernel;
@@ -21,14 +20,14 @@ mod loads;
 mod mobility;
 mod near;
 mod pair_functions;
-mod passes;
 mod plan;
+mod planner;
 mod problem;
-mod shape;
 mod spread;
 mod stencil;
 mod table;
 mod totals;
+mod window;
 mod work;
 
 pub use conjugate_gradients::{Limits, Outcome, System, Unknowns, conjugate_gradients};

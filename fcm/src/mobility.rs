@@ -1,10 +1,11 @@
 //! The linear map from loads to motions.
 
+use crate::envelope::Envelope;
 use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
 use crate::near::{Near, NearField, Present};
 use crate::plan::Plan;
-use crate::problem::{Method, Precision};
+use crate::problem::Precision;
 use crate::work::{Clock, Work};
 use domain::{Exchange, Neighbours, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use rayon::prelude::*;
@@ -171,10 +172,12 @@ fn parts<T: Real>(
     cell: &PeriodicBox,
 ) -> (Box<dyn FarField>, Option<Box<dyn NearField>>) {
     let far = Box::new(Far::<T>::new(plan, partition, cell));
-    let Method::Split { width, cutoff } = plan.method else {
+    let Some(common) = plan.common() else {
         return (far, None);
     };
-    (far, Some(Box::new(Near::<T>::new(&plan.radii, width, cutoff, plan.viscosity, plan.table_tolerance()))))
+    let envelopes = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
+    let (cutoff, tolerance) = (plan.method.cutoff(), plan.table_tolerance());
+    (far, Some(Box::new(Near::<T>::new(envelopes, common, cutoff, plan.viscosity, tolerance))))
 }
 
 impl Arrangement {

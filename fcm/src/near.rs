@@ -11,7 +11,7 @@
 //!
 //! and its gradient follows by one derivative more.
 
-use crate::envelope::Envelope;
+use crate::envelope::{Common, Envelope};
 use crate::table::{PairFunctions, Table};
 use crate::totals::Totals;
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
@@ -53,7 +53,7 @@ pub(crate) struct Near<T> {
 
 enum Functions<T> {
     Tabulated { classes: usize, tables: Vec<Table<T>>, alone: Vec<[f64; 9]> },
-    Exact { envelopes: Vec<Envelope>, wide: f64 },
+    Exact { envelopes: Vec<Envelope>, common: Common },
 }
 
 impl<T: Real> Functions<T> {
@@ -61,8 +61,8 @@ impl<T: Real> Functions<T> {
     fn of_pair(&self, i: u32, j: u32, square: f64) -> [T; 9] {
         match self {
             Self::Tabulated { classes, tables, .. } => tables[i as usize * classes + j as usize].evaluate(square),
-            Self::Exact { envelopes, wide } => {
-                let (mut values, exact) = ([T::default(); 9], exact(envelopes, *wide, [i, j], square));
+            Self::Exact { envelopes, common } => {
+                let (mut values, exact) = ([T::default(); 9], exact(envelopes, *common, [i, j], square));
                 for f in 0..9 {
                     values[f] = T::from_f64(exact[f]);
                 }
@@ -74,30 +74,29 @@ impl<T: Real> Functions<T> {
     fn of_one(&self, i: u32) -> [f64; 9] {
         match self {
             Self::Tabulated { alone, .. } => alone[i as usize],
-            Self::Exact { envelopes, wide } => exact(envelopes, *wide, [i, i], 0.0),
+            Self::Exact { envelopes, common } => exact(envelopes, *common, [i, i], 0.0),
         }
     }
 }
 
 #[inline(never)]
-fn exact(envelopes: &[Envelope], wide: f64, [i, j]: [u32; 2], square: f64) -> [f64; 9] {
-    PairFunctions::new(envelopes[i as usize], envelopes[j as usize], wide).exact(square)
+fn exact(envelopes: &[Envelope], common: Common, [i, j]: [u32; 2], square: f64) -> [f64; 9] {
+    PairFunctions::new(envelopes[i as usize], envelopes[j as usize], common).exact(square)
 }
 
 impl<T: Real> Near<T> {
-    /// For particles with these radii, all spread with the common width, in a fluid of the given viscosity. Pairs
-    /// farther apart than the cutoff are left out; tables are exact to `tolerance`.
-    pub fn new(radii: &[f64], wide: f64, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
-        let envelopes: Vec<Envelope> = radii.iter().map(|&a| Envelope::of_sphere(a)).collect();
-        let pair = |&i: &Envelope, &j: &Envelope| PairFunctions::new(i, j, wide);
+    /// For particles with these envelopes in a fluid of the given viscosity. Pairs farther apart than the cutoff are left
+    /// out; tables are exact to `tolerance`.
+    pub fn new(envelopes: Vec<Envelope>, common: Common, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
+        let pair = |&i: &Envelope, &j: &Envelope| PairFunctions::new(i, j, common);
         let table = |functions: PairFunctions| Table::new(&functions, cutoff, tolerance);
         let all = || envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| pair(i, j))).map(table).collect();
-        let tables: Option<Vec<_>> = if radii.len() > MOST_TABULATED { None } else { all() };
+        let tables: Option<Vec<_>> = if envelopes.len() > MOST_TABULATED { None } else { all() };
         let functions = match tables {
-            None => Functions::Exact { envelopes, wide },
+            None => Functions::Exact { envelopes, common },
             Some(tables) => {
                 let alone = envelopes.iter().map(|e| pair(e, e).exact(0.0)).collect();
-                Functions::Tabulated { classes: radii.len(), tables, alone }
+                Functions::Tabulated { classes: envelopes.len(), tables, alone }
             }
         };
         Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
@@ -166,39 +165,55 @@ impl<T: Real> Work<T> for Batch<'_, T> {
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let mut group = Group::new();
-        let mut totals = Totals::default();
-        for (offset, motion) in self.motions.iter_mut().enumerate() {
+        let mut scratch = Scratch { group: Group::new(), totals: Totals::default() };
+        for offset in 0..self.motions.len() {
             let row = self.first + offset;
-            let mut sums = [V::splat(T::default()); 12];
-            for near in self.neighbours.of(row).chunks(T::LANES) {
-                for (lane, neighbour) in near.iter().enumerate() {
-                    let j = neighbour.row as usize;
-                    let mut x = self.present.positions[row] - self.present.positions[j];
-                    if neighbour.steps != [0; 3] {
-                        x -= self.present.cell.lattice(neighbour.steps.map(i32::from));
-                    }
-                    let [i, k] = [self.present.classes[row], self.present.classes[j]];
-                    group.set(lane, x, &self.near.functions.of_pair(i, k, x.length_squared()), &self.loads[j]);
-                }
-                group.clear_from(near.len());
-                group.turn::<V>();
-                if self.gradients {
-                    group.add_all(&mut sums);
-                } else {
-                    group.add_velocity(&mut sums);
-                }
-            }
-            totals.clear();
-            totals.add(&sums);
-            let sums = totals.take::<V>();
+            // Most lists of a suspension that is not dense fit half a vector.
+            let sums = if self.neighbours.of(row).len() <= V::Half::LANES {
+                self.sums::<V::Half>(&mut scratch, row)
+            } else {
+                self.sums::<V>(&mut scratch, row)
+            };
             let column = |d: usize| Vector::new(sums[3 + d].to_f64(), sums[6 + d].to_f64(), sums[9 + d].to_f64());
             let velocity = Vector::new(sums[0].to_f64(), sums[1].to_f64(), sums[2].to_f64());
             let gradient = Tensor::from_cols(column(0), column(1), column(2));
             let (own_velocity, own_gradient) = self.near.of_itself(self.present, row);
+            let motion = &mut self.motions[offset];
             motion.0 += (velocity + own_velocity) * self.near.inverse_viscosity;
             motion.1 += (gradient + own_gradient) * self.near.inverse_viscosity;
         }
+    }
+}
+
+struct Scratch<T: Real> {
+    group: Group<T>,
+    totals: Totals<T>,
+}
+
+impl<T: Real> Batch<'_, T> {
+    /// What a particle's neighbours add up to, group by group: its velocity, and its gradient row by row.
+    #[inline(always)]
+    fn sums<V: Lanes<T>>(&self, Scratch { group, totals }: &mut Scratch<T>, row: usize) -> [T; 12] {
+        let mut sums = [V::splat(T::default()); 12];
+        for near in self.neighbours.of(row).chunks(V::LANES) {
+            for (lane, neighbour) in near.iter().enumerate() {
+                let j = neighbour.row as usize;
+                let mut x = self.present.positions[row] - self.present.positions[j];
+                if neighbour.steps != [0; 3] {
+                    x -= self.present.cell.lattice(neighbour.steps.map(i32::from));
+                }
+                let [i, k] = [self.present.classes[row], self.present.classes[j]];
+                group.set(lane, x, &self.near.functions.of_pair(i, k, x.length_squared()), &self.loads[j]);
+            }
+            group.clear::<V>(near.len());
+            group.turn::<V>();
+            if self.gradients {
+                group.add_all(&mut sums);
+            } else {
+                group.add_velocity(&mut sums);
+            }
+        }
+        totals.of(&sums)
     }
 }
 
@@ -231,10 +246,10 @@ impl<T: Real> Group<T> {
         self.loads.values_mut().as_chunks_mut::<RECORD>().0[lane] = *load;
     }
 
-    /// Lanes without a pair add nothing: their functions are zero.
+    /// Lanes from one on have no pair and add nothing: their functions are zero.
     #[inline(always)]
-    fn clear_from(&mut self, lane: usize) {
-        for record in &mut self.pairs.values_mut().as_chunks_mut::<RECORD>().0[lane..] {
+    fn clear<V: Lanes<T>>(&mut self, from: usize) {
+        for record in &mut self.pairs.values_mut().as_chunks_mut::<RECORD>().0[from..V::LANES] {
             *record = [T::default(); RECORD];
         }
     }

@@ -1,13 +1,10 @@
 //! How an evaluation is to be made: grid, supports, cutoff, precision.
 
-use crate::accuracy::{self, Accuracy};
-use crate::cost;
-use crate::envelope::Envelope;
-use crate::passes::STEP;
+use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
+use crate::window::Window;
 use domain::{PeriodicBox, Vector};
-use solver::Grid;
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -83,11 +80,10 @@ impl Plan {
         Ok(ranked.into_iter().next().expect("there is a plan for every problem that was checked"))
     }
 
-    /// Plans that keep the tolerance, the fastest first: the best of each method and precision.
+    /// Plans that keep the tolerance, the fastest first: the best of each method, precision and stencil.
     pub fn ranked(problem: &Problem) -> Result<Vec<Self>, PlanError> {
         problem.check()?;
-        let mut plans: Vec<Self> = problem.candidates().into_iter().map(|accuracy| problem.best(&accuracy)).collect();
-        plans.retain(|plan| plan.grid.iter().all(|&n| n >= 2));
+        let mut plans = problem.candidates();
         if let (Some(grid), true) = (problem.fixed.grid, plans.is_empty()) {
             return Err(PlanError::Fixed(format!("hydrodynamics.grid {grid:?} is too small for these particles")));
         }
@@ -125,6 +121,27 @@ impl Plan {
     /// Distances between grid points.
     pub(crate) fn spacing(&self) -> Vector {
         self.edges / Vector::from_array(self.grid.map(|n| n as f64))
+    }
+
+    /// What the split method spreads in place of the envelopes. The least is left to the grid: with dipoles, nothing of
+    /// theirs if all radii are equal.
+    pub(crate) fn common(&self) -> Option<Common> {
+        let Method::Split { width, .. } = self.method else {
+            return None;
+        };
+        let envelopes = self.radii.iter().map(|&radius| Envelope::of_sphere(radius));
+        Some(match self.multipoles {
+            Multipoles::Monopole => Common::new(width, envelopes.map(|e| e.monopole)),
+            Multipoles::Dipole => Common::new(width, envelopes.map(|e| e.dipole)),
+        })
+    }
+
+    /// The window that the split method has on the grid.
+    pub(crate) fn window(&self) -> Option<Window> {
+        let Method::Split { width, .. } = self.method else {
+            return None;
+        };
+        Some(Window::new(self.support.support, width / self.spacing().max_element()))
     }
 
     /// The class of a radius: its place among [`Plan::radii`].
@@ -170,159 +187,5 @@ impl Plan {
             self.predicted_error,
             self.iteration_tolerance
         )
-    }
-}
-
-/// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
-/// below the tolerance: 1.1 times below in the worst of them, about six times in a typical one.
-const MONOPOLE_LEEWAY: f64 = 1.2;
-const GIVEN_LEEWAY: f64 = 0.5;
-const RIGID_LEEWAY: f64 = 0.22;
-
-/// One way to keep a tolerance: a method, a precision and what they need.
-struct Candidate {
-    method: MethodName,
-    precision: Precision,
-    accuracy: Accuracy,
-}
-
-impl Problem {
-    pub(crate) fn largest_radius(&self) -> f64 {
-        self.radii.iter().map(|r| r.0).fold(0.0, f64::max)
-    }
-
-    fn smallest_radius(&self) -> f64 {
-        self.radii.iter().map(|r| r.0).fold(f64::INFINITY, f64::min)
-    }
-
-    fn particles(&self) -> usize {
-        self.radii.iter().map(|r| r.1).sum()
-    }
-
-    fn candidates(&self) -> Vec<Candidate> {
-        let mut all = Vec::new();
-        for method in [MethodName::Split, MethodName::Direct] {
-            for precision in [Precision::Single, Precision::Double] {
-                let allowed = self.fixed.method.is_none_or(|m| m == method)
-                    && self.fixed.precision.unwrap_or(precision) == precision;
-                let enough = precision == Precision::Double
-                    || self.tolerance >= crate::accuracy::FINEST_SINGLE
-                    || self.fixed.precision.is_some();
-                if allowed && enough {
-                    for accuracy in Accuracy::options(method, self.tolerance * self.leeway()) {
-                        all.push(Candidate { method, precision, accuracy });
-                    }
-                }
-            }
-        }
-        all
-    }
-
-    /// The tolerance over the error that its hardest part may have. The bounds are those of gradients; with forces
-    /// alone, velocities come out better. The stresslets of rigid spheres answer to rates of strain that may be small
-    /// beside the loads' own, and come out worse.
-    fn leeway(&self) -> f64 {
-        match (self.multipoles, self.rigid) {
-            (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
-            (Multipoles::Dipole, false) => GIVEN_LEEWAY,
-            (Multipoles::Dipole, true) => RIGID_LEEWAY,
-        }
-    }
-
-    fn best(&self, candidate: &Candidate) -> Plan {
-        let widths = match candidate.method {
-            MethodName::Direct => vec![self.narrowest()],
-            MethodName::Split => self.widths(&candidate.accuracy),
-        };
-        let plans = widths.into_iter().map(|width| self.plan(candidate, width));
-        plans.min_by(|a, b| a.predicted_seconds.total_cmp(&b.predicted_seconds)).expect("at least one width")
-    }
-
-    fn narrowest(&self) -> f64 {
-        let envelope = Envelope::of_sphere(self.smallest_radius());
-        match self.multipoles {
-            Multipoles::Monopole => envelope.monopole,
-            Multipoles::Dipole => envelope.dipole,
-        }
-    }
-
-    /// Common widths worth trying: one for each good number of points along the longest edge.
-    fn widths(&self, accuracy: &Accuracy) -> Vec<f64> {
-        let least = Envelope::of_sphere(self.largest_radius()).monopole;
-        if let Some(width) = self.fixed.width {
-            return vec![width];
-        }
-        let resolution = accuracy.resolution;
-        if let Some(grid) = self.fixed.grid {
-            let spacing = (self.edges / Vector::from_array(grid.map(|n| n as f64))).max_element();
-            return vec![(spacing * resolution * self.stretch()).max(least)];
-        }
-        let longest = self.edges.max_element();
-        let mut widths = Vec::new();
-        let mut points = 7;
-        loop {
-            points = Grid::good_size(points + 1);
-            let width = longest / points as f64 * resolution;
-            if width < least {
-                break;
-            }
-            widths.push(width);
-        }
-        widths.push(least);
-        widths
-    }
-
-    /// A grid sheared by `s` resolves `sqrt(1 + s^2)` less along y, and a sphere reaches as much farther along the
-    /// lattice coordinate of x.
-    fn stretch(&self) -> f64 {
-        (1.0 + self.largest_strain * self.largest_strain).sqrt()
-    }
-
-    fn plan(&self, candidate: &Candidate, width: f64) -> Plan {
-        let accuracy = &candidate.accuracy;
-        let grid = self.fixed.grid.unwrap_or_else(|| {
-            let sheared = Vector::new(1.0, self.stretch(), 1.0);
-            let needed = self.edges / width * accuracy.resolution * sheared;
-            needed.to_array().map(|n| Grid::good_size((n - 1e-9).ceil() as usize))
-        });
-        let spacing = self.edges / Vector::from_array(grid.map(|n| n as f64));
-        let widest = match candidate.method {
-            MethodName::Split => width,
-            MethodName::Direct => Envelope::of_sphere(self.largest_radius()).monopole,
-        };
-        let points = |h: f64| (2.0 * accuracy.reach * widest / h - 1e-9).ceil() as usize;
-        let support = self.fixed.support.unwrap_or_else(|| points(spacing.y).max(points(spacing.z)));
-        let along_x = self.fixed.support.unwrap_or_else(|| points(spacing.x / self.stretch()));
-        let reach =
-            self.fixed.support.map_or(accuracy.reach * widest, |points| 0.5 * points as f64 * spacing.max_element());
-        let support = Support { lanes: along_x.next_multiple_of(STEP), support, reach };
-        let method = match candidate.method {
-            MethodName::Direct => Method::Direct,
-            MethodName::Split => Method::Split { width, cutoff: self.fixed.cutoff.unwrap_or(accuracy.cutoff * width) },
-        };
-        let mut radii: Vec<f64> = self.radii.iter().map(|r| r.0).collect();
-        radii.sort_by(f64::total_cmp);
-        radii.dedup();
-        let mut plan = Plan {
-            edges: self.edges,
-            radii,
-            viscosity: self.viscosity,
-            multipoles: self.multipoles,
-            tolerance: self.tolerance,
-            iteration_tolerance: self.fixed.iteration_tolerance.unwrap_or(0.25 * self.tolerance),
-            method,
-            precision: candidate.precision,
-            grid,
-            support,
-            predicted_error: accuracy::expected(
-                candidate.method,
-                width / (spacing * Vector::new(1.0, self.stretch(), 1.0)).max_element(),
-                support.reach / widest,
-                method.cutoff() / width,
-            ),
-            predicted_seconds: 0.0,
-        };
-        plan.predicted_seconds = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks * self.threads);
-        plan
     }
 }

@@ -1,26 +1,24 @@
 //! Loads to force density.
 
-use crate::kernel::{Lattice, Scratch, Slab, deposit};
-use crate::shape::{Load, Shape, Sources};
+use crate::kernel::{Kernel, Load, Slab};
 use crate::stencil::Place;
 use rayon::prelude::*;
 use solver::simd::{Vector as Lanes, Work};
 use solver::{Field, Physical, Real};
-use std::marker::PhantomData;
 
 /// What is spread: stencils, and for each particle present its class and load.
 pub(crate) struct Spread<'a, T> {
     pub places: &'a [Place],
     pub classes: &'a [u32],
-    pub sources: &'a [Sources],
     pub loads: &'a [Load<T>],
-    pub lattice: &'a Lattice,
+    /// Planes of the grid.
+    pub period: usize,
 }
 
 impl<T: Real> Spread<'_, T> {
     /// Makes the field the sum of all loads. Each thread writes planes of its own and goes through the particles in the same
     /// order, so that the sums do not depend on the number of threads.
-    pub fn run<S: Shape>(&self, field: &mut Field<T, Physical>) {
+    pub fn run<K: Kernel<T>>(&self, kernel: &K, field: &mut Field<T, Physical>) {
         let [lines, planes] = field.rows();
         if lines.is_empty() || planes.is_empty() {
             return;
@@ -32,31 +30,31 @@ impl<T: Real> Spread<'_, T> {
             let start = planes.start + part * thickness;
             let planes = start..planes.end.min(start + thickness);
             let slab = Slab { components: [x, y, z], lines: lines.clone(), planes, strides };
-            T::dispatch(Fill::<T, S> { spread: self, slab, shape: PhantomData });
+            T::dispatch(Fill { spread: self, kernel, slab });
         });
     }
 }
 
 /// One thread's part.
-struct Fill<'a, T, S> {
+struct Fill<'a, T, K> {
     spread: &'a Spread<'a, T>,
+    kernel: &'a K,
     slab: Slab<&'a mut [T]>,
-    shape: PhantomData<S>,
 }
 
-impl<T: Real, S: Shape> Work<T> for Fill<'_, T, S> {
+impl<T: Real, K: Kernel<T>> Work<T> for Fill<'_, T, K> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Lanes<T>>(mut self) {
-        let Spread { places, classes, sources, loads, lattice } = self.spread;
-        let mut scratch = Scratch::default();
+        let Spread { places, classes, loads, period } = self.spread;
+        let planes = (self.kernel.planes(), *period);
+        let mut scratch = K::Scratch::default();
         let mut dirty = Dirty::all(self.slab.planes.len());
         for place in *places {
             let row = place.row as usize;
-            let particle = (place, &sources[classes[row] as usize], &loads[row]);
-            dirty.clear_for(place, lattice, &mut self.slab);
-            deposit::<T, S, V>(&mut scratch, particle, lattice, &mut self.slab);
+            dirty.clear_for(place, planes, &mut self.slab);
+            self.kernel.deposit::<V>(&mut scratch, (place, classes[row], &loads[row]), &mut self.slab);
         }
         dirty.clear_rest(&mut self.slab);
     }
@@ -75,15 +73,15 @@ impl Dirty {
         Self { planes: vec![true; planes], last: None }
     }
 
-    /// Clears the planes that a stencil touches.
+    /// Clears the planes that a stencil of so many, in a period, touches.
     #[inline(always)]
-    fn clear_for<T: Real>(&mut self, place: &Place, lattice: &Lattice, slab: &mut Slab<&mut [T]>) {
+    fn clear_for<T: Real>(&mut self, place: &Place, (count, period): (usize, usize), slab: &mut Slab<&mut [T]>) {
         if self.last == Some(place.first[2]) {
             return;
         }
         self.last = Some(place.first[2]);
-        for point in 0..lattice.support.support {
-            let plane = (place.first[2] as usize + point) % lattice.points[2];
+        for point in 0..count {
+            let plane = (place.first[2] as usize + point) % period;
             if slab.planes.contains(&plane) {
                 self.clear(plane - slab.planes.start, slab);
             }

@@ -4,14 +4,16 @@ use domain::Vector;
 use rayon::prelude::*;
 use solver::Grid;
 
-/// The stencils of all particles: those of `lanes` points along x and `support` along y and z that lie within the reach.
+/// The stencils of all particles. With the direct method those of `lanes` points along x and `support` along y and z that
+/// lie within the reach; with the split method `support` points along each axis, for which there is room for `lanes` along
+/// x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
     /// Points along x, a multiple of eight.
     pub lanes: usize,
     /// Points along y and along z.
     pub support: usize,
-    /// Distance from the particle beyond which points are left out.
+    /// Distance from the particle beyond which points are left out, or which the window spans.
     pub reach: f64,
 }
 
@@ -26,14 +28,15 @@ pub(crate) struct Place {
     pub offset: Vector,
 }
 
-/// The stencils of the particles at `positions`, in the order of the blocks where they begin.
-pub(crate) fn places(grid: &Grid, support: Support, positions: &[Vector]) -> Vec<Place> {
+/// The stencils of so many points along each axis of the particles at `positions`, in the order of the blocks where they
+/// begin.
+pub(crate) fn places(grid: &Grid, extent: [usize; 3], positions: &[Vector]) -> Vec<Place> {
     let spacing = grid.spacing();
     let points = grid.points().map(|n| n as i32);
-    let width = Vector::new(support.lanes as f64, support.support as f64, support.support as f64);
+    let half = 0.5 * Vector::from_array(extent.map(|n| n as f64));
     let unsorted = positions.par_iter().enumerate().map(|(row, &position)| {
         let coordinates = grid.cell().lattice_coordinates(position);
-        let first = (coordinates / spacing - 0.5 * width).ceil();
+        let first = (coordinates / spacing - half).ceil();
         let offset = first * spacing - coordinates;
         let wrapped = |d: usize| (first[d] as i32).rem_euclid(points[d]) as u32;
         Place { row: row as u32, first: [wrapped(0), wrapped(1), wrapped(2)], offset }

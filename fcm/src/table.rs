@@ -1,6 +1,6 @@
 //! Pair functions of two radii, exact or tabulated in the square of the distance.
 
-use crate::envelope::Envelope;
+use crate::envelope::{Common, Envelope};
 use crate::pair_functions::Difference;
 use solver::Real;
 
@@ -18,13 +18,13 @@ pub(crate) struct PairFunctions {
 }
 
 impl PairFunctions {
-    /// Between envelopes `i` and `j` spread with the common width.
-    pub fn new(i: Envelope, j: Envelope, wide: f64) -> Self {
+    /// Between envelopes `i` and `j`.
+    pub fn new(i: Envelope, j: Envelope, common: Common) -> Self {
         Self {
-            forces: Difference::new([i.monopole, j.monopole], wide),
-            force_dipole: Difference::new([i.monopole, j.dipole], wide),
-            dipole_force: Difference::new([i.dipole, j.monopole], wide),
-            dipoles: Difference::new([i.dipole, j.dipole], wide),
+            forces: Difference::new([i.monopole, j.monopole], common),
+            force_dipole: Difference::new([i.monopole, j.dipole], common),
+            dipole_force: Difference::new([i.dipole, j.monopole], common),
+            dipoles: Difference::new([i.dipole, j.dipole], common),
         }
     }
 
@@ -119,13 +119,21 @@ mod tests {
     #[test]
     fn what_a_table_cannot_hold_is_not_tabulated() {
         let sphere = Envelope::of_sphere(1.0);
-        assert!(Table::<f64>::new(&PairFunctions::new(sphere, sphere, 33.0), 275.0, 1e-6).is_none());
+        assert!(
+            Table::<f64>::new(
+                &PairFunctions::new(sphere, sphere, Common::new(33.0, [sphere.dipole].into_iter())),
+                275.0,
+                1e-6
+            )
+            .is_none()
+        );
     }
 
     #[test]
     fn tables_keep_their_tolerance() {
         for (i, j) in [(1.0, 1.0), (1.0, 2.0), (1.0, 4.0)] {
-            let functions = PairFunctions::new(Envelope::of_sphere(i), Envelope::of_sphere(j), 2.5);
+            let [i, j] = [i, j].map(Envelope::of_sphere);
+            let functions = PairFunctions::new(i, j, Common::new(2.5, [i.dipole, j.dipole].into_iter()));
             let first = functions.exact(0.0);
             for tolerance in [1e-4, 1e-8, 1e-12] {
                 let table = Table::<f64>::new(&functions, 9.0, tolerance).unwrap();

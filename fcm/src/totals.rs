@@ -35,19 +35,34 @@ impl<T: Real> Totals<T> {
         }
     }
 
+    /// The sums over the lanes of these alone.
+    #[inline(always)]
+    pub fn of<V: Lanes<T>>(&mut self, terms: &[V; 12]) -> [T; 12] {
+        for (sum, term) in self.lanes.values_mut().chunks_exact_mut(V::LANES).zip(terms) {
+            // SAFETY: a chunk has as many values as a vector.
+            unsafe { term.store(sum.as_mut_ptr()) };
+        }
+        self.sums::<V>()
+    }
+
     /// The sums over their lanes: always added in the same order, whatever the vectors.
     #[inline(always)]
     pub fn take<V: Lanes<T>>(&mut self) -> [T; 12] {
+        self.sums::<V>()
+    }
+
+    #[inline(always)]
+    fn sums<V: Lanes<T>>(&mut self) -> [T; 12] {
         let mut totals = [T::default(); SUMS];
-        for first in (0..SUMS).step_by(T::LANES) {
-            let from = self.lanes.values()[first * T::LANES..].as_ptr();
+        for first in (0..SUMS).step_by(V::LANES) {
+            let from = self.lanes.values()[first * V::LANES..].as_ptr();
             let to = self.turned.values_mut().as_mut_ptr();
             // SAFETY: there are `SUMS` sums, a multiple of the lanes, and room for a square.
             unsafe {
-                V::transpose((from, T::LANES), (to, T::LANES));
+                V::transpose((from, V::LANES), (to, V::LANES));
                 let mut total = V::load(to);
-                for lane in 1..T::LANES {
-                    total = total.add(V::load(to.add(lane * T::LANES)));
+                for lane in 1..V::LANES {
+                    total = total.add(V::load(to.add(lane * V::LANES)));
                 }
                 total.store(totals.as_mut_ptr().add(first));
             }

@@ -36,5 +36,5 @@ pub use flow::{BackgroundFlow, FlowError};
 pub use grid::{Grid, GridError};
 pub use memory::Memory;
 pub use real::Real;
-pub use stokes::Stokes;
+pub use stokes::{Multiplier, Stokes};
 pub use transform::Transform;

@@ -23,23 +23,35 @@ pub struct Stokes<T> {
     /// Values for each m3.
     k3: Vec<T>,
     axis: Vec<T>,
+    widening: T,
+}
+
+/// A multiplier `m(k) = plane(k1, k2) axis(k3) (1 + widening k^2)^2` of the wavevector `k = (k1, k2, k3)` of the box,
+/// sheared or not: with `m` even, as that of every real even kernel, and not negative, the operator keeps its properties.
+/// `axis` is called for `k3 >= 0`.
+#[derive(Debug, Clone, Copy)]
+pub struct Multiplier<P, A> {
+    /// The factor of `k1` and `k2`.
+    pub plane: P,
+    /// The factor of `k3`.
+    pub axis: A,
+    /// The coefficient of `k^2`.
+    pub widening: f64,
 }
 
 impl<T: Real> Stokes<T> {
     /// The solve for a fluid of this viscosity, `m = 1`.
     pub fn new(grid: &Grid, viscosity: f64) -> Self {
-        Self::with_multiplier(grid, viscosity, |_, _| 1.0, |_| 1.0)
+        Self::with_multiplier(grid, viscosity, &Multiplier { plane: |_, _| 1.0, axis: |_| 1.0, widening: 0.0 })
     }
 
-    /// The solve with a multiplier `m(k) = plane(k1, k2) axis(k3)` of the wavevector `k = (k1, k2, k3)` of the box,
-    /// sheared or not: with `m` even, as that of every real even kernel, and not negative, the operator keeps its
-    /// properties. `axis` is called for `k3 >= 0`.
-    pub fn with_multiplier(
-        grid: &Grid,
-        viscosity: f64,
-        plane: impl Fn(f64, f64) -> f64,
-        axis: impl Fn(f64) -> f64,
-    ) -> Self {
+    /// The solve with a multiplier.
+    pub fn with_multiplier<P, A>(grid: &Grid, viscosity: f64, multiplier: &Multiplier<P, A>) -> Self
+    where
+        P: Fn(f64, f64) -> f64,
+        A: Fn(f64) -> f64,
+    {
+        let Multiplier { plane, axis, widening } = multiplier;
         let [nx, ny, nz] = grid.points();
         let scale = 1.0 / (viscosity * grid.count() as f64);
         let columns = (nx / 2).next_multiple_of(T::LANES);
@@ -66,6 +78,7 @@ impl<T: Real> Stokes<T> {
             inverse: modes().map(|mode| T::from_f64(inverse(mode))).collect(),
             k3: (0..nz).map(|m3| T::from_f64(k3(m3))).collect(),
             axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),
+            widening: T::from_f64(*widening),
         }
     }
 
@@ -94,7 +107,7 @@ impl<T: Real> Work<T> for Multiply<'_, T> {
 
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Stokes { points, k1, k2, plane, inverse, k3, axis } = self.operator;
+        let Stokes { points, k1, k2, plane, inverse, k3, axis, widening } = self.operator;
         let nz = points[2];
         let [block, mode] = self.place;
         let column = block * T::LANES;
@@ -104,14 +117,18 @@ impl<T: Real> Work<T> for Multiply<'_, T> {
         let square = k2.mul_add(k2, k1.mul(k1));
         let one = V::splat(T::from_f64(1.0));
         let zero = V::splat(T::default());
+        let widening = V::splat(*widening);
         // SAFETY: the columns have nz elements; the mode nz/2 is set to zero, all others are k3 and -k3 in turn.
         unsafe {
             let inverse = part::<T, V>(inverse, in_plane);
-            self.project([k1, k2, zero], inverse, plane.mul(V::splat(axis[0])).mul(inverse), 0);
+            let level = square.mul_add(widening, one);
+            let factor = plane.mul(V::splat(axis[0])).mul(inverse).mul(level).mul(level);
+            self.project([k1, k2, zero], inverse, factor, 0);
             for m3 in 1..nz / 2 {
                 let k3 = V::splat(k3[m3]);
-                let inverse = one.div(k3.mul_add(k3, square));
-                let factor = plane.mul(V::splat(axis[m3])).mul(inverse);
+                let square = k3.mul_add(k3, square);
+                let (inverse, level) = (one.div(square), square.mul_add(widening, one));
+                let factor = plane.mul(V::splat(axis[m3])).mul(inverse).mul(level).mul(level);
                 self.project([k1, k2, k3], inverse, factor, m3);
                 self.project([k1, k2, zero.sub(k3)], inverse, factor, nz - m3);
             }

@@ -1,7 +1,7 @@
 //! A stencil along one axis.
 
-use crate::exponential::exponential;
-use crate::shape::{Shape, Sources};
+use crate::gaussian::exponential::exponential;
+use crate::gaussian::shape::{Shape, Sources};
 use solver::simd::Vector as Lanes;
 use solver::{Memory, Real};
 
@@ -44,10 +44,10 @@ impl<T: Real> Axis<T> {
                 let distance = V::load(numbers.as_ptr()).mul_add(spacing, offset);
                 distance.store(distances.as_mut_ptr());
                 let square = distance.mul(distance);
-                if S::FORCES || S::WIDE {
+                if S::FORCES {
                     exponential(square.mul(factors[0])).store(monopole.as_mut_ptr());
                 }
-                if S::DIPOLES && !S::WIDE {
+                if S::DIPOLES {
                     exponential(square.mul(factors[1])).store(dipole.as_mut_ptr());
                 }
             }
@@ -71,10 +71,9 @@ impl<T: Real> Axis<T> {
         self.distances.values()
     }
 
-    /// The Gaussians of the monopole and of the dipole; on a common Gaussian, twice the same.
+    /// The Gaussians of the monopole and of the dipole.
     #[inline(always)]
-    pub fn gaussians<S: Shape>(&self) -> [&[T]; 2] {
-        let [monopole, dipole] = &self.gaussians;
-        [monopole.values(), if S::WIDE { monopole.values() } else { dipole.values() }]
+    pub fn gaussians(&self) -> [&[T]; 2] {
+        self.gaussians.each_ref().map(Memory::values)
     }
 }

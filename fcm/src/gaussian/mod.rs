@@ -1,0 +1,11 @@
+//! The direct method's kernel: every envelope itself on the grid.
+
+mod axis;
+mod exponential;
+mod kernel;
+mod passes;
+mod shape;
+
+pub(crate) use kernel::{Gaussians, Lattice};
+pub(crate) use passes::{STEP, length};
+pub(crate) use shape::{Sources, Terms};

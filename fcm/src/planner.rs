@@ -1,0 +1,243 @@
+//! Ways to evaluate a problem.
+
+use crate::accuracy::{self, Accuracy};
+use crate::cost;
+use crate::envelope::Envelope;
+use crate::gaussian::STEP;
+use crate::plan::Plan;
+use crate::problem::{Method, MethodName, Multipoles, Precision, Problem};
+use crate::stencil::Support;
+use crate::window::Window;
+use domain::Vector;
+use solver::Grid;
+
+/// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
+/// below the tolerance: 1.1 times below in the worst of them, about six times in a typical one.
+const MONOPOLE_LEEWAY: f64 = 1.2;
+const GIVEN_LEEWAY: f64 = 0.5;
+const RIGID_LEEWAY: f64 = 0.22;
+
+/// One way to keep a tolerance: what a method needs, and the width of its Gaussian.
+struct Candidate {
+    method: MethodName,
+    accuracy: Accuracy,
+    width: f64,
+}
+
+impl Problem {
+    pub(crate) fn largest_radius(&self) -> f64 {
+        self.radii.iter().map(|r| r.0).fold(0.0, f64::max)
+    }
+
+    fn smallest_radius(&self) -> f64 {
+        self.radii.iter().map(|r| r.0).fold(f64::INFINITY, f64::min)
+    }
+
+    fn particles(&self) -> usize {
+        self.radii.iter().map(|r| r.1).sum()
+    }
+
+    /// Plans that keep the tolerance: the best of each method, precision and stencil.
+    pub(crate) fn candidates(&self) -> Vec<Plan> {
+        let mut best: Vec<Plan> = Vec::new();
+        for candidate in self.direct().into_iter().chain(self.split()) {
+            for precision in self.precisions() {
+                let plan = self.plan(&candidate, precision);
+                if plan.grid.iter().any(|&n| n < 2) {
+                    continue;
+                }
+                let alike = |other: &&mut Plan| {
+                    let same_method = (other.method == Method::Direct) == (plan.method == Method::Direct);
+                    same_method && (other.precision, other.support.support) == (precision, plan.support.support)
+                };
+                match best.iter_mut().find(alike) {
+                    Some(other) if other.predicted_seconds <= plan.predicted_seconds => {}
+                    Some(other) => *other = plan,
+                    None => best.push(plan),
+                }
+            }
+        }
+        best
+    }
+
+    fn allows(&self, method: MethodName) -> bool {
+        self.fixed.method.is_none_or(|fixed| fixed == method)
+    }
+
+    fn precisions(&self) -> impl Iterator<Item = Precision> {
+        let single = self.tolerance >= accuracy::FINEST_SINGLE || self.fixed.precision.is_some();
+        let enough = move |precision: &Precision| single || *precision == Precision::Double;
+        let fixed = self.fixed.precision;
+        let all = [Precision::Single, Precision::Double].into_iter();
+        all.filter(enough).filter(move |&precision| fixed.is_none_or(|fixed| fixed == precision))
+    }
+
+    /// The tolerance over the error that its hardest part may have. The bounds are those of gradients; with forces
+    /// alone, velocities come out better. The stresslets of rigid spheres answer to rates of strain that may be small
+    /// beside the loads' own, and come out worse.
+    fn leeway(&self) -> f64 {
+        match (self.multipoles, self.rigid) {
+            (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
+            (Multipoles::Dipole, false) => GIVEN_LEEWAY,
+            (Multipoles::Dipole, true) => RIGID_LEEWAY,
+        }
+    }
+
+    fn direct(&self) -> Vec<Candidate> {
+        if !self.allows(MethodName::Direct) {
+            return Vec::new();
+        }
+        let (method, width) = (MethodName::Direct, self.narrowest());
+        let all = Accuracy::direct(self.tolerance * self.leeway()).into_iter();
+        all.map(|accuracy| Candidate { method, accuracy, width }).collect()
+    }
+
+    fn narrowest(&self) -> f64 {
+        let envelope = Envelope::of_sphere(self.smallest_radius());
+        match self.multipoles {
+            Multipoles::Monopole => envelope.monopole,
+            Multipoles::Dipole => envelope.dipole,
+        }
+    }
+
+    /// Common Gaussians worth trying: those for each good number of points along the longest edge.
+    fn split(&self) -> Vec<Candidate> {
+        let [fewest, most] = Window::POINTS;
+        if !self.allows(MethodName::Split) || self.fixed.support.is_some_and(|p| !(fewest..=most).contains(&p)) {
+            return Vec::new();
+        }
+        let least = Envelope::of_sphere(self.largest_radius()).monopole;
+        if let Some(width) = self.fixed.width {
+            return self.of_width(width);
+        }
+        if let Some(grid) = self.fixed.grid {
+            let spacing = (self.edges / Vector::from_array(grid.map(|n| n as f64))).max_element();
+            let mut all = self.of_spacing(spacing);
+            for candidate in &mut all {
+                candidate.width = (candidate.width * self.stretch()).max(least);
+            }
+            return all;
+        }
+        let mut all = self.of_width(least);
+        let mut points = 7;
+        loop {
+            points = Grid::good_size(points + 1);
+            let mut some = self.of_spacing(self.edges.max_element() / points as f64);
+            some.retain(|candidate| candidate.width > least);
+            if some.is_empty() {
+                return all;
+            }
+            all.append(&mut some);
+        }
+    }
+
+    /// Those with one Gaussian.
+    fn of_width(&self, width: f64) -> Vec<Candidate> {
+        let roughness = |resolution: f64| accuracy::roughness(self.rest(), width / resolution);
+        let all = Accuracy::split(self.tolerance * self.leeway(), roughness).into_iter();
+        all.map(|accuracy| Candidate { method: MethodName::Split, accuracy, width }).collect()
+    }
+
+    /// Those with one spacing.
+    fn of_spacing(&self, spacing: f64) -> Vec<Candidate> {
+        let roughness = |_| accuracy::roughness(self.rest(), spacing);
+        let all = Accuracy::split(self.tolerance * self.leeway(), roughness).into_iter();
+        let method = MethodName::Split;
+        all.map(|accuracy| Candidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
+    }
+
+    /// The largest `|d - D| / 2` of the envelopes whose derivatives are asked for, see
+    /// [`Common`](crate::envelope::Common).
+    fn rest(&self) -> f64 {
+        let [smallest, largest] = [self.smallest_radius(), self.largest_radius()].map(|radius| {
+            let envelope = Envelope::of_sphere(radius);
+            if self.multipoles == Multipoles::Monopole { envelope.monopole } else { envelope.dipole }
+        });
+        0.25 * (largest * largest - smallest * smallest)
+    }
+
+    /// A grid sheared by `s` resolves `sqrt(1 + s^2)` less along y, and a sphere reaches as much farther along the
+    /// lattice coordinate of x.
+    fn stretch(&self) -> f64 {
+        (1.0 + self.largest_strain * self.largest_strain).sqrt()
+    }
+
+    fn plan(&self, candidate: &Candidate, precision: Precision) -> Plan {
+        let Candidate { method, accuracy, width } = *candidate;
+        let grid = self.fixed.grid.unwrap_or_else(|| {
+            let sheared = Vector::new(1.0, self.stretch(), 1.0);
+            let needed = self.edges / width * accuracy.resolution * sheared;
+            needed.to_array().map(|n| Grid::good_size((n - 1e-9).ceil() as usize))
+        });
+        let spacing = self.edges / Vector::from_array(grid.map(|n| n as f64));
+        let widest = match method {
+            MethodName::Split => width,
+            MethodName::Direct => Envelope::of_sphere(self.largest_radius()).monopole,
+        };
+        let support = self.support(candidate, spacing, widest);
+        let method = match method {
+            MethodName::Direct => Method::Direct,
+            MethodName::Split => {
+                Method::Split { width, cutoff: self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width)) }
+            }
+        };
+        let mut radii: Vec<f64> = self.radii.iter().map(|r| r.0).collect();
+        radii.sort_by(f64::total_cmp);
+        radii.dedup();
+        let mut plan = Plan {
+            edges: self.edges,
+            radii,
+            viscosity: self.viscosity,
+            multipoles: self.multipoles,
+            tolerance: self.tolerance,
+            iteration_tolerance: self.fixed.iteration_tolerance.unwrap_or(0.25 * self.tolerance),
+            method,
+            precision,
+            grid,
+            support,
+            predicted_error: self.expected(method, [width, widest], spacing, support),
+            predicted_seconds: 0.0,
+        };
+        plan.predicted_seconds = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks * self.threads);
+        plan
+    }
+
+    /// The cutoff that a common Gaussian needs.
+    fn cutoff(&self, width: f64) -> f64 {
+        width * accuracy::cutoff(self.tolerance * self.leeway(), self.rest() / (width * width))
+    }
+
+    /// The stencils that a candidate needs on a grid.
+    fn support(&self, candidate: &Candidate, spacing: Vector, widest: f64) -> Support {
+        let needed = candidate.accuracy.points;
+        if candidate.method == MethodName::Split {
+            let support = self.fixed.support.unwrap_or(needed);
+            return Support {
+                lanes: support.next_multiple_of(STEP),
+                support,
+                reach: 0.5 * support as f64 * spacing.max_element(),
+            };
+        }
+        let reach = 0.5 * needed as f64 / candidate.accuracy.resolution * widest;
+        let points = |h: f64| self.fixed.support.unwrap_or((2.0 * reach / h - 1e-9).ceil() as usize);
+        let reach = self.fixed.support.map_or(reach, |points| 0.5 * points as f64 * spacing.max_element());
+        Support {
+            lanes: points(spacing.x / self.stretch()).next_multiple_of(STEP),
+            support: points(spacing.y).max(points(spacing.z)),
+            reach,
+        }
+    }
+
+    /// The error of what is done, with what the user fixed: with the narrowest and the widest Gaussian on the grid.
+    fn expected(&self, method: Method, [narrowest, widest]: [f64; 2], spacing: Vector, support: Support) -> f64 {
+        let resolution = narrowest / (spacing * Vector::new(1.0, self.stretch(), 1.0)).max_element();
+        match method {
+            Method::Direct => accuracy::direct_error(resolution, support.reach / widest),
+            Method::Split { width, cutoff } => {
+                let roughness = accuracy::roughness(self.rest(), spacing.min_element());
+                accuracy::split_error(resolution, support.support, roughness)
+                    .hypot(accuracy::cutoff_error(cutoff / width, self.rest() / (width * width)))
+            }
+        }
+    }
+}
