@@ -1,4 +1,5 @@
-"""Fig. 22: mean settling velocities of two sizes of equal density against the total concentration."""
+"""Fig. 22: mean settling velocities of two sizes of equal density against the total concentration. The coefficients of the theories
+are those of spheres that encounters have arranged; those of spheres at random are larger."""
 
 import numpy as np
 
@@ -30,6 +31,7 @@ def draw(mode):
             report.points(f"{name}, $\\lambda$ = {ratio:g}, without images", totals, found, panel, **style)
             for label, formula, style in (
                 ("Batchelor & Wen", theory.batchelor_wen, "-"), ("Davis & Gecol", theory.davis_gecol, "--"),
+                ("Davis & Gecol, pairs at random", at_random, ":"),
             ):
                 values = [formula((phi / 2, phi / 2), radii)[place] for phi in line]
                 report.curve(f"{label}, {name}", line, values, panel, color=colour, linestyle=style)
@@ -37,10 +39,16 @@ def draw(mode):
                 if phi in (0.02, 0.10):
                     formula = theory.batchelor_wen if phi < 0.06 else theory.davis_gecol
                     source = "Batchelor & Wen" if phi < 0.06 else "Davis & Gecol"
-                    expected = formula((phi / 2, phi / 2), radii)[place]
-                    report.compare(f"{name}, λ = {ratio:g}, {phi:.0%}", source, expected, point, 0.15)
+                    for said, expected in ((source, formula), ("pairs at random", at_random)):
+                        value = expected((phi / 2, phi / 2), radii)[place]
+                        report.compare(f"{name}, λ = {ratio:g}, {phi:.0%}", said, value, point, 0.15)
         report.label(r"$\phi$", "$U_i / U_{oi}$", panel, ylim=(0, 1.05))
     return report
+
+
+def at_random(fractions, radii):
+    """Davis & Gecol's formula with the coefficients of pairs at random."""
+    return theory.davis_gecol(fractions, radii, theory.random_coefficient)
 
 
 if __name__ == "__main__":

@@ -1,30 +1,34 @@
 """Fig. 24: settling of equal spheres of two densities, the first 2% by volume, against the total concentration. The theory is that
-of pairs at random with exact mobilities; Davis & Gecol's coefficients for other ratios of densities and the data of Revay &
-Higdon are not known as numbers and are left out."""
+of pairs at random with exact mobilities; places alone are those of hard spheres at equilibrium. Davis & Gecol's coefficients for
+other ratios of densities and the data of Revay & Higdon are not known as numbers and are left out."""
 
 import numpy as np
 
 import settling
 import theory
-from report import Report, main
-from runs import make
+from report import Report, main, shown
+from runs import make, over_seeds
+
+# Means over parts of a run that show its course.
+BLOCKS = 20
 
 
 def draw(mode):
     """Both sink, or one rises; what the images in the box take off is added back."""
     seconds = settling.SECOND[mode]
     own, other = theory.random_pairs()
-    report = Report("fig24", mode, "Fig. 24: settling of two densities", panels=2)
+    report = Report("fig24", mode, "Fig. 24: settling of two densities", panels=3)
     for panel, ratio in enumerate((2.0, -1.0)):
         both = {phi: settling.two_densities(ratio, phi) for phi in seconds}
-        dynamic = {phi: settling.dynamic(species, mode) for phi, species in both.items()}
+        time = settling.STREAMS_TIME[mode] if ratio < 0 else None
+        dynamic = {phi: settling.dynamic(species, mode, time=time) for phi, species in both.items()}
         static = {phi: settling.static(species, mode) for phi, species in both.items()}
         make(sum([*dynamic.values(), *static.values()], []))
         totals = [0.02 + phi for phi in seconds]
         line = np.linspace(0.02, totals[-1], 20)
         for place, (name, stokes) in enumerate((("first", 1.0), ("second", ratio))):
             velocities = {}
-            for kind, cases, marker in (("runs", dynamic, "o"), ("random places", static, "^")):
+            for kind, cases, marker in (("runs", dynamic, "o"), ("equilibrium", static, "^")):
                 edges = {phi: settling.edge_for(species, mode) for phi, species in both.items()}
                 velocities[kind] = [
                     settling.settled(runs, both[phi], place, edges[phi])[1] for phi, runs in cases.items()
@@ -36,17 +40,30 @@ def draw(mode):
             theory_line = 1 + 0.02 * of_first + (line - 0.02) * of_second
             report.curve(f"{name}: pairs at random", line, theory_line, panel, color=f"C{place}")
             expected = 1 + 0.02 * of_first + seconds[0] * of_second
-            name_of = f"{name}, γ = {ratio:g}, {totals[0]:.0%}, random places"
-            report.compare(name_of, "pairs at random", expected, velocities["random places"][0], 0.15)
+            name_of = f"{name}, γ = {ratio:g}, {totals[0]:.0%}, equilibrium"
+            report.compare(name_of, "pairs at random", expected, velocities["equilibrium"][0])
             if ratio < 0 and name == "first":
                 values = [value for value, _ in velocities["runs"]]
                 told = ", ".join(f"{value:.3f}" for value in values)
                 report.state("first, γ = -1, runs", "grows with the total (paper)", told, values[-1] > values[0])
-                last = [velocities[kind][-1][0] for kind in ("runs", "random places")]
-                told = f"{last[0]:.3f} in runs, {last[1]:.3f} at random"
-                report.state(f"first, γ = -1, {totals[-1]:.0%}", "larger in runs (paper)", told, last[0] > last[1])
+                streams(report, totals, dynamic.values(), static[seconds[-1]])
         report.label(r"$\phi$", "$U_i / U_{oi}$", panel)
     return report
+
+
+def streams(report, totals, dynamic, places):
+    """How the velocity of the first species changes with time where the second rises, in the box, beside that at places at
+    equilibrium for the largest total."""
+    at_places, error = over_seeds(places, settling.downwards("first"))
+    for total, (run, *_) in zip(totals, dynamic):
+        times, values = (np.array(column) for column in run.series("mean_velocity_z[first]"))
+        blocks = [block.mean(axis=1) for block in np.array_split(np.array([times, -values]), BLOCKS, axis=1)]
+        report.curve(f"{total:.0%}", *np.transpose(blocks), 2)
+    report.curve(f"{totals[-1]:.0%}, equilibrium", times[[0, -1]], [at_places] * 2, 2, color="0.5", linestyle="--")
+    early, late = np.mean(blocks[: BLOCKS // 4], axis=0)[1], np.mean(blocks[-BLOCKS // 4 :], axis=0)[1]
+    told = f"{early:.3f} in the first quarter, {late:.3f} in the last, {shown((at_places, error))} at equilibrium"
+    report.state(f"first, γ = -1, {totals[-1]:.0%}, in the box", "larger in runs (paper)", told, late > at_places + 2 * error)
+    report.label("Stokes times", "$U_1 / U_{o1}$ in the box, $\\gamma = -1$", 2)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ def draw(mode):
         for pair in {(first, second), (second, first)}:
             axes.plot(*pair, "o", color="k" if separates else "0.7", markersize=10)
         expected = "separates" if first + second > LIMIT else "stays mixed"
-        quantity = f"intensity at {first:.0%} + {second:.0%} after {settling.SEGREGATION_TIME[mode]:g} Stokes times"
+        quantity = f"intensity at {first:.0%} + {second:.0%} after {settling.SEGREGATION_TIME:g} Stokes times"
         report.state(quantity, f"{expected} (paper)", shown(intensity), separates == (first + second > LIMIT))
     axes.plot([0, LIMIT], [LIMIT, 0], "--", color="0.5", label="15% in total")
     report.label(r"$\phi_1$", r"$\phi_2$", xlim=(0, 0.2), ylim=(0, 0.2))

@@ -11,30 +11,48 @@ TERMS = (("xx", "$T_{11}$"), ("yy", "$T_{22}$"), ("zz", "$T_{33}$"))
 
 
 def draw(mode):
-    """Fluctuations of equal spheres, beside those of pairs."""
-    cases = shear.by_fraction(mode)
-    make(sum(cases.values(), []))
+    """Fluctuations of equal spheres, with lubrication and without, beside those of pairs."""
+    cases = {kind: shear.by_fraction(mode, kind == "lubricated") for kind in ("barrier", "lubricated")}
+    make(sum([runs for one in cases.values() for runs in one.values()], []))
     report = Report("fig5", mode, "Fig. 5: velocity fluctuations in shear")
-    fractions = np.array(list(cases))
-    found = {term: [over_seeds(runs, shear.tensor(term)) for runs in cases.values()] for term, _ in TERMS}
+    fractions = np.array(shear.FRACTIONS)
+    found = {}
+    for kind, fill, suffix in (("barrier", "full", ""), ("lubricated", "none", ", lubrication")):
+        for place, ((term, label), marker) in enumerate(zip(TERMS, "*o^")):
+            found[kind, term] = [over_seeds(runs, shear.tensor(term)) for runs in cases[kind].values()]
+            style = {"marker": marker, "fillstyle": fill, "color": f"C{place}", "linestyle": "none"}
+            report.points(label + suffix, fractions, found[kind, term], **style)
     pairs = DilutePairs()
-    for (term, label), marker in zip(TERMS, "*o^"):
-        report.points(label, fractions, found[term], marker=marker, linestyle="none")
     for kind, style in (("sheared", "-"), ("random", "--")):
         in_plane, _, across = pairs.slopes(kind)
         report.curve(f"pairs, {kind}: $T_{{11}} = T_{{22}}$", fractions, in_plane * fractions, color="0.3", linestyle=style)
         report.curve(f"pairs, {kind}: $T_{{33}}$", fractions, across * fractions, color="0.6", linestyle=style)
     report.label(r"$\phi$", r"$T_{ii} / (\dot\gamma a)^2$")
-    five = list(fractions).index(0.05)
+    for name, kind in (("", "barrier"), (", lubrication", "lubricated")):
+        judge(report, name, {term: found[kind, term][shear.FRACTIONS.index(0.05)] for term, _ in TERMS}, pairs)
+    growth = [quotient(*both) for both in zip(found["lubricated", "yy"], found["barrier", "yy"])]
+    for fraction in (0.05, 0.15):
+        over = growth[shear.FRACTIONS.index(fraction)]
+        report.compare(f"T22 with lubrication over without, {fraction:.0%}", "without it 10% less (paper)", 1 / 0.9, over)
+    return report
+
+
+def judge(report, name, at_five, pairs):
+    """Beside the theories, at 5%."""
     for term, place in (("yy", 1), ("zz", 2)):
-        value, error = found[term][five]
+        value, error = at_five[term]
         for kind in ("random", "sheared"):
             expected = pairs.slopes(kind)[place]
-            name = f"T{place + 1}{place + 1}/φ at 5%"
-            report.compare(name, f"pairs, {kind} (Drazer et al.)", expected, (value / 0.05, error / 0.05))
-    plane, across = found["yy"][five][0], found["zz"][five][0]
-    report.state("T22 / T33 at 5%", "nearly 4 (paper)", f"{plane / across:.2f}", 3 < plane / across < 5)
-    return report
+            quantity = f"T{place + 1}{place + 1}/φ at 5%{name}"
+            report.compare(quantity, f"pairs, {kind} (Drazer et al.)", expected, (value / 0.05, error / 0.05))
+    apart = at_five["yy"][0] / at_five["zz"][0]
+    report.state(f"T22 / T33 at 5%{name}", "nearly 4 (paper)", f"{apart:.2f}", 3 < apart < 5)
+
+
+def quotient(above, below):
+    """With its error."""
+    value = above[0] / below[0]
+    return value, value * ((above[1] / above[0]) ** 2 + (below[1] / below[0]) ** 2) ** 0.5
 
 
 if __name__ == "__main__":

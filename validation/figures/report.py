@@ -93,15 +93,26 @@ def number(path):
     return int(path.stem.partition("fig")[2] or 1000)
 
 
+def table(columns, rows):
+    """The lines of a table."""
+
+    def line(cells):
+        return "| " + " | ".join(cells) + " |"
+
+    return [line(columns), "|" + "---|" * len(columns), *map(line, rows)]
+
+
 def write_page(page):
     """The page of all its figures that have been made, after the text that says what to make of them."""
     figures, about = PAGES[page]
     lines = [(ROOT / "validation" / "figures" / f"{about}.md").read_text().rstrip()]
+    cost = DATA / "cost.json"
+    if page == "figures" and cost.exists():
+        lines += ["", "## What the runs cost", "", "`scripts/reproduce cost`", "", *table(**json.loads(cost.read_text()))]
     for path in sorted(DATA.glob(f"{figures}.json"), key=number):
         judged = json.loads(path.read_text())
         lines += ["", f"## {judged['title']}", "", f"`scripts/reproduce {path.stem} --{judged['mode']}`", ""]
-        lines += ["| quantity | paper or theory | here | verdict |", "|---|---|---|---|"]
-        lines += ["| " + " | ".join(row) + " |" for row in judged["rows"]]
+        lines += table(["quantity", "paper or theory", "here", "verdict"], judged["rows"])
         lines += ["", f"![{judged['title']}](figures/{path.stem}.png)"]
     (ROOT / "docs" / "src" / f"{page}.md").write_text("\n".join(lines) + "\n")
 

@@ -46,7 +46,7 @@ class Run:
     """A scene and the folder of its results."""
 
     def __init__(self, name, scene, threads=1):
-        self.name, self.text, self.threads = name, scene_text(scene), threads
+        self.name, self.scene, self.text, self.threads = name, scene, scene_text(scene), threads
         self.folder = FOLDER / name
         self.finished = self.folder / "finished.toml"
 
@@ -70,11 +70,24 @@ class Run:
         else:
             started.write_text(self.text)
             command = [PROGRAM, "run", started, "--out", self.folder, "--force"]
-        ended = subprocess.run([*map(str, command), "--threads", str(self.threads)], capture_output=True, text=True)
-        if ended.returncode:
-            raise SystemExit(f"{self.name}: {ended.stderr.strip().splitlines()[-1]}\nfolder: {self.folder}")
+        self.carry_out([*map(str, command), "--threads", str(self.threads)], goes_on)
         self.finished.write_text(self.text)
-        print(f"finished   {self.name}", flush=True)
+        print(f"finished   {self.name}, {self.seconds():.0f} s of a core in all", flush=True)
+
+    def carry_out(self, command, goes_on):
+        """Runs the program, and notes the seconds of all cores that it took, beside those of the parts before."""
+        log, before = self.folder / "log.txt", self.seconds() if goes_on else 0.0
+        with open(log, "w") as file:
+            child = subprocess.Popen(command, stdout=file, stderr=file)
+            _, status, used = os.wait4(child.pid, 0)
+        (self.folder / "seconds.txt").write_text(f"{before + used.ru_utime + used.ru_stime:.1f}\n")
+        if status:
+            raise SystemExit(f"{self.name}: {log.read_text().strip().splitlines()[-1]}\nfolder: {self.folder}")
+
+    def seconds(self):
+        """The seconds of a core that it has taken, zero where they are not known."""
+        noted = self.folder / "seconds.txt"
+        return float(noted.read_text()) if noted.exists() else 0.0
 
     def summary(self):
         """Value and error by (quantity, species)."""
@@ -107,11 +120,13 @@ def make(runs):
 
 
 def over_seeds(runs, quantity):
-    """A quantity of runs that differ in their seeds alone: its mean, and the error of that. `quantity` gives value and error
-    of one run; a single run has the error that it says."""
-    found = [quantity(run) for run in runs]
-    values = [value for value, _ in found]
-    mean = sum(values) / len(values)
-    if len(values) == 1:
-        return mean, found[0][1]
-    return mean, math.sqrt(sum((v - mean) ** 2 for v in values) / len(values) / (len(values) - 1))
+    """A quantity of runs that differ in their seeds alone: its mean, and the error of that, by the scatter of the runs or by their
+    own errors, whichever is larger: few runs may happen to agree. `quantity` gives value and error of one run."""
+    values, errors = zip(*(quantity(run) for run in runs))
+    count = len(values)
+    mean = sum(values) / count
+    own = math.sqrt(sum(error**2 for error in errors)) / count
+    if count == 1:
+        return mean, own
+    scatter = math.sqrt(sum((value - mean) ** 2 for value in values) / count / (count - 1))
+    return mean, max(scatter, own) if math.isfinite(own) else scatter

@@ -3,16 +3,23 @@
 Lengths are in units of the (small) radius, velocities of the Stokes velocity of a sphere of species 1; viscosity 1. Species
 settle along -z."""
 
-from runs import WEIGHT, Run, over_seeds, volume
+import functools
+import sys
+
+from runs import ROOT, WEIGHT, Run, over_seeds, volume
 from theory import periodic_images
 
-# Stokes times, those before sampling, time step, seeds, spheres of the scarcer species, seeds of random placing alone.
+sys.path.insert(0, str(ROOT / "validation"))
+from support import hard_spheres
+
+# Stokes times, those before sampling, seeds, spheres of the scarcer species, least side of the box, samples of places alone.
 SIZE = {
-    "quick": {"time": 30.0, "settled": 5.0, "step": 0.01, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 6},
-    "full": {"time": 400.0, "settled": 20.0, "step": 0.01, "seeds": 2, "scarce": 100, "least": 48.0, "placings": 50},
+    "quick": {"time": 30.0, "settled": 5.0, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 12},
+    "full": {"time": 400.0, "settled": 20.0, "seeds": 1, "scarce": 100, "least": 48.0, "placings": 12},
 }
-# Force at contact over the weight of the lighter sphere and the squared ratio of radii.
-BARRIER, RANGE = 2.0, 0.2
+STEP = 0.01
+# Force at contact over the weight of the lighter sphere and the squared ratio of radii, the gap where it starts, and a shorter one.
+BARRIER, RANGE, SHORT_RANGE = 2.0, 0.2, 0.05
 
 
 def scene(species, edge, mode, seed, time=None):
@@ -33,8 +40,8 @@ def scene(species, edge, mode, seed, time=None):
         "species": [kind(*one) for one in species],
         "particles": {"initial": "random", "minimum_gap": 0.01},
         "repulsion": {"strength": BARRIER * WEIGHT * largest**2, "range": RANGE},
-        "hydrodynamics": {"tolerance": 1e-2 if mode == "quick" else 1e-3},
-        "time": {"step": size["step"], "steps": round(time / size["step"])},
+        "hydrodynamics": {"tolerance": 1e-2},
+        "time": {"step": STEP, "steps": round(time / STEP)},
         "output": {"trajectory_every": 0, "observables_every": 10, "checkpoint_every": 500},
         "statistics": {"every": 10, "from": min(size["settled"], time), "axis": "z"},
     }
@@ -61,41 +68,66 @@ def dynamic(species, mode, edge=None, time=None):
     ]
 
 
+def closer(runs):
+    """The same runs with a barrier that lets spheres come closer."""
+    return [Run(f"{run.name}-closer", run.scene | {"repulsion": run.scene["repulsion"] | {"range": SHORT_RANGE}}) for run in runs]
+
+
 def static(species, mode, multipoles="dipole"):
-    """Random places and nothing more, averaged over many."""
+    """Spheres of radius 1 at the places of hard spheres at equilibrium and nothing more, averaged over many."""
+    least = edge_for(species, mode)
+    counts = [round(phi * least**3 / volume(1)) for *_, phi in species]
+    total = sum(phi for *_, phi in species)
 
     def run(seed):
-        text = scene(species, edge_for(species, mode), mode, seed, 0.0)
+        centres, edge = places(sum(counts), total, seed)
+        text = scene([(*one[:3], count) for one, count in zip(species, counts)], edge, mode, seed, 0.0)
+        text["particles"] = {"initial": "positions", "positions": centres}
         text["hydrodynamics"]["multipoles"] = multipoles
         return Run(f"settling/{mode}-{multipoles}-{name_of(species)}-{seed}", text)
 
     return [run(seed) for seed in range(101, 101 + SIZE[mode]["placings"])]
 
 
-def settled(runs, species, place, edge):
+@functools.cache
+def places(count, fraction, seed):
+    """Centres and the side of their box."""
+    centres, edge = hard_spheres.equilibrium(count, fraction, seed, sweeps=150)
+    return centres.round(6).tolist(), edge
+
+
+def settled(runs, species, place, edge, rigid=True):
     """The mean velocity downwards of a species of some runs, by its place in the list, over its Stokes velocity: as it is in the
-    box, and with what the images of the box take off added back. Both with errors."""
+    box, and with what the images of the box take off added back. Both with errors. Spheres that are not rigid do not make the
+    suspension more viscous."""
     name, radius, density, _ = species[place]
     stokes = density * radius**2
+    value, error = (number / stokes for number in over_seeds(runs, downwards(name)))
+    return (value, abs(error)), (value + periodic_images(species, edge, rigid)[place], abs(error))
 
-    def mean(run):
+
+def downwards(name):
+    """Of a run: the mean velocity of a species against the z axis, with its error."""
+
+    def of(run):
         value, error = run.summary()["mean_velocity_z", name]
-        return -value / stokes, error / abs(stokes)
+        return -value, error
 
-    value, error = over_seeds(runs, mean)
-    return (value, error), (value + periodic_images(species, edge)[place], error)
+    return of
 
 
 # The cases of each figure: Stokes times are those of species 1.
 MONODISPERSE = (0.02, 0.05, 0.10, 0.15, 0.20)
 TOTALS = {"quick": (0.02, 0.06, 0.10, 0.15), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.15)}
-WIDTHS = {"quick": (20.0, 28.0, 40.0), "full": (24.0, 32.0, 48.0, 64.0, 96.0)}
+WIDTHS = {"quick": (20.0, 28.0, 40.0), "full": (24.0, 32.0, 48.0, 64.0)}
 SECOND = {"quick": (0.02, 0.05, 0.10), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.13)}
 PAIRS = {
     "quick": ((0.03, 0.03), (0.06, 0.06), (0.10, 0.10)),
     "full": ((0.02, 0.02), (0.04, 0.04), (0.06, 0.06), (0.08, 0.08), (0.10, 0.10), (0.05, 0.15), (0.02, 0.15), (0.12, 0.12)),
 }
-SEGREGATION_TIME = {"quick": 60.0, "full": 400.0}
+SEGREGATION_TIME = 400.0
+# Long enough for streams to begin.
+STREAMS_TIME = {"quick": 120.0, "full": 400.0}
 TEST_RATIOS = {"quick": (1.2, 2.0, 2.8), "full": (1.0, 1.2, 1.6, 2.0, 2.4, 2.8)}
 TEST_TIME = {"quick": 60.0, "full": 400.0}
 # One test sphere in the paper; a few in the same box when time is short.
@@ -116,7 +148,7 @@ def two_densities(density_ratio, second, first=0.02):
 
 def segregation(first, second, mode):
     species = [("heavy", 1.0, 1.0, first), ("light", 1.0, -1.0, second)]
-    return dynamic(species, mode, time=SEGREGATION_TIME[mode])
+    return dynamic(species, mode, time=SEGREGATION_TIME)
 
 
 def test_sphere(stokes_ratio, mode):

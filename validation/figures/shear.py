@@ -4,15 +4,18 @@ Lengths are in units of the (small) radius, times of the inverse shear rate; vis
 
 from runs import Run, volume
 
-# The force at contact that keeps spheres of radius 1 apart at all volume fractions here, and the gap where it starts: the
-# paper's 20% of the radius in figures 4 and 10, or 2.5% with lubrication.
-BARRIER, RANGE, RANGE_WITH_LUBRICATION = 80.0, 0.2, 0.025
+# The force at contact that keeps spheres of radius 1 apart at all volume fractions here, and the gap where it starts: that of
+# the paper's figures 4 and 10, without and with lubrication.
+BARRIER, RANGE, RANGE_WITH_LUBRICATION = 80.0, 0.2, 0.05
 
-# Particles at each volume fraction, length in strains, strain before sampling, time step, seeds of one size and of two.
+# Particles at each volume fraction or side of the box, strains of equal spheres and of two sizes, time step, seeds of equal
+# spheres, of those with lubrication, and of two sizes.
 SIZE = {
-    "quick": {"particles": 150, "strain": 80.0, "settled": 10.0, "step": 0.01, "seeds": 2, "mixed": 1, "edge": 22.0},
-    "full": {"particles": None, "strain": None, "settled": 20.0, "step": 0.005, "seeds": 2, "mixed": 2, "edge": 48.0},
+    "quick": {"particles": 150, "edge": 22.0, "strains": (80.0, 40.0), "step": 0.01, "seeds": 2, "lubricated": 1, "mixed": 2},
+    "full": {"particles": None, "edge": 48.0, "strains": None, "step": 0.005, "seeds": 1, "lubricated": 1, "mixed": 1},
 }
+# Strains before sampling.
+SETTLED = 10.0
 FRACTIONS = (0.01, 0.05, 0.10, 0.15, 0.20)
 # Correlations last for about this long (figure 8), and motion is diffusive after it (figure 9).
 DIFFUSIVE = 8.0
@@ -22,12 +25,11 @@ def scene(species, edge, mode, seed, lubrication=False):
     """A sheared suspension of species given as (name, radius, volume fraction)."""
     size = SIZE[mode]
     fraction = sum(phi for _, _, phi in species)
-    # The paper's runs are as long as 100 phi^(-1/3).
-    strain = size["strain"] or 100 * fraction ** (-1 / 3)
     largest = max(radius for _, radius, _ in species)
     # The barrier of the large spheres is stiff for the small ones.
     step = size["step"] if largest == 1 else min(size["step"], 0.005)
-    strain = strain if largest == 1 or mode == "full" else 40.0
+    # The paper's length where none is given.
+    strain = size["strains"][largest > 1] if size["strains"] else 100 * fraction ** (-1 / 3)
     return {
         "title": "Sheared suspension",
         "seed": seed,
@@ -37,10 +39,10 @@ def scene(species, edge, mode, seed, lubrication=False):
         "particles": {"initial": "random", "minimum_gap": 0.05},
         "flow": {"kind": "shear", "rate": 1.0, "lees_edwards": True},
         "repulsion": {"strength": BARRIER * largest, "range": RANGE_WITH_LUBRICATION if lubrication else RANGE},
-        "hydrodynamics": {"tolerance": 1e-2 if mode == "quick" else 1e-3, "lubrication": lubrication},
+        "hydrodynamics": {"tolerance": 1e-2, "lubrication": lubrication},
         "time": {"step": step, "duration": strain},
         "output": {"trajectory_every": 0, "observables_every": 10, "checkpoint_every": 500},
-        "statistics": {"every": round(0.1 / step), "from": size["settled"], "diffusive_from": DIFFUSIVE},
+        "statistics": {"every": round(0.1 / step), "from": SETTLED, "diffusive_from": DIFFUSIVE},
     }
 
 
@@ -48,11 +50,11 @@ def monodisperse(fraction, mode, lubrication=False):
     """The runs of equal spheres at a volume fraction, which differ in their seeds."""
     size = SIZE[mode]
     edge = size["edge"] if size["particles"] is None else (size["particles"] * volume(1) / fraction) ** (1 / 3)
-    kind = "lubrication" if lubrication else "barrier"
+    kind, seeds = ("lubrication", size["lubricated"]) if lubrication else ("barrier", size["seeds"])
     species = [("sphere", 1.0, fraction)]
     return [
         Run(f"shear/{mode}-{kind}-{fraction:g}-{seed}", scene(species, edge, mode, seed, lubrication))
-        for seed in range(1, size["seeds"] + 1)
+        for seed in range(1, seeds + 1)
     ]
 
 

@@ -18,6 +18,12 @@ def richardson_zaki(phi, exponent=4.7):
     return (1 - phi) ** exponent
 
 
+def brownian(phi):
+    """Fit of the settling of Brownian spheres, which are spread as hard spheres at equilibrium are: Brzinski & Durian,
+    arXiv:1710.09314 (2018). Their exponent for the others is 4.48."""
+    return richardson_zaki(phi, 5.6)
+
+
 def batchelor(phi):
     """Batchelor, J. Fluid Mech. 52, 245 (1972): equal spheres at random, dilute."""
     return 1 - 6.55 * phi
@@ -51,14 +57,15 @@ def structure(densities, radii):
     return np.linalg.inv(np.transpose(change)) / densities[:, None]
 
 
-def periodic_images(species, edge):
+def periodic_images(species, edge, rigid=True):
     """What the images of a cubic box take off the mean settling velocity of each species at random places, over its Stokes
     velocity: 2.8373 a_i / L sum_j S_ij F_j / F_i / eta (Mo & Sangani, Phys. Fluids 6, 1637, 1994, for one species), with the
-    viscosity 1 + 5/2 phi + 5 phi^2. Species are (name, radius, density difference, volume fraction)."""
+    viscosity 1 + 5/2 phi + 5 phi^2 of rigid spheres, or 1. Species are (name, radius, density difference, volume fraction)."""
     radii, excess, fractions = (np.array(column, float) for column in list(zip(*species))[1:])
     forces, phi = excess * radii**3, sum(fractions)
     mixed = structure(fractions / (4 / 3 * np.pi * radii**3), radii) @ forces / forces
-    return 2.8373 * radii / edge * mixed / (einstein(phi) + 5 * phi**2)
+    viscosity = einstein(phi) + 5 * phi**2 if rigid else 1.0
+    return 2.8373 * radii / edge * mixed / viscosity
 
 
 def einstein(phi):
@@ -78,17 +85,17 @@ def batchelor_wen(fractions, radii):
     return [1 + sum(sedimentation_coefficient(b / a) * phi for phi, b in zip(fractions, radii)) for a in radii]
 
 
-def davis_gecol(fractions, radii):
-    """Davis & Gecol, AIChE J. 40, 570 (1994), eq. (5)."""
-    own, total = sedimentation_coefficient(1.0), sum(fractions)
-    extra = [sum((sedimentation_coefficient(b / a) - own) * phi for phi, b in zip(fractions, radii)) for a in radii]
+def davis_gecol(fractions, radii, coefficient=sedimentation_coefficient):
+    """Davis & Gecol, AIChE J. 40, 570 (1994), eq. (5), with their coefficients or others."""
+    own, total = coefficient(1.0), sum(fractions)
+    extra = [sum((coefficient(b / a) - own) * phi for phi, b in zip(fractions, radii)) for a in radii]
     return [(1 - total) ** -own * (1 + more) for more in extra]
 
 
 @functools.cache
-def resistance(gap):
-    """The exact resistance functions of two equal spheres at a gap in radii, by name."""
-    command = [PROGRAM, "two-sphere", "--ratio", "1", "--gap", repr(gap), "--json"]
+def resistance(gap, ratio=1.0):
+    """The exact resistance functions of two spheres of radii 1 and `ratio` at a gap, by name."""
+    command = [PROGRAM, "two-sphere", "--ratio", repr(ratio), "--gap", repr(gap), "--json"]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
@@ -109,32 +116,42 @@ def pair_functions(gap):
     return a, 2 * motion[0] / r
 
 
-def velocities_by_forces(gap):
-    """Of two equal spheres: velocity along and across the line of centres, over that of a sphere alone, of the one that is
-    pushed and of the other, torques zero."""
-    f = resistance(gap)
-    along = np.linalg.inv([[f["XA11"], f["XA12"]], [f["XA21"], f["XA22"]]])
-    forces = [[6 * f["YA11"], 6 * f["YA12"]], [6 * f["YA21"], 6 * f["YA22"]]]
-    torques = [[-4 * f["YB11"], -4 * f["YB12"]], [-4 * f["YB21"], -4 * f["YB22"]]]
-    spins = [[8 * f["YC11"], 8 * f["YC12"]], [8 * f["YC21"], 8 * f["YC22"]]]
-    across = 6 * np.linalg.inv(np.block([[np.array(forces), np.transpose(torques)], [np.array(torques), np.array(spins)]]))
+def velocities_by_forces(gap, ratio=1.0):
+    """Of two spheres of radii 1 and `ratio`, torques zero: velocity of the first along and across the line of centres, over that of
+    it alone under the same force, when it is pushed and when the other is."""
+    f = resistance(gap, ratio)
+    sums = np.add.outer([1.0, ratio], [1.0, ratio])
+
+    def functions(name):
+        return np.array([[f[f"{name}11"], f[f"{name}12"]], [f[f"{name}21"], f[f"{name}22"]]])
+
+    along = np.linalg.inv(sums / 2 * functions("XA"))
+    torques = -(sums**2) * functions("YB")
+    across = 6 * np.linalg.inv(np.block([[3 * sums * functions("YA"), torques.T], [torques, sums**3 * functions("YC")]]))
     return along[0], across[0, :2]
 
 
-def random_pairs():
-    """Coefficients `(own, other)` of the velocity of equal spheres at random whose weights differ (Batchelor, J. Fluid Mech.
-    119, 379, 1982, for uniform pairs): `U_i / U_i0 = 1 + sum_j (own + other U_j0 / U_i0) phi_j`. Their sum is Batchelor's
-    -6.55."""
+def random_pairs(ratio=1.0):
+    """Coefficients `(own, other)` of the velocity of spheres among others at random that are `ratio` times as large (Batchelor,
+    J. Fluid Mech. 119, 379, 1982, for uniform pairs): `U_i / U_i0 = 1 + sum_j (own + other F_j / F_i) phi_j` with the weights F.
+    For one species their sum is Batchelor's -6.55."""
     own, other = [], []
-    for gap, (along, across) in zip(GAPS, over_gaps(velocities_by_forces)):
-        r = 2 + gap
+    for gap, (along, across) in zip(GAPS, over_gaps(lambda gap: velocities_by_forces(gap, ratio))):
+        r = 1 + ratio + gap
         own.append((along[0] + 2 * across[0] - 3) * r * r * gap)
         other.append((along[1] + 2 * across[1] - 3 / r) * r * r * gap)
     steps = np.diff(np.log(GAPS))
     # Far away the first falls as r^-4, so that the rest of the integral is that of the last value.
-    far = own[-1] / GAPS[-1] * (2 + GAPS[-1])
+    far = own[-1] / GAPS[-1] * (1 + ratio + GAPS[-1])
     inner = [float(np.sum(0.5 * steps * (np.array(f)[1:] + np.array(f)[:-1]))) for f in (own, other)]
-    return inner[0] + far, inner[1] - 5
+    return (inner[0] + far) / ratio**3, (inner[1] - (1 + 3 * ratio + ratio**2)) / ratio**3
+
+
+@functools.cache
+def random_coefficient(ratio):
+    """S_ij for a_j / a_i = `ratio`, equal densities and pairs at random."""
+    own, other = random_pairs(ratio)
+    return own + other * ratio**3
 
 
 class DilutePairs:
