@@ -12,6 +12,7 @@ mod partition;
 mod periodic_box;
 mod random;
 mod traceless;
+mod vicinity;
 
 pub use comm::{Comm, CommError, Failure};
 pub use exchange::{Exchange, Reach};
@@ -23,6 +24,7 @@ pub use partition::{Partition, block, block_of};
 pub use periodic_box::{BoxError, PeriodicBox};
 pub use random::Random;
 pub use traceless::Traceless;
+pub use vicinity::Vicinity;
 
 /// A vector of three components in `f64`.
 pub type Vector = glam::DVec3;

@@ -13,11 +13,11 @@ pub struct Neighbour {
     pub steps: [i8; 3],
 }
 
-/// The lists of the particles in some cells: where each ends, and all in a row.
+/// The lists of some particles: where that of each row ends, and all one after the other.
 #[derive(Default)]
-struct Batch {
-    ends: Vec<(u32, usize)>,
-    list: Vec<Neighbour>,
+pub(crate) struct Batch {
+    pub ends: Vec<(u32, usize)>,
+    pub list: Vec<Neighbour>,
 }
 
 /// Cells searched in one go by one thread.
@@ -56,6 +56,25 @@ impl Neighbours {
                 found
             })
             .collect();
+        Self::join(batches, owned)
+    }
+
+    /// Brings each list into the order of the rows, and of the images of a row.
+    pub(crate) fn sort(&mut self) {
+        let mut lists: Vec<&mut [Neighbour]> = Vec::with_capacity(self.ranges.len());
+        let mut rest = self.list.as_mut_slice();
+        let mut ranges = self.ranges.clone();
+        ranges.sort_unstable();
+        for [start, end] in ranges {
+            let (list, others) = rest.split_at_mut(end - start);
+            lists.push(list);
+            rest = others;
+        }
+        lists.into_par_iter().for_each(<[Neighbour]>::sort_unstable);
+    }
+
+    /// The lists in the order of the batches, of so many particles.
+    pub(crate) fn join(batches: Vec<Batch>, owned: usize) -> Self {
         let mut ranges = vec![[0; 2]; owned];
         let mut list = Vec::with_capacity(batches.iter().map(|batch| batch.list.len()).sum());
         for batch in batches {

@@ -137,7 +137,7 @@ fn evaluate(
         loads.stresslets = traceless(particles, column::STRESSLET).to_vec();
     }
     let mobility = hydrodynamics.mobility();
-    mobility.arrange(cell, &particles.positions, &particles.radii);
+    mobility.arrange(cell, particles);
     let motion = mobility.apply(&loads, Evaluation::All);
     let stresslets = traceless(particles, column::STRESSLET).to_vec();
     Ok(Solved { motion, stresslets, far: loads, iterations: 0, residual: 0.0 })

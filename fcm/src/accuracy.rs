@@ -46,13 +46,13 @@ pub(crate) fn stencil_error(reach: f64) -> f64 {
 /// Error of a window of so many points by what folds onto the wavenumbers of the Gaussian, times what derivatives make of
 /// it: see [`roughness`].
 pub(crate) fn window_error(points: usize, resolution: f64, roughness: f64) -> f64 {
-    126.0 * resolution * resolution * roughness * (-0.917 * Window::new(points, resolution).shape()).exp()
+    165.0 * resolution * resolution * roughness * (-0.92 * Window::new(points, resolution).shape()).exp()
 }
 
 /// What the second derivatives on the grid, `1 - rest lap`, make of a window's error: what folds comes from wavenumbers
 /// about `2 pi / h` and beyond.
 pub(crate) fn roughness(rest: f64, spacing: f64) -> f64 {
-    1.0 + 1.4 * rest * (2.0 * PI / spacing).powi(2)
+    1.0 + rest * (2.0 * PI / spacing).powi(2)
 }
 
 /// Error of leaving out pairs farther apart than `cutoff` widths, with derivatives `1 - rest lap`, `rest` over the square

@@ -60,11 +60,12 @@ pub(crate) struct Common {
 }
 
 impl Common {
-    /// With `D` in the middle of those of the envelopes of the given widths.
+    /// With `D` three quarters of the way from that of the narrowest of the given envelopes to that of the widest, whose
+    /// dipoles are the largest: in the middle, errors of two sizes were twice as large.
     pub fn new(width: f64, envelopes: impl Iterator<Item = f64> + Clone) -> Self {
         let least = envelopes.clone().fold(f64::INFINITY, f64::min);
         let most = envelopes.fold(0.0, f64::max);
-        Self { width, increment: width * width - 0.5 * (least * least + most * most) }
+        Self { width, increment: width * width - 0.25 * least * least - 0.75 * most * most }
     }
 
     /// `d - D` of an envelope.

@@ -83,7 +83,7 @@ impl Hydrodynamics {
         background: Traceless,
         guess: &[Traceless],
     ) -> Result<Solved, SolveError> {
-        self.mobility.arrange(cell, &particles.positions, &particles.radii);
+        self.mobility.arrange(cell, particles);
         let solved = match self.mobility.plan().multipoles {
             Multipoles::Monopole => self.free(loads),
             Multipoles::Dipole => self.rigid(&particles.radii, loads, background, guess)?,

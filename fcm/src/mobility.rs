@@ -7,7 +7,7 @@ use crate::near::{Near, NearField, Present};
 use crate::plan::Plan;
 use crate::problem::Precision;
 use crate::work::{Clock, Work};
-use domain::{Exchange, Neighbours, Partition, PeriodicBox, Tensor, Traceless, Vector};
+use domain::{Exchange, Neighbours, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector, Vicinity};
 use rayon::prelude::*;
 use solver::Real;
 
@@ -33,6 +33,8 @@ pub struct Mobility {
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
     arrangement: Arrangement,
+    /// Of the particles of a rank that is alone.
+    vicinity: Vicinity,
     work: Work,
 }
 
@@ -42,6 +44,7 @@ struct Arrangement {
     exchange: Exchange,
     positions: Vec<Vector>,
     classes: Vec<u32>,
+    /// Of the particles of a rank among others.
     neighbours: Neighbours,
 }
 
@@ -58,9 +61,18 @@ impl Mobility {
             exchange: Exchange::plan(partition, &cell, &[], [0.0; 2]),
             positions: Vec::new(),
             classes: Vec::new(),
-            neighbours: Neighbours::find(&cell, &[], 0, 0.0),
+            neighbours: Neighbours::default(),
         };
-        Self { plan: plan.clone(), partition: partition.clone(), far, near, arrangement, work: Work::default() }
+        let vicinity = Vicinity::new(plan.method.cutoff());
+        Self {
+            plan: plan.clone(),
+            partition: partition.clone(),
+            far,
+            near,
+            arrangement,
+            vicinity,
+            work: Work::default(),
+        }
     }
 
     /// The plan that it follows.
@@ -73,9 +85,9 @@ impl Mobility {
         self.work
     }
 
-    /// Sets the box and where the particles of this rank are, inside it, with their radii, which must be radii of the
-    /// plan.
-    pub fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector], radii: &[f64]) {
+    /// Sets the box and the particles of this rank, inside it, with radii of the plan.
+    pub fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
+        let positions = particles.positions.as_slice();
         let mut clock = Clock::start();
         let edges = cell.edges();
         let spacing = [edges.y / self.plan.grid[1] as f64, edges.z / self.plan.grid[2] as f64];
@@ -83,14 +95,18 @@ impl Mobility {
         let reach = spacing.map(|h| (0.5 * self.plan.support.support as f64 * h).max(cutoff));
         let exchange = Exchange::plan(&self.partition, cell, positions, reach);
         let mut present = positions.to_vec();
-        let mut classes: Vec<u32> = radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
         exchange.extend(&mut present);
         exchange.extend(&mut classes);
         clock.stop(&mut self.work.seconds.exchange);
         self.far.arrange(cell, &present);
         clock.stop(&mut self.work.seconds.spread);
         let mut neighbours = Neighbours::default();
-        if self.near.is_some() {
+        if self.near.is_some() && self.partition.comm().size() == 1 {
+            self.vicinity.update(cell, particles);
+            self.work.searches = self.vicinity.searches();
+        } else if self.near.is_some() {
+            // Who is present changes with every exchange.
             neighbours = Neighbours::find(cell, &present, positions.len(), cutoff);
             self.work.searches += 1;
         }
@@ -124,8 +140,10 @@ impl Mobility {
                 forces: &forces,
                 dipoles: &dipoles,
             };
-            near.add(&present, &arrangement.neighbours, gradients, &mut motions);
-            self.work.neighbours += arrangement.neighbours.count() as u64;
+            let neighbours =
+                if self.partition.comm().size() == 1 { self.vicinity.near() } else { &arrangement.neighbours };
+            near.add(&present, neighbours, gradients, &mut motions);
+            self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
         }
         motion(&motions, wanted)

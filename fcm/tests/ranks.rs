@@ -18,7 +18,7 @@ fn suspension() -> Suspension {
 fn mobility(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loads) -> Motion {
     let answer = |partition: &domain::Partition, particles: &domain::Particles, loads: &Loads| {
         let mut mobility = Mobility::new(plan, partition);
-        mobility.arrange(&suspension.cell, &particles.positions, &particles.radii);
+        mobility.arrange(&suspension.cell, particles);
         (mobility.apply(loads, Evaluation::All), Vec::new())
     };
     on_ranks(suspension, (plan, table), loads, answer).0

@@ -146,7 +146,7 @@ fn parts_of_an_evaluation_agree_with_the_whole() {
 fn the_direct_method_looks_for_no_neighbours() {
     let suspension = suspension();
     let mut mobility = mobility(&suspension, MethodName::Direct);
-    mobility.arrange(&suspension.cell, &suspension.positions, &suspension.radii);
+    mobility.arrange(&suspension.cell, &suspension.particles());
     mobility.apply(&suspension.loads(1), Evaluation::All);
     assert_eq!((mobility.work().searches, mobility.work().neighbours), (0, 0));
 }
@@ -159,6 +159,21 @@ fn neighbours_are_searched_once_for_any_number_of_evaluations() {
     let second = work(&mut mobility, &suspension.loads(2), Evaluation::All);
     assert_eq!((first.neighbours, second.searches), (second.neighbours, 0));
     assert_eq!(mobility.work().searches, 1);
+}
+
+/// Steps that are small beside the cutoff share a search, after the first two: the first has no skin.
+#[test]
+fn neighbours_are_not_searched_for_while_nobody_has_moved_far() {
+    let suspension = suspension();
+    let mut mobility = mobility(&suspension, MethodName::Split);
+    for turn in 1..6 {
+        let mut particles = suspension.particles();
+        for x in &mut particles.positions {
+            *x = suspension.cell.wrap(*x + Vector::splat(1e-3 * f64::from(turn))).0;
+        }
+        mobility.arrange(&suspension.cell, &particles);
+    }
+    assert_eq!(mobility.work().searches, 2);
 }
 
 #[test]

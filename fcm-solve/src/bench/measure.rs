@@ -122,7 +122,7 @@ impl Task {
             let before = mobility.work().seconds;
             comm.barrier();
             let (start, sent_before) = (Instant::now(), comm.bytes_sent());
-            mobility.arrange(&spheres.cell, &particles.positions, &particles.radii);
+            mobility.arrange(&spheres.cell, &particles);
             let motion = mobility.apply(&loads, wanted);
             sent = comm.bytes_sent() - sent_before;
             comm.barrier();

@@ -87,7 +87,7 @@ impl Hydrodynamics {
             let near = NearPairs::find(force, &radii, particles, cell, &self.partition);
             if self.partition.comm().any(!near.list().is_empty()) {
                 let mobility = self.far.mobility();
-                mobility.arrange(cell, &particles.positions, &particles.radii);
+                mobility.arrange(cell, particles);
                 let parts = (mobility, &near, self.preconditioned);
                 return lubricated(self.partition.comm(), parts, &particles.radii, (loads, background), guess);
             }

@@ -150,7 +150,7 @@ fn dense(plan: &Plan, particles: &Particles) -> Vec<Vec<f64>> {
     let (n, cell) = (particles.len(), plan.cell());
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut mobility = Mobility::new(plan, &partition);
-    mobility.arrange(&cell, &particles.positions, &particles.radii);
+    mobility.arrange(&cell, particles);
     let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
     let unit = |k: usize| {
         let mut values = vec![[0.0; 11]; n];

@@ -17,7 +17,7 @@ pub fn velocity(
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
     let (particles, loads) = moved(particles, loads, (&partition, cell));
     let mut mobility = Mobility::new(&plan, &partition);
-    mobility.arrange(cell, &particles.positions, &particles.radii);
+    mobility.arrange(cell, &particles);
     mobility.apply(&loads, Evaluation::Velocities);
     (plan.grid, gather(&partition, plan.grid, &mobility.velocity_field()))
 }

@@ -63,7 +63,7 @@ impl Suspension {
     /// The mobility of these particles, on one rank.
     pub fn mobility(&self, plan: &Plan) -> Mobility {
         let mut mobility = Mobility::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
-        mobility.arrange(&self.cell, &self.positions, &self.radii);
+        mobility.arrange(&self.cell, &self.particles());
         mobility
     }
 

@@ -92,7 +92,7 @@ fn the_system_is_symmetric_and_positive_definite() {
     let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
     let near = NearPairs::find(&force, &plan.radii, &particles, &cell, &partition);
     let mut mobility = Mobility::new(&plan, &partition);
-    mobility.arrange(&cell, &particles.positions, &particles.radii);
+    mobility.arrange(&cell, &particles);
     let single: Vec<Screw> = particles.radii.iter().map(|&a| single(1.0, a)).collect();
     let strain_resistance: Vec<f64> = particles.radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
     let basis = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance };
