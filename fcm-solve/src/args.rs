@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::{bench, check, info, mobility, new, resume, run, stats, two_sphere};
+use crate::{bench, check, info, machine, mobility, new, resume, run, stats, two_sphere};
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use domain::Comm;
@@ -43,6 +43,8 @@ pub enum Command {
     Mobility(mobility::Args),
     /// Time the mobility and measure its error.
     Bench(bench::Args),
+    /// Measure what evaluations cost on this machine, for the plans of scenes that are run here.
+    Calibrate,
     /// Print the exact resistance functions of two spheres.
     TwoSphere(two_sphere::Args),
     /// Print a commented scene to start from.
@@ -75,6 +77,7 @@ impl Command {
             Self::Stats(args) => stats::run(args, comm)?,
             Self::Mobility(args) => mobility::run(args, comm)?,
             Self::Bench(args) => bench::run(args, comm)?,
+            Self::Calibrate => machine::calibrate(comm)?,
             Self::TwoSphere(args) => two_sphere::run(args, comm)?,
             Self::New(args) => new::run(args, comm)?,
             Self::Info(args) => info::run(args, comm)?,

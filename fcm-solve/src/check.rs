@@ -1,6 +1,7 @@
 //! `fcm-solve check`: what a scene would cost.
 
 use crate::granular;
+use crate::machine::on_this_machine;
 use crate::run::read;
 use crate::suspension::Outline;
 use domain::Comm;
@@ -19,7 +20,7 @@ pub struct Args {
 
 /// Checks the scene and prints how it would be computed. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let scene = read(&args.scene, &args.overrides, comm)?;
+    let scene = on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
     let outline = match scene.kind() {
         Kind::Suspension(scene) => Outline::of(scene, comm)?.to_string(),
         other => granular::outline(other),

@@ -11,6 +11,7 @@ mod info;
 mod integrator;
 mod launch;
 mod lubricated;
+mod machine;
 mod march;
 mod mobility;
 mod new;

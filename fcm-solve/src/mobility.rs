@@ -1,9 +1,10 @@
 //! `fcm-solve mobility`: one evaluation for positions that the user brings.
 
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
+use crate::machine;
 use anyhow::Context;
 use domain::{Comm, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Loads, Motion, Multipoles, Plan, Problem};
+use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, Problem};
 use io::{Answer, Case, Terms};
 use lubrication::Range;
 use solver::BackgroundFlow;
@@ -57,7 +58,8 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let read = comm.agree(read)?;
     let case = Case::from_json(&comm.broadcast_text(&read.map_or_else(String::new, |case| case.to_json())));
     let cell = PeriodicBox::sheared(Vector::from_array(case.edges), case.strain)?;
-    let plan = Plan::choose(&problem(&case, &cell, args.tolerance)).context("this case can't be evaluated")?;
+    let plan = Plan::choose(&problem(&case, &cell, (args.tolerance, machine::costs(comm)?)))
+        .context("this case can't be evaluated")?;
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
     let mut particles = place(&case, &cell, &partition);
     let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
@@ -73,7 +75,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn problem(case: &Case, cell: &PeriodicBox, tolerance: f64) -> Problem {
+fn problem(case: &Case, cell: &PeriodicBox, (tolerance, costs): (f64, Costs)) -> Problem {
     let multipoles = match case.multipoles {
         Terms::Monopole => Multipoles::Monopole,
         Terms::Dipole => Multipoles::Dipole,
@@ -88,6 +90,7 @@ fn problem(case: &Case, cell: &PeriodicBox, tolerance: f64) -> Problem {
         tolerance,
         threads: 1,
         ranks: 1,
+        costs,
         fixed: Fixed::default(),
     }
 }

@@ -23,7 +23,8 @@ force = [0.0, 0.0, -18.85]
 
 fn program(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fcm-solve"));
-    command.args(arguments).stdin(Stdio::null());
+    // Not with the costs that this machine's user may have measured.
+    command.args(arguments).stdin(Stdio::null()).env("XDG_CACHE_HOME", "/nowhere");
     command
 }
 
@@ -258,6 +259,26 @@ fn ranks_without_mpi_are_refused() {
     };
     assert!(run("0").contains("built without MPI"));
     assert_eq!(run("1"), "");
+}
+
+/// What a machine was found to cost goes into the scenes that are run on it, and so decides their resumption too.
+#[test]
+fn the_costs_of_a_machine_stay_with_a_run() {
+    let (folder, scene, out) = place();
+    let on_machine = |arguments: &[&str]| program(arguments).env("XDG_CACHE_HOME", folder.path()).output().unwrap();
+    let measured = on_machine(&["calibrate"]);
+    assert!(measured.status.success(), "{}", text(&measured.stderr));
+    let kept = folder.path().join("fcm-solve/costs.json");
+    assert!(text(&measured.stdout).contains(&kept.display().to_string()));
+    std::fs::write(&kept, r#"{"stencils": 2.5, "transforms": 0.5, "pairs": 1.0}"#).unwrap();
+    assert!(on_machine(&["run", &scene, "--out", &out]).status.success());
+    let copy: String = std::fs::read_to_string(Path::new(&out).join("scene.toml")).unwrap();
+    let costs: Vec<&str> =
+        copy.lines().filter(|line| line.contains("stencils") || line.contains("transforms")).collect();
+    assert!(costs.join(" ").contains("2.5") && costs.join(" ").contains("0.5"), "{copy}");
+    std::fs::write(&kept, "{").unwrap();
+    let refused = text(&on_machine(&["check", &scene]).stderr);
+    assert!(refused.contains("costs.json") && refused.contains("fcm-solve calibrate"), "{refused}");
 }
 
 #[test]

@@ -31,6 +31,7 @@ mod window;
 mod work;
 
 pub use conjugate_gradients::{Limits, Outcome, System, Unknowns, conjugate_gradients};
+pub use cost::Costs;
 pub use envelope::Envelope;
 pub use hydrodynamics::{Hydrodynamics, SolveError, Solved};
 pub use loads::{Loads, Motion};

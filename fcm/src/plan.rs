@@ -1,5 +1,6 @@
 //! How an evaluation is to be made: grid, supports, cutoff, precision.
 
+use crate::cost::{self, Costs};
 use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
@@ -108,6 +109,7 @@ impl Plan {
             tolerance: self.tolerance.clamp(1e-6, 1e-2),
             threads: 1,
             ranks: 1,
+            costs: Costs::default(),
             fixed: Fixed { method: Some(MethodName::Direct), ..Fixed::default() },
         };
         Self::choose(&problem).expect("a problem that was planned before")
@@ -121,6 +123,13 @@ impl Plan {
     /// Distances between grid points.
     pub(crate) fn spacing(&self) -> Vector {
         self.edges / Vector::from_array(self.grid.map(|n| n as f64))
+    }
+
+    /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the planner was
+    /// made on.
+    #[must_use]
+    pub fn parts(&self, particles: usize) -> Costs {
+        cost::seconds(self, particles, 0.0)
     }
 
     /// What the split method spreads in place of the envelopes. The least is left to the grid: with dipoles, nothing of
@@ -165,6 +174,15 @@ impl Plan {
         let points = self.grid.iter().map(|&n| n as u64).product::<u64>();
         let row = (self.grid[0] + self.support.lanes) as u64;
         copies * size * 3 * points / self.grid[0] as u64 * row / ranks as u64
+    }
+
+    /// The plan in a line.
+    pub fn in_short(&self) -> String {
+        let [nx, ny, nz] = self.grid;
+        let method = if self.method == Method::Direct { "direct" } else { "split" };
+        let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
+        let (points, error) = (self.support.support, self.predicted_error);
+        format!("{method}, {nx} x {ny} x {nz} in {precision}, {points} points along an axis, error {error:.1e}")
     }
 
     /// The plan in words, a line each.

@@ -202,7 +202,8 @@ impl Problem {
             predicted_error: self.expected(method, [width, widest], spacing, support),
             predicted_seconds: 0.0,
         };
-        plan.predicted_seconds = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks * self.threads);
+        let parts = cost::seconds(&plan, self.particles(), self.largest_strain);
+        plan.predicted_seconds = parts.total(&self.costs) / (self.ranks * self.threads).max(1) as f64;
         plan
     }
 

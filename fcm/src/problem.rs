@@ -1,5 +1,6 @@
 //! What is to be evaluated, and in which ways it may be.
 
+use crate::cost::Costs;
 use domain::Vector;
 
 /// How envelopes are evaluated.
@@ -65,6 +66,8 @@ pub struct Problem {
     pub threads: usize,
     /// Ranks.
     pub ranks: usize,
+    /// What parts of an evaluation cost on the machine, over what they cost where the planner was made.
+    pub costs: Costs,
     /// What the user fixed.
     pub fixed: Fixed,
 }

@@ -3,7 +3,9 @@
 use super::spheres::{Spheres, loads};
 use anyhow::Context;
 use domain::{Comm, Particles, Partition};
-use fcm::{Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds};
+use fcm::{
+    Costs, Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds,
+};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -31,6 +33,8 @@ pub struct Task {
     pub with_error: bool,
     /// What the user fixed.
     pub fixed: Fixed,
+    /// Of the machine.
+    pub costs: Costs,
 }
 
 /// What was measured.
@@ -82,6 +86,14 @@ impl Task {
         })
     }
 
+    /// The plan, and the median seconds of each part of an evaluation. Collective.
+    pub fn times(&self, spheres: &Spheres, comm: &Comm) -> anyhow::Result<(Plan, Seconds)> {
+        let plan = self.plan(spheres, comm)?;
+        let (times, ..) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
+        let Times { spread, fft, interpolate, near, exchange, .. } = medians(&times[1..]);
+        Ok((plan, Seconds { spread, fft, interpolate, near, exchange }))
+    }
+
     fn plan(&self, spheres: &Spheres, comm: &Comm) -> anyhow::Result<Plan> {
         let problem = Problem {
             edges: spheres.cell.edges(),
@@ -93,6 +105,7 @@ impl Task {
             tolerance: self.tolerance,
             threads: rayon::current_num_threads(),
             ranks: comm.size(),
+            costs: self.costs,
             fixed: self.fixed,
         };
         Plan::choose(&problem).context("this case can't be evaluated")

@@ -3,12 +3,14 @@
 mod measure;
 mod spheres;
 
+use crate::machine;
 use clap::ValueEnum;
 use domain::Comm;
-use fcm::{Fixed, MethodName};
-use measure::{Kind, Measurement, Task};
+use fcm::{Costs, Fixed, MethodName};
+use measure::Measurement;
+pub use measure::{Kind, Task};
 use serde::Serialize;
-use spheres::Spheres;
+pub use spheres::Spheres;
 
 /// Which cases: every combination of the lists, one JSON line each.
 #[derive(clap::Args)]
@@ -78,10 +80,13 @@ fn ratio(text: &str) -> Result<f64, String> {
 
 /// One combination of the lists.
 #[derive(Debug, Clone, Copy, Serialize)]
-struct Case {
-    particles: usize,
-    volume_fraction: f64,
-    size_ratio: f64,
+pub struct Case {
+    /// Spheres.
+    pub particles: usize,
+    /// Their volume fraction.
+    pub volume_fraction: f64,
+    /// The radius of every second one over that of the others.
+    pub size_ratio: f64,
 }
 
 /// A line of the output.
@@ -95,10 +100,11 @@ struct Line {
 
 /// Runs all cases. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+    let costs = machine::costs(comm)?;
     for case in args.cases() {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {
-            let measured = args.task(tolerance).measure(&spheres, comm)?;
+            let measured = args.task(tolerance, costs).measure(&spheres, comm)?;
             if comm.is_first() {
                 println!("{}", serde_json::to_string(&Line { case, measured })?);
             }
@@ -120,7 +126,7 @@ impl Args {
         cases
     }
 
-    fn task(&self, tolerance: f64) -> Task {
+    fn task(&self, tolerance: f64, costs: Costs) -> Task {
         let method = match self.method {
             Choice::Auto => None,
             Choice::Direct => Some(MethodName::Direct),
@@ -136,6 +142,7 @@ impl Args {
             repeats: self.repeats,
             with_error: !self.no_error,
             fixed: Fixed { method, grid: self.grid.map(|m| [m; 3]), ..Fixed::default() },
+            costs,
         }
     }
 }

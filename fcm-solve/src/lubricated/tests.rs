@@ -4,7 +4,7 @@ mod system;
 
 use super::*;
 use domain::random_packing;
-use fcm::{Evaluation, Fixed, Multipoles, Precision, Problem};
+use fcm::{Costs, Evaluation, Fixed, Multipoles, Precision, Problem};
 use lubrication::PairMotion;
 
 fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
@@ -18,6 +18,7 @@ fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
         tolerance,
         threads: 1,
         ranks: 1,
+        costs: Costs::default(),
         // In f32 the grid would make noise of 1e-7.
         fixed: Fixed { iteration_tolerance: Some(iteration), precision: Some(Precision::Double), ..Fixed::default() },
     })

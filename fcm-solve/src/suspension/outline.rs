@@ -1,10 +1,14 @@
 //! A scene in numbers, before it is run.
 
+use super::plan::problem;
 use super::setup::Setup;
 use domain::Comm;
 use fcm::Plan;
 use io::SuspensionScene;
 use std::fmt::{Display, Formatter};
+
+/// Plans that are named beside the one that was chosen.
+const RUNNERS_UP: usize = 3;
 
 /// Bytes of a particle: 6 numbers for itself, 4 velocities, an angular velocity and 4 stresslets.
 const BYTES_A_PARTICLE: u64 = 8 * (6 + 4 * 3 + 3 + 4 * 5);
@@ -17,6 +21,8 @@ pub struct Outline {
     steps: u64,
     end: f64,
     plan: Plan,
+    /// Other plans, the fastest first.
+    others: Vec<Plan>,
     ranks: usize,
 }
 
@@ -24,6 +30,8 @@ impl Outline {
     /// The outline of a scene on the ranks present. Collective.
     pub fn of(scene: &SuspensionScene, comm: &Comm) -> anyhow::Result<Self> {
         let setup = Setup::start(scene, comm)?;
+        let mut others = Plan::ranked(&problem(scene, &setup.radii))?;
+        others.retain(|plan| *plan != setup.plan);
         Ok(Self {
             particles: setup.radii.count(),
             fraction: setup.radii.volume() / scene.cell.volume(),
@@ -31,6 +39,7 @@ impl Outline {
             steps: scene.time.steps,
             end: scene.time.steps as f64 * scene.time.step,
             plan: setup.plan,
+            others,
             ranks: comm.size(),
         })
     }
@@ -48,6 +57,14 @@ impl Display for Outline {
         writeln!(f, "steps      {}, until time {}", self.steps, self.end)?;
         writeln!(f, "memory     about {:.0} MB on each of {} rank(s)", self.bytes_per_rank() as f64 / 1e6, self.ranks)?;
         let seconds = self.plan.predicted_seconds;
-        writeln!(f, "cost       about {seconds:.2} s on one core for an evaluation; with dipoles a step takes several")
+        writeln!(
+            f,
+            "cost       about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several"
+        )?;
+        for (number, plan) in self.others.iter().take(RUNNERS_UP).enumerate() {
+            let label = if number == 0 { "instead" } else { "" };
+            writeln!(f, "{label:<10} {:.2e} s: {}", plan.predicted_seconds, plan.in_short())?;
+        }
+        Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! How the fluid of a scene is to be computed.
 
 use domain::{Comm, Particles};
-use fcm::{Fixed, MethodName, Plan, PlanError, Precision, Problem};
+use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Precision, Problem};
 use io::{Evaluation, Flow, Hydrodynamics, Multipoles, SuspensionScene};
 
 /// The radii that occur, smallest first, and how many particles have each.
@@ -36,9 +36,15 @@ impl Radii {
 /// The plan for a scene with particles of these radii. It is made as for one rank with one thread, so that the same
 /// scene is computed in the same way, and comes out the same, on any number of them.
 pub fn plan(scene: &SuspensionScene, radii: &Radii) -> Result<Plan, PlanError> {
+    Plan::choose(&problem(scene, radii))
+}
+
+/// What [`plan`] plans.
+pub fn problem(scene: &SuspensionScene, radii: &Radii) -> Problem {
     let edges = scene.cell.edges();
     let shears = matches!(scene.flow, Flow::Shear { lees_edwards: true, .. });
-    Plan::choose(&Problem {
+    let costs = scene.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
+    Problem {
         edges,
         largest_strain: if shears { 0.5 * edges.x / edges.y } else { 0.0 },
         radii: radii.0.clone(),
@@ -51,8 +57,9 @@ pub fn plan(scene: &SuspensionScene, radii: &Radii) -> Result<Plan, PlanError> {
         tolerance: scene.hydrodynamics.tolerance,
         threads: 1,
         ranks: 1,
+        costs: costs.unwrap_or_default(),
         fixed: fixed(&scene.hydrodynamics),
-    })
+    }
 }
 
 /// What the scene says of the plan. With lubrication the grid is in f64: the modes of a pair of gap `h` see differences of velocities

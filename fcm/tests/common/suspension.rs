@@ -1,7 +1,7 @@
 //! Particles in a box, what acts on them, and how the library moves them.
 
 use domain::{Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector, random_packing};
-use fcm::{Evaluation, Fixed, Loads, Mobility, Motion, Multipoles, Plan, Problem};
+use fcm::{Costs, Evaluation, Fixed, Loads, Mobility, Motion, Multipoles, Plan, Problem};
 
 /// Particles in a box.
 #[derive(Debug, Clone)]
@@ -51,6 +51,7 @@ impl Suspension {
             tolerance,
             threads: 1,
             ranks: 1,
+            costs: Costs::default(),
             fixed: Fixed::default(),
         }
     }

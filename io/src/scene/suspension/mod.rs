@@ -91,6 +91,9 @@ pub struct Hydrodynamics {
     pub support: Option<usize>,
     /// Relative residual at which the stresslets are solved.
     pub iteration_tolerance: Option<f64>,
+    /// What parts of an evaluation cost on the machine that the scene is planned for: stencils, transforms and pairs, over what
+    /// they cost where the planner was made.
+    pub costs: Option<[f64; 3]>,
     /// Whether near pairs feel lubrication.
     pub lubrication: bool,
     /// The gap where lubrication ends over the mean radius of the two; the program's default where the scene has none.
@@ -205,6 +208,11 @@ fn hydrodynamics(raw: &raw::Hydrodynamics) -> Result<Hydrodynamics, Fault> {
     for (axis, points) in raw.grid.iter().flatten().enumerate() {
         checks::grid_points(&key(&format!("grid[{axis}]")), *points)?;
     }
+    let costs =
+        raw.costs.map(|costs| [("stencils", costs.stencils), ("transforms", costs.transforms), ("pairs", costs.pairs)]);
+    for (name, cost) in costs.iter().flatten() {
+        checks::between(&key(&format!("costs.{name}")), *cost, [0.01, 100.0])?;
+    }
     lubrication(raw)?;
     Ok(Hydrodynamics {
         multipoles: raw.multipoles,
@@ -213,6 +221,7 @@ fn hydrodynamics(raw: &raw::Hydrodynamics) -> Result<Hydrodynamics, Fault> {
         grid: raw.grid,
         support: raw.support,
         iteration_tolerance: raw.iteration_tolerance,
+        costs: costs.map(|costs| costs.map(|(_, cost)| cost)),
         lubrication: raw.lubrication,
         lubrication_cutoff: raw.lubrication_cutoff,
         preconditioner: raw.preconditioner,

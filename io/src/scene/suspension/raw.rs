@@ -115,9 +115,18 @@ pub(super) struct Hydrodynamics {
     pub(super) grid: Option<[usize; 3]>,
     pub(super) support: Option<usize>,
     pub(super) iteration_tolerance: Option<f64>,
+    pub(super) costs: Option<Costs>,
     pub(super) lubrication: bool,
     pub(super) lubrication_cutoff: Option<f64>,
     pub(super) preconditioner: bool,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Costs {
+    pub(super) stencils: f64,
+    pub(super) transforms: f64,
+    pub(super) pairs: f64,
 }
 
 impl Default for Hydrodynamics {
@@ -129,6 +138,7 @@ impl Default for Hydrodynamics {
             grid: None,
             support: None,
             iteration_tolerance: None,
+            costs: None,
             lubrication: false,
             lubrication_cutoff: None,
             preconditioner: true,
