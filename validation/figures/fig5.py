@@ -18,7 +18,7 @@ def draw(mode):
     fractions = np.array(shear.FRACTIONS)
     found = {}
     for kind, fill, suffix in (("barrier", "full", ""), ("lubricated", "none", ", lubrication")):
-        for place, ((term, label), marker) in enumerate(zip(TERMS, "*o^")):
+        for place, ((term, label), marker) in enumerate(zip(TERMS, "so^")):
             found[kind, term] = [over_seeds(runs, shear.tensor(term)) for runs in cases[kind].values()]
             style = {"marker": marker, "fillstyle": fill, "color": f"C{place}", "linestyle": "none"}
             report.points(label + suffix, fractions, found[kind, term], **style)

@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import csv
+import json
 import math
 import os
 import pathlib
@@ -109,6 +110,16 @@ class Run:
         with open(self.folder / "observables.csv") as file:
             rows = list(csv.DictReader(file))
         return [float(row["time"]) for row in rows], [float(row[name]) for row in rows]
+
+
+def kept(name, compute):
+    """What a function gives, numbers, lists or words, from a file once that is there."""
+    file = FOLDER / "kept" / f"{name}.json"
+    if not file.exists():
+        answer = json.dumps(compute())
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(answer)
+    return json.loads(file.read_text())
 
 
 def make(runs):

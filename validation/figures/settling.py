@@ -3,10 +3,9 @@
 Lengths are in units of the (small) radius, velocities of the Stokes velocity of a sphere of species 1; viscosity 1. Species
 settle along -z."""
 
-import functools
 import sys
 
-from runs import ROOT, WEIGHT, Run, over_seeds, volume
+from runs import ROOT, WEIGHT, Run, kept, over_seeds, volume
 from theory import periodic_images
 
 sys.path.insert(0, str(ROOT / "validation"))
@@ -89,11 +88,14 @@ def static(species, mode, multipoles="dipole"):
     return [run(seed) for seed in range(101, 101 + SIZE[mode]["placings"])]
 
 
-@functools.cache
 def places(count, fraction, seed):
     """Centres and the side of their box."""
-    centres, edge = hard_spheres.equilibrium(count, fraction, seed, sweeps=150)
-    return centres.round(6).tolist(), edge
+
+    def compute():
+        centres, edge = hard_spheres.equilibrium(count, fraction, seed, sweeps=150)
+        return centres.round(6).tolist(), edge
+
+    return kept(f"hard-spheres-{count}-{fraction:g}-{seed}", compute)
 
 
 def settled(runs, species, place, edge, rigid=True):
@@ -119,7 +121,7 @@ def downwards(name):
 # The cases of each figure: Stokes times are those of species 1.
 MONODISPERSE = (0.02, 0.05, 0.10, 0.15, 0.20)
 TOTALS = {"quick": (0.02, 0.06, 0.10, 0.15), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.15)}
-WIDTHS = {"quick": (20.0, 28.0, 40.0), "full": (24.0, 32.0, 48.0, 64.0)}
+WIDTHS = {"quick": (20.0, 28.0, 40.0), "full": (24.0, 32.0, 48.0)}
 SECOND = {"quick": (0.02, 0.05, 0.10), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.13)}
 PAIRS = {
     "quick": ((0.03, 0.03), (0.06, 0.06), (0.10, 0.10)),

@@ -7,7 +7,7 @@ import subprocess
 
 import numpy as np
 
-from runs import PROGRAM, WORKERS
+from runs import PROGRAM, WORKERS, kept
 
 # Gaps between two spheres, dense near contact, where the logarithm of the gap is the variable to integrate over.
 GAPS = np.geomspace(1e-5, 30.0, 40)
@@ -92,11 +92,14 @@ def davis_gecol(fractions, radii, coefficient=sedimentation_coefficient):
     return [(1 - total) ** -own * (1 + more) for more in extra]
 
 
-@functools.cache
 def resistance(gap, ratio=1.0):
     """The exact resistance functions of two spheres of radii 1 and `ratio` at a gap, by name."""
-    command = [PROGRAM, "two-sphere", "--ratio", repr(ratio), "--gap", repr(gap), "--json"]
-    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+    def compute():
+        command = [PROGRAM, "two-sphere", "--ratio", repr(ratio), "--gap", repr(gap), "--json"]
+        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+    return kept(f"two-sphere-{ratio!r}-{gap!r}", compute)
 
 
 def over_gaps(function):
