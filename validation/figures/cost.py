@@ -1,5 +1,5 @@
-"""What the runs of the figures cost: seconds of a core that the quick ones took, and by the same rate for a sphere and a step what
-the full ones would need."""
+"""What the runs of the figures cost: what the quick ones took of a core, and by the same rate for a sphere and a step what the full
+ones would need."""
 
 import json
 
@@ -49,25 +49,41 @@ def sphere_steps(run):
     return spheres(run) * (time["steps"] if "steps" in time else round(time["duration"] / time["step"]))
 
 
+def volume_fraction(run):
+    """Of all its spheres."""
+    box = run.scene["box"]["edges"][0] ** 3
+    return sum(one.get("volume_fraction") or one["count"] * volume(one["radius"]) / box for one in run.scene["species"])
+
+
+def estimate(run, known):
+    """Seconds of a core, by the one of the known runs whose volume fraction is nearest."""
+    like = min(known, key=lambda one: abs(volume_fraction(one) - volume_fraction(run)))
+    return like.seconds() * sphere_steps(run) / sphere_steps(like)
+
+
 def row(name, quick, full):
-    """Of the table, by the seconds of those quick runs that have been made."""
+    """Of the table, by those quick runs that have been made."""
     known = [run for run in quick if run.is_finished() and run.seconds() > 0]
-    rate = sum(run.seconds() for run in known) / sum(map(sphere_steps, known)) if known else float("nan")
-    minutes, hours = (rate * sum(map(sphere_steps, runs)) / unit for runs, unit in ((quick, 60), (full, 3600)))
-    rates = [f"{minutes:.1f}", f"{1e6 * rate:.1f}"]
-    return [name, str(len(quick)), size(quick), *rates, str(len(full)), size(full), f"{hours:.1f}"]
+    if not known:
+        raise SystemExit(f"no quick run of figure {name} has been made: scripts/reproduce makes them")
+    quick_seconds, full_seconds = (sum(estimate(run, known) for run in runs) for runs in (quick, full))
+    rate = f"{1e6 * quick_seconds / sum(map(sphere_steps, quick)):.1f}"
+    counts = [str(len(quick)), size(quick), f"{quick_seconds / 60:.1f}", rate, str(len(full)), size(full)]
+    return [name, *counts, f"{full_seconds / 3600:.1f}"]
 
 
 def size(runs):
     """From the fewest to the most spheres."""
     counts = [spheres(run) for run in runs]
-    return str(counts[0]) if len(set(counts)) == 1 else f"{min(counts):,} to {max(counts):,}"
+    return f"{counts[0]:,}" if len(set(counts)) == 1 else f"{min(counts):,} to {max(counts):,}"
 
 
 def main():
     """Writes the table."""
     quick, full = families("quick"), families("full")
     rows = [row(name, quick[name], full[name]) for name in quick]
+    quick_minutes, core_hours = (sum(float(one[column]) for one in rows) for column in (3, 7))
+    rows.append(["all", "", "", f"{quick_minutes:.1f}", "", "", "", f"{core_hours:.1f}"])
     (DATA / "cost.json").write_text(json.dumps({"columns": COLUMNS, "rows": rows}, indent=1, ensure_ascii=False) + "\n")
     write_page("figures")
     for one in [COLUMNS, *rows]:
