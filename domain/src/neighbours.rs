@@ -59,8 +59,8 @@ impl Neighbours {
         Self::join(batches, owned)
     }
 
-    /// Brings each list into the order of the rows, and of the images of a row.
-    pub(crate) fn sort(&mut self) {
+    /// Brings each list into the order of a key.
+    pub(crate) fn sort_by_key<K: Ord>(&mut self, key: impl Fn(&Neighbour) -> K + Sync) {
         let mut lists: Vec<&mut [Neighbour]> = Vec::with_capacity(self.ranges.len());
         let mut rest = self.list.as_mut_slice();
         let mut ranges = self.ranges.clone();
@@ -70,7 +70,7 @@ impl Neighbours {
             lists.push(list);
             rest = others;
         }
-        lists.into_par_iter().for_each(<[Neighbour]>::sort_unstable);
+        lists.into_par_iter().for_each(|list| list.sort_unstable_by_key(&key));
     }
 
     /// The lists in the order of the batches, of so many particles.

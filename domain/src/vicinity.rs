@@ -7,8 +7,8 @@ use rayon::prelude::*;
 /// Who is near each particle, found anew only after somebody has moved too far (Verlet 1967): lists reach farther than
 /// the cutoff by a skin, and those who are within the cutoff are picked from them.
 ///
-/// Lists name particles by their ids, so that they hold when rows are sorted anew, and are in the order of the ids, so that
-/// they do not depend on when the last search was.
+/// Lists name particles by the rows that they had at the search, since rows are sorted anew as particles move, and are in the
+/// order of the ids, so that they do not depend on when the search was.
 #[derive(Debug)]
 pub struct Vicinity {
     cutoff: f64,
@@ -17,10 +17,12 @@ pub struct Vicinity {
     searches: u64,
 }
 
-/// What a search has found, and where everybody was, all by ids.
+/// What a search has found, and where everybody was.
 #[derive(Debug)]
 struct Found {
     cell: PeriodicBox,
+    /// The row of each id then.
+    rows: Vec<u32>,
     positions: Vec<Vector>,
     reach: f64,
     lists: Neighbours,
@@ -28,6 +30,9 @@ struct Found {
 
 /// The skin over the cutoff: a third more are looked at in a list, which is cheap beside a search.
 const SKIN: f64 = 0.1;
+
+/// The largest id over the number of particles for which a table of ids is kept.
+const SPARSEST: usize = 16;
 
 /// Particles whose lists one thread goes through at a time.
 const BATCH: usize = 1024;
@@ -50,50 +55,49 @@ impl Vicinity {
 
     /// Takes the positions, inside the box, of all particles, of which there are no images on other ranks.
     pub fn update(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        let count = particles.len();
-        let Some(rows) = rows(&particles.ids) else {
-            // Ids with gaps name no places in a list.
-            self.near = Neighbours::find(cell, &particles.positions, count, self.cutoff);
-            self.searches += 1;
-            return;
-        };
         let cutoff = self.cutoff;
-        let follow = |found: &Found| found.follow(cell, &rows, &particles.positions, cutoff);
+        let follow = |found: &Found| found.follow(cell, particles, cutoff);
         let mut now = self.found.as_ref().and_then(follow);
         if now.is_none() {
-            self.found = Some(self.search(cell, &rows, &particles.positions));
+            self.found = Some(self.search(cell, particles));
             now = self.found.as_ref().and_then(follow);
         }
-        if let (Some(found), Some(now)) = (&self.found, now) {
-            self.near = found.within(&now, &particles.ids, self.cutoff);
+        match (&self.found, now) {
+            (Some(found), Some(now)) => self.near = found.within(&now, cutoff),
+            // Whom a search has just found, and nobody will follow.
+            (found, _) => self.near = found.as_ref().map_or_else(Neighbours::default, |found| found.lists.clone()),
         }
     }
 
-    fn search(&mut self, cell: &PeriodicBox, rows: &[u32], positions: &[Vector]) -> Found {
+    fn search(&mut self, cell: &PeriodicBox, particles: &Particles) -> Found {
+        let Particles { ids, positions, .. } = particles;
+        let last = ids.iter().max().map_or(0, |&last| last as usize);
+        let can_be_followed = last <= SPARSEST * ids.len();
         // Who asks but once needs no skin.
-        let reach = if self.searches == 0 { self.cutoff } else { (1.0 + SKIN) * self.cutoff };
+        let skin = if self.searches > 0 && can_be_followed { SKIN } else { 0.0 };
+        let reach = (1.0 + skin) * self.cutoff;
         self.searches += 1;
-        let positions: Vec<Vector> = rows.iter().map(|&row| positions[row as usize]).collect();
-        let mut lists = Neighbours::find(cell, &positions, positions.len(), reach);
-        lists.sort();
-        Found { cell: *cell, positions, reach, lists }
+        let mut lists = Neighbours::find(cell, positions, positions.len(), reach);
+        lists.sort_by_key(|neighbour| (ids[neighbour.row as usize], neighbour.steps));
+        let mut rows = Vec::new();
+        if can_be_followed {
+            rows.resize(last + 1, NOBODY);
+            for (row, &id) in ids.iter().enumerate() {
+                rows[id as usize] = row as u32;
+            }
+        }
+        Found { cell: *cell, rows, positions: positions.clone(), reach, lists }
     }
 }
 
-/// The row of each id, if they are 0, 1, ... in any order.
-fn rows(ids: &[u64]) -> Option<Vec<u32>> {
-    let mut rows = vec![u32::MAX; ids.len()];
-    for (row, &id) in ids.iter().enumerate() {
-        *rows.get_mut(id as usize)? = row as u32;
-    }
-    (!rows.contains(&u32::MAX)).then_some(rows)
-}
+/// The row of an id that nobody has.
+const NOBODY: u32 = u32::MAX;
 
-/// Who is where, by ids: in which row, at which place if nobody had been wrapped since the search, and by which lattice steps
-/// each has been.
+/// Who is where, by the rows of the search: in which row now, at which place if nobody had been wrapped since, and by which
+/// lattice steps each has been.
 struct Now<'a> {
     cell: &'a PeriodicBox,
-    rows: &'a [u32],
+    rows: Vec<u32>,
     places: Vec<Vector>,
     wrapped: Vec<[i8; 3]>,
 }
@@ -103,15 +107,16 @@ impl Found {
     ///
     /// In lattice coordinates the flow of a shear does not move anybody. What it does to a distance is at least the factor
     /// `sqrt(1 + g^2/4) - g/2` at the strain `g` since.
-    fn follow<'a>(&self, cell: &'a PeriodicBox, rows: &'a [u32], positions: &[Vector], cutoff: f64) -> Option<Now<'a>> {
-        if positions.len() != self.positions.len() || cell.edges() != self.cell.edges() {
+    fn follow<'a>(&self, cell: &'a PeriodicBox, particles: &Particles, cutoff: f64) -> Option<Now<'a>> {
+        if particles.len() != self.positions.len() || cell.edges() != self.cell.edges() {
             return None;
         }
+        let rows = self.rows_now(&particles.ids)?;
         let half = 0.5 * (cell.strain() - self.cell.strain()).abs();
         let spare = self.reach * ((1.0 + half * half).sqrt() - half) - cutoff;
         let edges = cell.edges();
         let follow = |(&row, &before): (&u32, &Vector)| {
-            let now = positions[row as usize];
+            let now = particles.positions[row as usize];
             let moved = cell.lattice_coordinates(now) - self.cell.lattice_coordinates(before);
             let steps = (moved / edges).round();
             let moved = moved - steps * edges;
@@ -127,25 +132,35 @@ impl Found {
         Some(Now { cell, rows, places, wrapped })
     }
 
-    /// Those of the lists who are within a cutoff, by rows, in the order of the ids.
-    fn within(&self, now: &Now, ids: &[u64], cutoff: f64) -> Neighbours {
+    /// The rows now by those of the search, if they are the same particles.
+    fn rows_now(&self, ids: &[u64]) -> Option<Vec<u32>> {
+        let mut rows = vec![NOBODY; ids.len()];
+        for (row, &id) in ids.iter().enumerate() {
+            let before = *self.rows.get(id as usize)?;
+            *rows.get_mut(before as usize)? = row as u32;
+        }
+        (!rows.contains(&NOBODY)).then_some(rows)
+    }
+
+    /// Those of the lists who are within a cutoff.
+    fn within(&self, now: &Now, cutoff: f64) -> Neighbours {
+        let count = now.rows.len();
         let pick = |batch: usize| {
             let mut picked = Batch::default();
-            for row in batch * BATCH..ids.len().min((batch + 1) * BATCH) {
-                let id = ids[row] as usize;
-                now.pick(id, self.lists.of(id), cutoff, &mut picked.list);
-                picked.ends.push((row as u32, picked.list.len()));
+            for row in batch * BATCH..count.min((batch + 1) * BATCH) {
+                now.pick(row, self.lists.of(row), cutoff, &mut picked.list);
+                picked.ends.push((now.rows[row], picked.list.len()));
             }
             picked
         };
-        Neighbours::join((0..ids.len().div_ceil(BATCH)).into_par_iter().map(pick).collect(), ids.len())
+        Neighbours::join((0..count.div_ceil(BATCH)).into_par_iter().map(pick).collect(), count)
     }
 }
 
 impl Now<'_> {
     /// Appends those of a list who are within the cutoff.
-    fn pick(&self, id: usize, list: &[Neighbour], cutoff: f64, picked: &mut Vec<Neighbour>) {
-        let (place, home) = (self.places[id], self.wrapped[id]);
+    fn pick(&self, row: usize, list: &[Neighbour], cutoff: f64, picked: &mut Vec<Neighbour>) {
+        let (place, home) = (self.places[row], self.wrapped[row]);
         let mut found = picked.len();
         picked.resize(found + list.len(), Neighbour { row: 0, steps: [0; 3] });
         for &Neighbour { row: other, steps } in list {
@@ -228,14 +243,21 @@ mod tests {
     }
 
     #[test]
-    fn ids_with_gaps_are_searched_for_each_time() {
+    fn other_particles_are_searched_for() {
         let cell = PeriodicBox::new(Vector::splat(6.0)).unwrap();
         let mut vicinity = Vicinity::new(1.5);
         let mut some = particles(&cell, &places(20, cell.edges()), 0);
+        vicinity.update(&cell, &some);
+        // Ids may have gaps.
         some.ids[3] = 77;
-        for searches in 1..3 {
-            vicinity.update(&cell, &some);
-            assert_eq!(vicinity.searches(), searches);
-        }
+        vicinity.update(&cell, &some);
+        vicinity.update(&cell, &some);
+        assert_eq!(vicinity.searches(), 2);
+        // With gaps like these nobody is followed, but everybody found.
+        some.ids[3] = u64::MAX;
+        vicinity.update(&cell, &some);
+        vicinity.update(&cell, &some);
+        assert_eq!(vicinity.searches(), 4);
+        assert_eq!(vicinity.near().count(), Neighbours::find(&cell, &some.positions, 20, 1.5).count());
     }
 }

@@ -84,6 +84,7 @@ impl Plan {
     /// Plans that keep the tolerance, the fastest first: the best of each method, precision and stencil.
     pub fn ranked(problem: &Problem) -> Result<Vec<Self>, PlanError> {
         problem.check()?;
+        let problem = problem.summed_up();
         let mut plans = problem.candidates();
         if let (Some(grid), true) = (problem.fixed.grid, plans.is_empty()) {
             return Err(PlanError::Fixed(format!("hydrodynamics.grid {grid:?} is too small for these particles")));

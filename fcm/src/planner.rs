@@ -29,6 +29,15 @@ impl Problem {
         self.radii.iter().map(|r| r.0).fold(0.0, f64::max)
     }
 
+    /// The same with each radius once, which is all that is needed of many particles.
+    pub(crate) fn summed_up(&self) -> Self {
+        let mut radii = self.radii.clone();
+        radii.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let sum = |equal: &[(f64, usize)]| (equal[0].0, equal.iter().map(|r| r.1).sum());
+        let radii = radii.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()).map(sum).collect();
+        Self { radii, ..self.clone() }
+    }
+
     fn smallest_radius(&self) -> f64 {
         self.radii.iter().map(|r| r.0).fold(f64::INFINITY, f64::min)
     }
@@ -185,12 +194,9 @@ impl Problem {
                 Method::Split { width, cutoff: self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width)) }
             }
         };
-        let mut radii: Vec<f64> = self.radii.iter().map(|r| r.0).collect();
-        radii.sort_by(f64::total_cmp);
-        radii.dedup();
         let mut plan = Plan {
             edges: self.edges,
-            radii,
+            radii: self.radii.iter().map(|r| r.0).collect(),
             viscosity: self.viscosity,
             multipoles: self.multipoles,
             tolerance: self.tolerance,
