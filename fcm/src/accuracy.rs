@@ -9,7 +9,7 @@
 use crate::problem::MethodName;
 use crate::window::Window;
 use std::f64::consts::PI;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// Tolerances below this need a grid in `f64`.
 pub(crate) const FINEST_SINGLE: f64 = 2e-5;
@@ -82,30 +82,39 @@ impl Accuracy {
     /// Ways of the direct method to keep a tolerance, from the shortest stencil, which needs a fine grid, to a few points
     /// more.
     pub fn direct(tolerance: f64) -> Vec<Self> {
-        let error = |resolution: f64, points: usize| direct_error(resolution, 0.5 * points as f64 / resolution);
-        options(3..=100, GRID_SHARE * tolerance, error)
+        // A finer grid takes more from a stencil of so many points than it gives.
+        let error = |points: usize, resolution: f64| direct_error(resolution, 0.5 * points as f64 / resolution);
+        let is_enough = |points, hundredths| error(points, resolution(hundredths)) <= GRID_SHARE * tolerance;
+        options(3..=100, |points| RESOLUTIONS.clone().find(|&r| is_enough(points, r)))
     }
 
     /// The same of the split method, with the roughness that a resolution has.
     pub fn split(tolerance: f64, roughness: impl Fn(f64) -> f64) -> Vec<Self> {
-        let error = |resolution: f64, points: usize| split_error(resolution, points, roughness(resolution));
-        options(3..=Window::POINTS[1], GRID_SHARE * tolerance, error)
+        let error = |points: usize, resolution: f64| split_error(resolution, points, roughness(resolution));
+        let is_enough = |points, hundredths| error(points, resolution(hundredths)) <= GRID_SHARE * tolerance;
+        options(3..=Window::POINTS[1], |points| {
+            // Errors fall with the resolution: it is halved in on.
+            let Range { start: mut coarse, end: mut fine } = RESOLUTIONS;
+            while coarse < fine {
+                let middle = u32::midpoint(coarse, fine);
+                if is_enough(points, middle) { fine = middle } else { coarse = middle + 1 }
+            }
+            (fine < RESOLUTIONS.end).then_some(fine)
+        })
     }
 }
 
-/// The coarsest grid for each stencil that keeps the error below a limit, from the shortest on.
-fn options(points: RangeInclusive<usize>, limit: f64, error: impl Fn(f64, usize) -> f64) -> Vec<Accuracy> {
-    let coarsest = |points: usize| {
-        // Errors fall with the resolution.
-        let (mut coarse, mut fine) = (50, 400);
-        let resolution = |hundredths: u32| f64::from(hundredths) * 0.01;
-        while coarse < fine {
-            let middle = u32::midpoint(coarse, fine);
-            if error(resolution(middle), points) <= limit { fine = middle } else { coarse = middle + 1 }
-        }
-        (fine < 400).then_some(Accuracy { resolution: resolution(fine), points })
-    };
-    points.filter_map(coarsest).take(5).collect()
+/// Resolutions that are tried, in hundredths.
+const RESOLUTIONS: Range<u32> = 50..400;
+
+fn resolution(hundredths: u32) -> f64 {
+    f64::from(hundredths) * 0.01
+}
+
+/// The coarsest grid for each stencil, from the shortest that has one on.
+fn options(points: RangeInclusive<usize>, coarsest: impl Fn(usize) -> Option<u32>) -> Vec<Accuracy> {
+    let option = |points| Some(Accuracy { resolution: resolution(coarsest(points)?), points });
+    points.filter_map(option).take(5).collect()
 }
 
 #[cfg(test)]
@@ -120,7 +129,13 @@ mod tests {
                 assert!(!options.is_empty());
                 assert!(options.windows(2).all(|o| o[0].resolution >= o[1].resolution));
             }
+            let limit = GRID_SHARE * tolerance;
+            for Accuracy { resolution, points } in Accuracy::direct(tolerance) {
+                let error = |resolution: f64| direct_error(resolution, 0.5 * points as f64 / resolution);
+                assert!(error(resolution) <= limit && error(resolution - 0.01) > limit, "{points} at {resolution}");
+            }
             for option in Accuracy::split(tolerance, |_| 2.0) {
+                assert!(split_error(option.resolution - 0.01, option.points, 2.0) > limit);
                 let left_out = cutoff_error(cutoff(tolerance, 0.1), 0.1);
                 assert!(split_error(option.resolution, option.points, 2.0).hypot(left_out) <= tolerance);
             }
