@@ -7,7 +7,10 @@ are quoted by Banchio & Naegele, J. Chem. Phys. 128, 104903 (2008), and Heinen, 
 (2011). Its series 1 + 2.5 phi + 5 phi^2 + 10 phi^3 is near the exact 5.00 and 9.09 of two and three spheres (Cichocki,
 Ekiel-Jezewska, Szymczak & Wajnryb, J. Chem. Phys. 119, 606 (2003)). The self-mobility is
 1 - 1.8315 phi (1 + 0.1195 phi - 0.70 phi^2) (Heinen et al. 2011). A box of N spheres has a self-mobility that is too small by
-1.7601 (phi/N)^(1/3) over the viscosity, as Ladd found, and is corrected."""
+1.7601 (phi/N)^(1/3) over the viscosity, as Ladd found, and is corrected.
+
+The self-mobility is the mean over random forces, which spheres that are not rigid know exactly: the same forces on them
+say what chance did (a control variate), and that is taken off in proportion."""
 
 import concurrent.futures
 import math
@@ -23,7 +26,7 @@ from support.page import save, table, write_section
 from support.program import mobility
 
 FRACTIONS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
-SPHERES, SAMPLES, PROBES = 108, 8, 16
+SPHERES, SAMPLES, PROBES = 108, 10, 8
 TOLERANCE = 1e-3
 # With lubrication, up to this volume fraction.
 LIMIT, DENSEST = 0.03, 0.45
@@ -49,36 +52,55 @@ def viscosity(case, edge):
     return np.mean(found)
 
 
-def self_mobility(case, seed):
-    """The mean diagonal of the mobility over that of a single sphere, by random forces of either sign (Hutchinson)."""
+def probes(case, seed):
+    """Estimates of the mean diagonal of the mobility over that of a single sphere, by random forces of either sign (Hutchinson)."""
     random = np.random.default_rng(seed)
     found = []
     for _ in range(PROBES):
         forces = random.choice([-1.0, 1.0], (SPHERES, 3))
         answer = mobility(case | {"forces": forces}, TOLERANCE)
         found.append(6 * np.pi * np.mean(forces * np.array(answer["velocities"])))
-    return np.mean(found)
+    return np.array(found)
 
 
 def sample(job):
-    """Viscosity and self-mobility, with lubrication and without, of one configuration."""
+    """Of one configuration the viscosity and the probes of the self-mobility, [with, without lubrication], and the probes of
+    spheres that are not rigid."""
     phi, seed = job
     centres, edge = hard_spheres.equilibrium(SPHERES, phi, 1000 * seed + round(100 * phi))
     case = {"box": [edge] * 3, "viscosity": 1.0, "positions": centres, "radii": 1.0}
+    kinds = [case | {"lubrication": lubrication} for lubrication in (True, False)]
+    etas = [viscosity(kind, edge) for kind in kinds]
+    return etas, [probes(kind, seed) for kind in kinds], probes(case | {"rigid": False}, seed)
+
+
+def steadied(found, known, phi):
+    """Probes without what chance did, as those of spheres that are not rigid know it: each alone in its periodic box."""
+    inverse = 1 / hard_spheres.box(SPHERES, phi)
+    exact = 1 - 2.8372974795 * inverse + 4 * inverse**3
+    slope = np.mean((found - found.mean()) * (known - known.mean())) / np.var(known)
+    return found - slope * (known - exact)
+
+
+def row(phi, samples):
+    """Mean and standard error of [with, without lubrication][viscosity, self-mobility]."""
+    etas, found, known = (np.array(values) for values in zip(*samples))
     both = []
-    for lubrication in (True, False):
-        lubricated = case | {"lubrication": lubrication}
-        eta, found = viscosity(lubricated, edge), self_mobility(lubricated, seed)
-        both.append((eta, found + 1.7601 * (phi / SPHERES) ** (1 / 3) / eta))
-    return both
+    for k in (0, 1):
+        own = steadied(found[:, k], known, phi).mean(1) + 1.7601 * (phi / SPHERES) ** (1 / 3) / etas[:, k]
+        both.append(np.stack([etas[:, k], own], -1))
+    both = np.stack(both, 1)
+    return both.mean(0), both.std(0, ddof=1) / math.sqrt(SAMPLES)
 
 
 def compute():
-    """By volume fraction: mean and standard error of [with, without lubrication][viscosity, self-mobility]."""
+    """Means and standard errors by volume fraction."""
     jobs = [(phi, seed) for phi in FRACTIONS for seed in range(SAMPLES)]
     with concurrent.futures.ProcessPoolExecutor(os.cpu_count()) as pool:
-        found = np.array(list(pool.map(sample, jobs))).reshape(len(FRACTIONS), SAMPLES, 2, 2)
-    return found.mean(1), found.std(1, ddof=1) / math.sqrt(SAMPLES)
+        samples = list(pool.map(sample, jobs))
+    rows = [row(phi, samples[k * SAMPLES : (k + 1) * SAMPLES]) for k, phi in enumerate(FRACTIONS)]
+    means, errors = zip(*rows)
+    return np.array(means), np.array(errors)
 
 
 def draw(means, errors):
@@ -98,15 +120,15 @@ def draw(means, errors):
     save(figure, "high-frequency-viscosity.png")
 
 
-def rows(means, errors):
+def cells(means, errors):
     for k, phi in enumerate(FRACTIONS):
-        cells = [f"{phi:.2f}"]
+        line = [f"{phi:.2f}"]
         for quantity, published in ((0, published_viscosity), (1, published_mobility)):
             right = published(phi)
             value, error = means[k, 0, quantity], errors[k, 0, quantity]
-            cells += [f"{right:.3f}", f"{value:.3f} ± {error:.3f}", f"{100 * (value / right - 1):+.1f}%"]
-            cells.append(f"{means[k, 1, quantity]:.3f}")
-        yield cells
+            line += [f"{right:.3f}", f"{value:.3f} ± {error:.3f}", f"{100 * (value / right - 1):+.1f}%"]
+            line.append(f"{means[k, 1, quantity]:.3f}")
+        yield line
 
 
 def main():
@@ -114,9 +136,9 @@ def main():
     draw(means, errors)
     header = ["φ", "η published", "with lubrication", "differs by", "without", "self-mobility published"]
     header += ["with lubrication", "differs by", "without"]
-    lines = table(header, list(rows(means, errors)))
+    lines = table(header, list(cells(means, errors)))
     lines = [
-        f"{SPHERES} spheres at equilibrium, {SAMPLES} configurations a row; errors are standard errors.",
+        f"{SPHERES} spheres at equilibrium, {SAMPLES} configurations a row; errors are standard errors of those.",
         "",
         *lines,
         "",

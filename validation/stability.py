@@ -1,9 +1,9 @@
-"""What a run survives: sweeps of time step, concentration, ratio of sizes, repulsion and cutoff of lubrication, with both integrators;
-starts that overlap, spheres pressed together, a cluster of touching spheres that settles, and a long shear of a dense suspension.
-Each ends with its spheres where numbers are finite, or in an error that says what to change.
+"""What a run survives: sweeps of time step, concentration, ratio of sizes, repulsion, its range and the cutoff of lubrication, with both
+integrators; starts that overlap, spheres pressed together, a cluster of touching spheres that settles, and a long shear of a
+dense suspension. Each ends with its spheres where numbers are finite, or in an error that says what to change.
 
-scripts/validate stability [--full]: the full sizes take hours. It fails if a number is not finite, if spheres overlap in adaptive steps
-after the start, or if a run ends in an error that does not say what to change."""
+scripts/validate stability [--full]: the full sizes take an hour. It fails if a number is not finite, if more power is won than spent,
+if spheres overlap in adaptive steps after the start, or if a run ends in an error that does not say what to change."""
 
 import concurrent.futures
 import csv
@@ -11,6 +11,7 @@ import math
 import os
 import sys
 import tempfile
+from dataclasses import dataclass, field
 
 import matplotlib
 
@@ -20,11 +21,15 @@ from support.page import save, table, write_section
 from support.program import run
 
 FULL = "--full" in sys.argv[1:]
-SPHERES, STRAIN, LONG = (24, 10.0, 100_000) if FULL else (24, 0.2, 200)
+SPHERES, STRAIN, LONG = (64, 2.0, 100_000) if FULL else (24, 0.2, 200)
+# The time-step sweeps have as many steps as make the strain, but not fewer or more than this.
+FEWEST, MOST = (100, 4000) if FULL else (4, 200)
 # What an error that helps says.
 ADVICE = ("try", "change", "give", "set ", "take ", "larger", "smaller")
-STEPS = (1e-4, 1e-3, 5e-3, 1e-2, 5e-2) if FULL else (1e-3, 5e-3, 1e-2, 5e-2)
-FRACTIONS = (0.05, 0.2, 0.4, 0.5, 0.55) if FULL else (0.05, 0.2, 0.4, 0.5)
+STEPS = (1e-4, 1e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.2, 0.5) if FULL else (1e-3, 5e-3, 5e-2, 0.2)
+FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.55) if FULL else (0.05, 0.2, 0.4, 0.5)
+RATIOS, STRENGTHS, RANGES, CUTOFFS = (1, 1.5, 2, 3, 4), (0, 1, 10, 100, 1000), (0.01, 0.025, 0.1), (0.2, 0.5, 1, 2.5)
+PRESSED_STEPS = (0.02, 0.05, 0.1, 0.2, 0.5, 1)
 INTEGRATORS = ("adams-bashforth", "adaptive")
 SCENE = """
 seed = 11
@@ -44,123 +49,224 @@ fluid.viscosity = 1.0
 hydrodynamics = {{ tolerance = 1e-3, lubrication = true }}
 output = {{ trajectory_every = 0, checkpoint_every = 0 }}
 particles = {{ initial = "positions", positions = {positions} }}
-time = {{ step = 0.02, steps = 50, integrator = "{integrator}" }}
+time = {{ step = {step}, steps = {steps}, integrator = "{integrator}" }}
 species = [{species}]
 {more}
 """
 
 
-def sheared(integrator, step=5e-3, fraction=0.3, ratio=1.0, strength=100.0, steps=None):
-    """A suspension of two sizes with half the volume each."""
+@dataclass
+class Case:
+    """A run to be made: one value of a sweep with one integrator."""
+
+    sweep: str
+    value: float
+    integrator: str
+    scene: str
+    overrides: list = field(default_factory=list)
+    # Forces by species, where it is they that move the spheres.
+    forces: dict = field(default_factory=dict)
+
+
+@dataclass
+class Outcome:
+    """How it ended."""
+
+    message: str
+    finite: bool = True
+    steps: int = 0
+    overlaps: int = 0
+    gap: float = math.nan
+    iterations: float = math.nan
+    # Mean and least power, over that of the fluid alone in shear or of each sphere alone under its force.
+    power: float = math.nan
+    least_power: float = math.nan
+
+    def is_stable(self):
+        return not self.message and self.finite and not self.overlaps
+
+
+def sheared(integrator, step=5e-3, fraction=0.3, ratio=1, strength=100, steps=None):
+    """A suspension, of two sizes with half the volume each if `ratio` is not 1."""
     small = SPHERES if ratio == 1 else round(SPHERES / 2)
     kinds = [(1.0, small)] + ([] if ratio == 1 else [(ratio, max(2, round(small / ratio**3)))])
     volume = sum(count * 4 / 3 * math.pi * radius**3 for radius, count in kinds)
-    species = ", ".join(f'{{ name = "{radius}", radius = {radius}, count = {count} }}' for radius, count in kinds)
+    species = ", ".join(f'{{ name = "{radius:g}", radius = {radius}, count = {count} }}' for radius, count in kinds)
     steps = steps or round(STRAIN / step)
     edge = max((volume / fraction) ** (1 / 3), 2.2 * ratio)
     return SCENE.format(edge=edge, strength=strength, species=species, step=step, steps=steps, integrator=integrator)
 
 
-def cases():
-    """(sweep, value, integrator, scene, overrides)."""
-    for kind in INTEGRATORS:
+def sweeps(kind):
+    """Suspensions in shear."""
+    for fraction in (0.3, 0.45):
         for step in STEPS:
-            yield "time step", step, kind, sheared(kind, step=step), []
-        for fraction in FRACTIONS:
-            yield "volume fraction", fraction, kind, sheared(kind, fraction=fraction), []
-        for ratio in (1.0, 2.0, 4.0):
-            yield "ratio of radii", ratio, kind, sheared(kind, ratio=ratio), []
-        for strength in (1.0, 10.0, 100.0, 1000.0):
-            yield "repulsion", strength, kind, sheared(kind, strength=strength), []
-        for cutoff in (0.2, 1.0, 2.5):
-            yield "cutoff", cutoff, kind, sheared(kind), [f"hydrodynamics.lubrication_cutoff={cutoff}"]
-        yield "weak repulsion at 40%", 1.0, kind, sheared(kind, fraction=0.4, strength=1.0, step=0.02, steps=round(5 * STRAIN / 0.02)), []
-        yield "long run at 40%", LONG, kind, sheared(kind, fraction=0.4, step=2e-3, steps=LONG), []
-        one = 'radius = 1.0, count = {}'
-        yield "start that overlaps", 0, kind, ODD.format(
-            positions="[[4, 8, 8], [5.9, 8, 8]]", species="{ " + one.format(2) + " }", more="", integrator=kind
-        ), []
-        pressed = '{ name = "right", radius = 1.0, count = 1, force = [50.0, 0, 0] }, '
-        pressed += '{ name = "left", radius = 1.0, count = 1, force = [-50.0, 0, 0] }'
-        for name, more in (("pressed together", ""), ("pressed, with repulsion", "repulsion.strength = 100.0")):
-            yield name, 50, kind, ODD.format(
-                positions="[[4, 8, 8], [6.1, 8, 8]]", species=pressed, more=more, integrator=kind
-            ), []
-        touching = "{ " + one.format(4) + ", force = [0, 5.0, -19.0] }"
-        yield "touching cluster settles", 4, kind, ODD.format(
-            positions="[[4, 8, 8], [6, 8, 8], [8, 8, 8], [8, 10, 8]]", species=touching,
-            more="repulsion.strength = 20.0", integrator=kind,
-        ), []
+            steps = min(max(round(STRAIN / step), FEWEST), MOST)
+            yield Case(f"time step at {fraction:.0%}", step, kind, sheared(kind, step, fraction, steps=steps))
+    for fraction in FRACTIONS:
+        yield Case("volume fraction", fraction, kind, sheared(kind, fraction=fraction))
+    for ratio in RATIOS:
+        yield Case("ratio of radii", ratio, kind, sheared(kind, ratio=ratio))
+    for strength in STRENGTHS:
+        yield Case("repulsion", strength, kind, sheared(kind, strength=strength))
+    for reach in RANGES:
+        yield Case("range of repulsion", reach, kind, sheared(kind), [f"repulsion.range={reach}"])
+    for cutoff in CUTOFFS:
+        yield Case("cutoff of lubrication", cutoff, kind, sheared(kind), [f"hydrodynamics.lubrication_cutoff={cutoff}"])
+    weak = sheared(kind, step=0.02, fraction=0.4, strength=1, steps=round(5 * STRAIN / 0.02))
+    yield Case("weak repulsion at 40%", 1, kind, weak)
+
+
+def single(name, count, force):
+    return f'{{ name = "{name}", radius = 1.0, count = {count}, force = {list(force)} }}'
+
+
+def odd(kind):
+    """Two spheres that overlap at the start or are pressed together, and a cluster that settles."""
+    resting = {"kept": (0.0, 0.0, 0.0)}
+    pressed = {"right": (50.0, 0.0, 0.0), "left": (-50.0, 0.0, 0.0)}
+    falling = {"cluster": (0.0, 5.0, -19.0)}
+    near = "[[4, 8, 8], [6.1, 8, 8]]"
+    bent = "[[4, 8, 8], [6, 8, 8], [8, 8, 8], [8, 10, 8]]"
+
+    def scene(positions, forces, count, step, steps, more=""):
+        species = ", ".join(single(name, count, force) for name, force in forces.items())
+        return ODD.format(positions=positions, species=species, step=step, steps=steps, more=more, integrator=kind)
+
+    overlapping = scene("[[4, 8, 8], [5.9, 8, 8]]", resting, 2, 0.02, 50)
+    yield Case("start that overlaps", 0.1, kind, overlapping)
+    for step in PRESSED_STEPS:
+        alone = scene(near, pressed, 1, step, 50)
+        repelled = scene(near, pressed, 1, step, 50, "repulsion.strength = 100.0")
+        yield Case("time step, pressed together", step, kind, alone, forces=pressed)
+        yield Case("time step, pressed, with repulsion", step, kind, repelled, forces=pressed)
+    settling = scene(bent, falling, 4, 0.02, 200, "repulsion.strength = 20.0")
+    yield Case("touching cluster settles", 4, kind, settling, forces=falling)
+
+
+def cases():
+    for kind in INTEGRATORS:
+        yield from sweeps(kind)
+        yield from odd(kind)
+    # The fixed steps have no other evaluations than these: one run is enough.
+    yield Case("long run at 40%", LONG, "adaptive", sheared("adaptive", 2e-3, 0.4, steps=LONG))
+
+
+def powers(case, rows):
+    """The power of each row: that of the flow over that of the fluid alone, or that of the forces over that of single spheres."""
+    if not case.forces:
+        return [row["relative_viscosity"] for row in rows if "relative_viscosity" in row]
+
+    def done(row):
+        return sum(f * row[f"mean_velocity_{axis}[{name}]"] for name, force in case.forces.items() for axis, f in zip("xyz", force))
+
+    alone = sum(sum(f * f for f in force) / (6 * math.pi) for force in case.forces.values())
+    return [done(row) / alone for row in rows]
 
 
 def outcome(case):
-    """How the case ended: (steps, smallest gap, mean iterations, mean power over that of the fluid alone, all finite, message)."""
-    _, _, _, scene, overrides = case
     with tempfile.TemporaryDirectory() as folder:
-        ended = run(scene, f"{folder}/run", overrides)
+        ended = run(case.scene, f"{folder}/run", case.overrides)
         try:
             with open(f"{folder}/run/observables.csv") as file:
                 rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
         except FileNotFoundError:
             rows = []
     message = "" if ended.returncode == 0 else ended.stderr.strip().splitlines()[-1].removeprefix("error: ")
-    if not rows:
-        return 0, math.nan, math.nan, math.nan, True, message
-    mean = lambda key: sum(row[key] for row in rows) / len(rows)
-    finite = all(math.isfinite(value) for row in rows for key, value in row.items() if key != "smallest_gap")
-    power = mean("relative_viscosity") if "relative_viscosity" in rows[0] else math.nan
     # Spheres may touch at the start, when nothing has moved yet.
-    gap = min((row["smallest_gap"] for row in rows[1:]), default=math.nan)
-    return int(rows[-1]["step"]), gap, mean("iterations"), power, finite, message
+    moved = rows[1:]
+    if not moved:
+        return Outcome(message)
+    gaps, power = [row["smallest_gap"] for row in moved], powers(case, moved)
+    return Outcome(
+        message,
+        finite=all(math.isfinite(value) for row in rows for key, value in row.items() if key != "smallest_gap"),
+        steps=int(rows[-1]["step"]),
+        overlaps=sum(gap <= 0 for gap in gaps),
+        gap=min(gaps),
+        iterations=sum(row["iterations"] for row in moved) / len(moved),
+        power=sum(power) / len(power),
+        least_power=min(power),
+    )
 
 
 def draw(found):
-    sweeps = ("time step", "volume fraction", "ratio of radii", "repulsion", "cutoff")
-    figure, panels = plt.subplots(1, len(sweeps), figsize=(16, 3.4), layout="constrained", sharey=True)
-    for axes, sweep in zip(panels, sweeps):
+    names = ("time step at 30%", "volume fraction", "ratio of radii", "repulsion", "cutoff of lubrication", "time step, pressed together")
+    figure, panels = plt.subplots(2, len(names), figsize=(17, 6), layout="constrained", sharey="row", sharex="col")
+    for column, sweep in zip(panels.T, names):
         for kind, mark in zip(INTEGRATORS, "ox"):
-            points = [(case[1], result[1]) for case, result in found if case[0] == sweep and case[2] == kind]
-            axes.plot([x for x, _ in points], [gap for _, gap in points], mark, fillstyle="none", label=kind)
-        axes.set(xlabel=sweep, yscale="symlog", xscale="linear" if "ratio" in sweep or "fraction" in sweep else "log")
-        axes.set_yscale("symlog", linthresh=1e-6)
-        axes.axhline(0, color="0.7", linewidth=0.8)
-    panels[0].set_ylabel("smallest gap of the run / a")
-    panels[0].legend(fontsize=8)
+            points = [(case.value, ended) for case, ended in found if case.sweep == sweep and case.integrator == kind]
+            for axes, quantity in zip(column, ("gap", "power")):
+                axes.plot([x for x, _ in points], [getattr(y, quantity) for _, y in points], mark, fillstyle="none", label=kind)
+        column[1].set(xlabel=sweep, xscale="linear" if "ratio" in sweep or "fraction" in sweep else "symlog" if sweep == "repulsion" else "log")
+        column[0].set_yscale("symlog", linthresh=1e-7)
+        column[1].set_yscale("log")
+        column[0].axhline(0, color="0.7", linewidth=0.8)
+    panels[0, 0].set_ylabel("smallest gap of the run / a")
+    panels[1, 0].set_ylabel("power / that without interaction")
+    panels[0, 0].legend(fontsize=8)
     save(figure, "stability.png")
+
+
+def row(case, ended):
+    how = ended.message or ("to the end, spheres overlap" if ended.overlaps else "to the end")
+    numbers = ((ended.gap, ".1e"), (ended.power, ".3g"), (ended.iterations, ".1f"))
+    cells = ["" if math.isnan(x) else f"{x:{form}}" for x, form in numbers]
+    return [case.sweep, f"{case.value:g}", case.integrator, f"{ended.steps:,}", f"{ended.overlaps:,}", *cells, how]
+
+
+def complaints(case, ended):
+    """What should not be."""
+    if not ended.finite:
+        yield "not finite"
+    # Repulsion gives back what it has stored.
+    if ended.least_power <= 0 and not (case.forces and "repulsion" in case.scene):
+        yield f"power {ended.least_power:g}"
+    if case.integrator == "adaptive" and ended.overlaps:
+        yield "spheres overlap"
+    if ended.message and not any(word in ended.message for word in ADVICE):
+        yield "no advice"
+
+
+def largest_steps(found):
+    """A table: by sweep and integrator, the largest time step up to which all are stable."""
+    names = [name for name in dict.fromkeys(case.sweep for case, _ in found) if name.startswith("time step")]
+    rows = []
+    for name in names:
+        cells = [name.removeprefix("time step").removeprefix(",").strip()]
+        for kind in INTEGRATORS:
+            tried = [(case.value, ended) for case, ended in found if (case.sweep, case.integrator) == (name, kind)]
+            unstable = min((step for step, ended in tried if not ended.is_stable()), default=math.inf)
+            stable = max((step for step, _ in tried if step < unstable), default=math.nan)
+            cells.append(f"{stable:g} of {max(step for step, _ in tried):g}")
+        rows.append(cells)
+    return table(["largest stable time step", *INTEGRATORS], rows)
 
 
 def main():
     listed = list(cases())
+    found, failed = [], []
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = list(zip(listed, pool.map(outcome, listed)))
+        for case, ended in zip(listed, pool.map(outcome, listed)):
+            print(*row(case, ended), sep=" | ", flush=True)
+            found.append((case, ended))
+            failed += [f"{case.sweep} {case.value:g} {case.integrator}: {what}" for what in complaints(case, ended)]
     draw(found)
-    rows, failed = [], []
-    for (sweep, value, kind, *_), (steps, gap, iterations, power, finite, message) in found:
-        ended = message if message else ("to the end" if gap > 0 else "to the end, spheres overlap")
-        numbers = ["" if math.isnan(x) else f"{x:{form}}" for x, form in ((gap, ".1e"), (iterations, ".1f"), (power, ".2f"))]
-        rows.append([sweep, f"{value:g}", kind, str(steps), *numbers, ended])
-        overlaps = kind == "adaptive" and gap <= 0
-        helpless = message and not any(word in message for word in ADVICE)
-        if not finite or overlaps or helpless:
-            failed.append(f"{sweep} {value:g} {kind}")
-    largest = {
-        kind: max((case[1] for case, result in found if case[0] == "time step" and case[2] == kind and result[1] > 0 and not result[5]), default=0)
-        for kind in INTEGRATORS
-    }
-    header = ["sweep", "value", "integrator", "steps", "smallest gap", "iterations", "power / fluid's", "ended"]
+    header = ["sweep", "value", "integrator", "steps", "with overlap", "smallest gap", "power", "iterations", "ended"]
     lines = [
         f"{SPHERES} spheres unless said otherwise, sheared to a strain of {STRAIN:g} with a step of 0.005 at 30% and a repulsion of 100.",
+        "Power is what the flow does over what it does in the fluid alone, or what forces do over what they do to single spheres; all of",
+        "it is dissipated but for what repulsion stores. Iterations are means over the steps, each of which is the last of its parts.",
         "",
-        *table(header, rows),
+        *largest_steps(found),
         "",
-        "Largest step without overlap: " + ", ".join(f"{kind} {step:g}" for kind, step in largest.items()) + ".",
+        "![Smallest gaps and power](figures/stability.png)",
         "",
-        "![Smallest gaps](figures/stability.png)",
+        *table(header, [row(case, ended) for case, ended in found]),
     ]
     write_section("lubrication.md", "stability", "Stability", lines)
-    print("\n".join(lines))
     if failed:
-        raise SystemExit("failed: " + ", ".join(failed))
+        raise SystemExit("failed: " + "; ".join(failed))
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ A case for N particles:
   rigid       whether to solve for the stresslets that keep the particles rigid (default: true)
   multipoles  \"monopole\" or \"dipole\" (default)
   lubrication whether near pairs of rigid particles feel lubrication (default: false)
-  lubrication_cutoff  the gap where it ends, in mean radii of the pair (default: 2.5)
+  lubrication_cutoff  the gap where it ends, in radii of the pair's larger sphere (default: 2.5)
   background  {\"velocity_gradient\": 3 x 3, G[i][j] = du_i/dx_j}
   strain      the box's Lees-Edwards strain: its second lattice vector is (strain Ly, Ly, 0)
 What is absent is zero. The answer has velocities and angular_velocities relative to the background

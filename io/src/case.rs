@@ -41,7 +41,7 @@ pub struct Case {
     /// Whether near pairs of rigid particles feel lubrication.
     #[serde(default)]
     pub lubrication: bool,
-    /// The gap where lubrication ends over the mean radius of the two; the program's default if absent.
+    /// The gap where lubrication ends over the larger radius of the two; the program's default if absent.
     #[serde(default)]
     pub lubrication_cutoff: Option<f64>,
     /// The background flow.
@@ -181,7 +181,7 @@ impl Case {
         }
         if let Some(cutoff) = self.lubrication_cutoff.filter(|c| !(self.lubrication && *c > 1e-3 && *c <= 8.0)) {
             return Err(format!(
-                "lubrication_cutoff is {cutoff}; it needs 0.001 < lubrication_cutoff <= 8, in mean radii, and lubrication true"
+                "lubrication_cutoff is {cutoff}; it needs 0.001 < lubrication_cutoff <= 8, in radii of a pair's larger sphere, and lubrication true"
             ));
         }
         if self.multipoles == Terms::Monopole {

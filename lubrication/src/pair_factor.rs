@@ -52,24 +52,22 @@ impl PairFactor {
 
     /// `B^T` times a motion.
     pub fn modes(&self, motion: &PairMotion) -> [f64; Self::MODES] {
-        let parts = self.components(motion);
-        let mut modes = [0.0; Self::MODES];
-        adjoint(&self.roots.axial.root, &parts.axial.u, &mut modes[..2]);
-        adjoint(&self.roots.spin, &parts.spin, &mut modes[2..4]);
-        adjoint(&self.roots.transverse.root, &parts.transverse[0].u, &mut modes[4..8]);
-        adjoint(&self.roots.transverse.root, &parts.transverse[1].u, &mut modes[8..]);
-        modes
+        self.modes_of(&self.components(motion))
+    }
+
+    /// `B^T` times velocities and angular velocities in an ambient flow without strain.
+    pub fn rigid_modes(&self, velocity: [Vector; 2], angular_velocity: [Vector; 2]) -> [f64; Self::MODES] {
+        self.modes_of(&self.rigid_components(velocity, angular_velocity))
     }
 
     /// `B` times the amplitudes of the modes.
     pub fn loads(&self, modes: &[f64; Self::MODES]) -> PairLoads {
-        let transverse = |modes: &[f64]| Block { u: apply(&self.roots.transverse.root, modes), e: [0.0; 2] };
-        self.assembled(&Components {
-            axial: Block { u: apply(&self.roots.axial.root, &modes[..2]), e: [0.0; 2] },
-            spin: apply(&self.roots.spin, &modes[2..4]),
-            transverse: [transverse(&modes[4..8]), transverse(&modes[8..])],
-            planar: [[0.0; 2]; 2],
-        })
+        self.assembled(&self.components_of(modes))
+    }
+
+    /// Forces and torques of `B` times the amplitudes of the modes.
+    pub fn rigid_loads(&self, modes: &[f64; Self::MODES]) -> [[Vector; 2]; 2] {
+        self.forces(&self.components_of(modes))
     }
 
     /// Loads on a motion besides those of the modes: by the rates of strain, and first moments by the velocities.
@@ -88,53 +86,96 @@ impl PairFactor {
         self.loads(&self.modes(motion)) + self.strain_loads(motion)
     }
 
+    fn modes_of(&self, parts: &Components) -> [f64; Self::MODES] {
+        let mut modes = [0.0; Self::MODES];
+        adjoint(&self.roots.axial.root, &parts.axial.u, &mut modes[..2]);
+        adjoint(&self.roots.spin, &parts.spin, &mut modes[2..4]);
+        adjoint(&self.roots.transverse.root, &parts.transverse[0].u, &mut modes[4..8]);
+        adjoint(&self.roots.transverse.root, &parts.transverse[1].u, &mut modes[8..]);
+        modes
+    }
+
+    fn components_of(&self, modes: &[f64; Self::MODES]) -> Components {
+        let transverse = |modes: &[f64]| Block { u: apply(&self.roots.transverse.root, modes), e: [0.0; 2] };
+        Components {
+            axial: Block { u: apply(&self.roots.axial.root, &modes[..2]), e: [0.0; 2] },
+            spin: apply(&self.roots.spin, &modes[2..4]),
+            transverse: [transverse(&modes[4..8]), transverse(&modes[8..])],
+            planar: [[0.0; 2]; 2],
+        }
+    }
+
     /// Motions along the unit tensors of the frame, lengths in units of the smaller radius.
     fn components(&self, motion: &PairMotion) -> Components {
-        let mut parts = Components::default();
-        let mut along = [0.0; 2];
+        let mut parts = self.rigid_components(motion.velocity, motion.angular_velocity);
         for (k, sphere) in self.order.into_iter().enumerate() {
-            let u = self.frame.transpose() * motion.velocity[sphere];
-            let omega = self.frame.transpose() * motion.angular_velocity[sphere] * self.radius;
             let e = self.frame.transpose() * motion.strain_rate[sphere].tensor() * self.frame;
             let e = e * self.radius;
-            along[k] = u.z;
             parts.axial.e[k] = 1.5_f64.sqrt() * e.z_axis.z;
-            parts.spin[k] = omega.z;
-            for (plane, values) in [[u.x, omega.y, e.z_axis.x], [u.y, -omega.x, e.z_axis.y]].into_iter().enumerate() {
-                parts.transverse[plane].u[k] = values[0];
-                parts.transverse[plane].u[2 + k] = values[1];
-                parts.transverse[plane].e[k] = 2.0_f64.sqrt() * values[2];
-            }
+            parts.transverse[0].e[k] = 2.0_f64.sqrt() * e.z_axis.x;
+            parts.transverse[1].e[k] = 2.0_f64.sqrt() * e.z_axis.y;
             parts.planar[0][k] = FRAC_1_SQRT_2 * (e.x_axis.x - e.y_axis.y);
             parts.planar[1][k] = 2.0_f64.sqrt() * e.y_axis.x;
         }
-        let ([first, second], [e, f]) = (along, parts.axial.e);
-        let opening = second - first - LEVER * (e + self.ratio * f);
-        parts.axial.u = [opening, (first + self.ratio * second) / (1.0 + self.ratio)];
+        parts.axial.u[0] -= LEVER * (parts.axial.e[0] + self.ratio * parts.axial.e[1]);
+        parts
+    }
+
+    /// As `components`, of spheres without strain.
+    fn rigid_components(&self, velocity: [Vector; 2], angular_velocity: [Vector; 2]) -> Components {
+        let (mut parts, to_frame) = (Components::default(), self.frame.transpose());
+        let mut along = [0.0; 2];
+        for (k, sphere) in self.order.into_iter().enumerate() {
+            let u = to_frame * velocity[sphere];
+            let omega = to_frame * angular_velocity[sphere] * self.radius;
+            along[k] = u.z;
+            parts.spin[k] = omega.z;
+            for (plane, (u, omega)) in [(u.x, omega.y), (u.y, -omega.x)].into_iter().enumerate() {
+                parts.transverse[plane].u[k] = u;
+                parts.transverse[plane].u[2 + k] = omega;
+            }
+        }
+        let [first, second] = along;
+        parts.axial.u = [second - first, (first + self.ratio * second) / (1.0 + self.ratio)];
         parts
     }
 
     /// The transpose of `components`.
     fn assembled(&self, parts: &Components) -> PairLoads {
-        let mut loads = PairLoads::default();
-        let Block { u: [opening, mean], e } = parts.axial;
+        let [force, torque] = self.forces(parts);
+        PairLoads { force, torque, moment: self.moments(parts) }
+    }
+
+    /// The transpose of `rigid_components`: forces and torques.
+    fn forces(&self, parts: &Components) -> [[Vector; 2]; 2] {
+        let mut loads = [[Vector::ZERO; 2]; 2];
+        let [opening, mean] = parts.axial.u;
         let forces = [mean / (1.0 + self.ratio) - opening, mean * self.ratio / (1.0 + self.ratio) + opening];
-        let moments = [e[0] - LEVER * opening, e[1] - LEVER * self.ratio * opening];
         let [across, aside] = parts.transverse;
         for (k, sphere) in self.order.into_iter().enumerate() {
-            loads.force[sphere] = self.frame * Vector::new(across.u[k], aside.u[k], forces[k]);
+            loads[0][sphere] = self.frame * Vector::new(across.u[k], aside.u[k], forces[k]);
             let torque = Vector::new(-aside.u[2 + k], across.u[2 + k], parts.spin[k]);
-            loads.torque[sphere] = self.frame * torque * self.radius;
-            let (along, normal) = (moments[k] * 1.5_f64.sqrt() / 3.0, parts.planar[0][k] * FRAC_1_SQRT_2);
+            loads[1][sphere] = self.frame * torque * self.radius;
+        }
+        loads
+    }
+
+    fn moments(&self, parts: &Components) -> [Traceless; 2] {
+        let mut found = [Traceless::ZERO; 2];
+        let Block { u: [opening, _], e } = parts.axial;
+        let axial = [e[0] - LEVER * opening, e[1] - LEVER * self.ratio * opening];
+        let [across, aside] = parts.transverse;
+        for (k, sphere) in self.order.into_iter().enumerate() {
+            let (along, normal) = (axial[k] * 1.5_f64.sqrt() / 3.0, parts.planar[0][k] * FRAC_1_SQRT_2);
             let [xz, yz, xy] = [across.e[k], aside.e[k], parts.planar[1][k]].map(|moment| moment * FRAC_1_SQRT_2);
             let moment = Tensor::from_cols(
                 Vector::new(normal - along, xy, xz),
                 Vector::new(xy, -normal - along, yz),
                 Vector::new(xz, yz, 2.0 * along),
             );
-            loads.moment[sphere] = Traceless::part_of(&(self.frame * moment * self.frame.transpose() * self.radius));
+            found[sphere] = Traceless::part_of(&(self.frame * moment * self.frame.transpose() * self.radius));
         }
-        loads
+        found
     }
 }
 

@@ -75,17 +75,17 @@ impl PairForce {
     /// The factor of a pair, for `separation` from the first centre to the second; none beyond the cutoff.
     pub fn factor(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
         let [first, second] = species.map(|s| self.radii[s as usize]);
-        let mean = 0.5 * (first + second);
+        let (small, large) = (first.min(second), first.max(second));
         let distance = separation.length();
-        let gap = distance / mean - 2.0;
-        if gap >= self.range.cutoff() || distance == 0.0 {
+        let gap = distance - small - large;
+        if gap >= self.range.cutoff() * large || distance == 0.0 {
             return None;
         }
         let (order, axis) =
             if first <= second { ([0, 1], separation / distance) } else { ([1, 0], -separation / distance) };
-        let (small, large) = (first.min(second), first.max(second));
-        let factor = (self.viscosity * small).sqrt() * self.range.taper(gap);
-        let roots = self.table(species).at(gap.max(self.range.closest()) * mean / small, factor);
+        let factor = (self.viscosity * small).sqrt() * self.range.taper(gap / large);
+        let closest = self.range.closest() * 0.5 * (small + large);
+        let roots = self.table(species).at(gap.max(closest) / small, factor);
         Some(PairFactor::new(&roots, axis, order, [small, large / small]))
     }
 

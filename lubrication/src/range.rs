@@ -4,7 +4,8 @@ use thiserror::Error;
 
 use crate::root_table::{CLOSEST, FARTHEST};
 
-/// Gaps between which the lubrication correction acts, over the mean radius of a pair.
+/// Gaps between which the lubrication correction acts: where it ends over the larger radius of a pair, which says how far what
+/// the method misses reaches, and where it grows no more over the mean radius.
 ///
 /// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two continuous
 /// derivatives. At gaps below `closest`, and for spheres that overlap, it stays what it is at `closest`.
@@ -19,7 +20,7 @@ pub struct Range {
 pub enum RangeError {
     /// The cutoff is outside the tables.
     #[error(
-        "lubrication cutoff is {0}; it is a gap over the mean radius: give a number above 0.001, at most 8 (2.5 is accurate, 0.2 is customary)"
+        "lubrication cutoff is {0}; it is a gap over the larger radius: give a number above 0.001, at most 8 (2.5 is accurate, 0.2 is customary)"
     )]
     Cutoff(f64),
     /// The smallest gap is outside the tables, or beyond the cutoff.
@@ -30,7 +31,7 @@ pub enum RangeError {
 }
 
 impl Range {
-    /// Cutoff beyond which the method alone has the motion of two spheres to 1%, for radii up to 2:1.
+    /// Cutoff with which two spheres move within 1% of the exact solution at every gap, for radii up to 2:1.
     pub const WIDE: f64 = 2.5;
     /// Cutoff of Dance & Maxey (2003) and Yeo & Maxey (2010); the correction still is large there.
     pub const NARROW: f64 = 0.2;
@@ -50,7 +51,7 @@ impl Range {
         Ok(Self { cutoff, closest })
     }
 
-    /// Gap where the correction ends, over the mean radius.
+    /// Gap where the correction ends, over the larger radius.
     pub fn cutoff(&self) -> f64 {
         self.cutoff
     }
@@ -60,7 +61,7 @@ impl Range {
         self.closest
     }
 
-    /// Factor of the root of the correction, the square root of a quintic step from 1 to 0.
+    /// Factor of the root of the correction at a gap over the larger radius, the square root of a quintic step from 1 to 0.
     pub(crate) fn taper(&self, gap: f64) -> f64 {
         let x = ((1.0 - gap / self.cutoff) / (1.0 - Self::TAPER)).clamp(0.0, 1.0);
         (x * x * x * (10.0 - x * (15.0 - 6.0 * x))).sqrt()

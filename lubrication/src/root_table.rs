@@ -11,7 +11,7 @@ use crate::two_sphere::{TwoSphere, TwoSphereError};
 
 /// Smallest tabulated gap over the smaller radius.
 pub const CLOSEST: f64 = 1e-7;
-/// Largest tabulated gap over the mean radius.
+/// Largest tabulated gap over the larger radius.
 pub const FARTHEST: f64 = 8.0;
 /// Intervals of interpolation grow by this factor.
 const GROWTH: f64 = 2.0;
@@ -46,7 +46,7 @@ impl RootTable {
     }
 
     fn compute(exact: &TwoSphere) -> Self {
-        let farthest = FARTHEST * 0.5 * (1.0 + exact.ratio());
+        let farthest = FARTHEST * exact.ratio();
         let count = (farthest / CLOSEST).log(GROWTH).ceil() as i32;
         let edge = |k: i32| (CLOSEST * GROWTH.powi(k)).ln();
         let piece = |k: i32| {

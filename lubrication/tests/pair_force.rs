@@ -153,9 +153,9 @@ fn nothing_acts_beyond_the_cutoff_and_it_ends_smoothly() {
     let force = PairForce::new(&[1.0, 1.5], 1.0, Range::new(Range::NARROW, 1e-6).unwrap()).unwrap();
     let at =
         |gap: f64| force.loads(Vector::Y * (2.5 + gap), [0, 1], &moving(0, Vector::Y)).map(|loads| loads.force[0].y);
-    assert!(at(0.25 + 1e-12).is_none());
+    assert!(at(0.3 + 1e-12).is_none());
     // A quintic step: third power of the distance to the end.
-    let (near, nearer) = (at(0.25 - 1e-2).unwrap(), at(0.25 - 0.5e-2).unwrap());
+    let (near, nearer) = (at(0.3 - 1e-2).unwrap(), at(0.3 - 0.5e-2).unwrap());
     assert!(near > 0.0 && (nearer / near) < 0.15, "{near} {nearer}");
     assert!((force.reach() - 1.5 * 2.2).abs() < 1e-14);
 }

@@ -2,6 +2,9 @@
 
 import numpy as np
 
+# Sites of a cell of a face-centred cubic lattice.
+BASIS = np.array([[0.25, 0.25, 0.25], [0.75, 0.75, 0.25], [0.75, 0.25, 0.75], [0.25, 0.75, 0.75]])
+
 
 def box(count, fraction):
     """Side of the cubic box of so many spheres at a volume fraction."""
@@ -9,25 +12,41 @@ def box(count, fraction):
 
 
 def equilibrium(count, fraction, seed, sweeps=1500):
-    """Centres of spheres at equilibrium, from a lattice with vacancies that melts."""
+    """Centres of spheres at equilibrium, from a lattice with vacancies that melts; where that does not fit into the box, it
+    melts in a larger one, which shrinks as far as the nearest spheres let it after every sweep."""
     random = np.random.default_rng(seed)
     edge = box(count, fraction)
-    cells = int(np.ceil((count / 4) ** (1 / 3)))
-    corners = np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), -1).reshape(-1, 1, 3)
-    basis = np.array([[0.25, 0.25, 0.25], [0.75, 0.75, 0.25], [0.75, 0.25, 0.75], [0.25, 0.75, 0.75]])
-    sites = ((corners + basis) / cells * edge).reshape(-1, 3)
-    centres = sites[random.permutation(len(sites))[:count]]
     reach = min(0.5, 1.5 * (0.65 - fraction))
+    centres, larger = lattice(count, edge, random)
+    while larger > edge:
+        sweep(centres, larger, reach, random)
+        shrunk = max(edge, larger * 2 / (2 + smallest_gap(centres, larger)))
+        centres *= shrunk / larger
+        larger = shrunk
     for _ in range(sweeps):
-        for i in random.permutation(count):
-            trial = centres[i] + random.uniform(-reach, reach, 3)
-            apart = centres - trial
-            apart -= edge * np.round(apart / edge)
-            squares = np.einsum("ij,ij->i", apart, apart)
-            squares[i] = np.inf
-            if squares.min() > 4:
-                centres[i] = trial % edge
+        sweep(centres, edge, reach, random)
     return centres, edge
+
+
+def lattice(count, edge, random):
+    """Centres on some sites of a face-centred cubic lattice, and the side of its box: `edge`, or more if spheres would overlap."""
+    cells = int(np.ceil((count / 4) ** (1 / 3)))
+    edge = max(edge, 2 * np.sqrt(2) * cells * (1 + 1e-9))
+    corners = np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), -1).reshape(-1, 1, 3)
+    sites = ((corners + BASIS) / cells * edge).reshape(-1, 3)
+    return sites[random.permutation(len(sites))[:count]], edge
+
+
+def sweep(centres, edge, reach, random):
+    """Tries to move each sphere once."""
+    for i in random.permutation(len(centres)):
+        trial = centres[i] + random.uniform(-reach, reach, 3)
+        apart = centres - trial
+        apart -= edge * np.round(apart / edge)
+        squares = np.einsum("ij,ij->i", apart, apart)
+        squares[i] = np.inf
+        if squares.min() > 4:
+            centres[i] = trial % edge
 
 
 def smallest_gap(centres, edge):

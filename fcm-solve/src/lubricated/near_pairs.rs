@@ -1,7 +1,7 @@
 //! The pairs that feel lubrication, and their resistance.
 
 use super::screw::{Screw, Screws};
-use domain::{Exchange, Pairs, Particles, Partition, PeriodicBox, Traceless};
+use domain::{Exchange, Pairs, Particles, Partition, PeriodicBox, Traceless, Vector};
 use lubrication::{PairFactor, PairForce, PairLoads, PairMotion};
 use rayon::prelude::*;
 
@@ -70,16 +70,32 @@ impl NearPairs {
             .collect()
     }
 
+    /// `B^T` times motions in an ambient flow without strain. Collective.
+    pub fn rigid_modes(&self, motions: &Screws) -> Vec<Modes> {
+        let mut present = motions.0.clone();
+        self.exchange.extend(&mut present);
+        let modes = |pair: &NearPair| {
+            let spheres = pair.rows.map(|row| present[row]);
+            pair.factor.rigid_modes(spheres.map(Screw::linear), spheres.map(Screw::angular))
+        };
+        self.list.par_iter().map(modes).collect()
+    }
+
     /// Forces and torques of `B` times amplitudes. Collective.
     pub fn loads(&self, modes: &[Modes]) -> Screws {
-        let loads: Vec<_> = self.list.par_iter().zip(modes).map(|(pair, modes)| pair.factor.loads(modes)).collect();
+        let loads: Vec<_> =
+            self.list.par_iter().zip(modes).map(|(pair, modes)| pair.factor.rigid_loads(modes)).collect();
         self.summed(&loads)
     }
 
     /// Forces and torques of lubrication in a flow whose rate of strain is `ambient`, besides those of the modes. Collective.
     pub fn loads_in(&self, ambient: Traceless) -> Screws {
         let resting = motion([Screw::default(); 2], ambient);
-        let loads: Vec<_> = self.list.par_iter().map(|pair| pair.factor.strain_loads(&resting)).collect();
+        let on = |pair: &NearPair| {
+            let PairLoads { force, torque, .. } = pair.factor.strain_loads(&resting);
+            [force, torque]
+        };
+        let loads: Vec<_> = self.list.par_iter().map(on).collect();
         let mut sums = self.summed(&loads);
         sums.0.iter_mut().for_each(|sum| *sum = -*sum);
         sums
@@ -102,11 +118,12 @@ impl NearPairs {
         sums
     }
 
-    fn summed(&self, loads: &[PairLoads]) -> Screws {
+    /// Forces and torques of all pairs, by particle.
+    fn summed(&self, loads: &[[[Vector; 2]; 2]]) -> Screws {
         let mut sums = vec![Screw::default(); self.exchange.present()];
-        for (pair, loads) in self.list.iter().zip(loads) {
+        for (pair, [forces, torques]) in self.list.iter().zip(loads) {
             for (k, row) in pair.rows.into_iter().enumerate() {
-                sums[row] += Screw::new(loads.force[k], loads.torque[k]);
+                sums[row] += Screw::new(forces[k], torques[k]);
             }
         }
         self.exchange.collect(&mut sums);
@@ -115,7 +132,7 @@ impl NearPairs {
 }
 
 /// The motion of two rigid spheres relative to a flow.
-pub fn motion(spheres: [Screw; 2], ambient: Traceless) -> PairMotion {
+fn motion(spheres: [Screw; 2], ambient: Traceless) -> PairMotion {
     PairMotion {
         velocity: spheres.map(Screw::linear),
         angular_velocity: spheres.map(Screw::angular),

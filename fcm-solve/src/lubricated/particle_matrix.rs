@@ -1,9 +1,9 @@
 //! The resistance of particles without far field, a sparse matrix, and what it makes of the modes of pairs.
 
 use super::block::Block;
-use super::near_pairs::{Modes, NearPair, NearPairs, motion};
+use super::near_pairs::{Modes, NearPair, NearPairs};
 use super::screw::{Screw, Screws};
-use domain::{Comm, Exchange, Traceless};
+use domain::{Comm, Exchange};
 use fcm::{Limits, System, conjugate_gradients};
 use rayon::prelude::*;
 
@@ -64,7 +64,7 @@ impl<'a> ParticleMatrix<'a> {
         let alone = modes.iter().zip(&self.stiff).map(|(modes, &stiff)| if stiff { *modes } else { Modes::default() });
         let alone: Vec<Modes> = alone.collect();
         let motions = self.solve(self.near.loads(&alone));
-        let known = self.near.modes(&motions, Traceless::ZERO);
+        let known = self.near.rigid_modes(&motions);
         for ((modes, known), _) in modes.iter_mut().zip(&known).zip(&self.stiff).filter(|(_, stiff)| **stiff) {
             modes.iter_mut().zip(known).for_each(|(mode, known)| *mode -= known);
         }
@@ -129,9 +129,10 @@ fn blocks(pair: &NearPair) -> [Block; 3] {
         let loads = [0, 1].map(|moves| {
             let mut spheres = [Screw::default(); 2];
             spheres[moves].0[column] = 1.0;
-            pair.factor.loads(&pair.factor.modes(&motion(spheres, Traceless::ZERO)))
+            let modes = pair.factor.rigid_modes(spheres.map(Screw::linear), spheres.map(Screw::angular));
+            pair.factor.rigid_loads(&modes)
         });
-        let on = |moves: usize, sphere: usize| Screw::new(loads[moves].force[sphere], loads[moves].torque[sphere]).0;
+        let on = |moves: usize, sphere: usize| Screw::new(loads[moves][0][sphere], loads[moves][1][sphere]).0;
         for (block, load) in blocks.iter_mut().zip([on(0, 0), on(1, 0), on(1, 1)]) {
             block.0.iter_mut().zip(load).for_each(|(row, value)| row[column] = value);
         }

@@ -96,7 +96,7 @@ pub struct Hydrodynamics {
     pub costs: Option<[f64; 3]>,
     /// Whether near pairs feel lubrication.
     pub lubrication: bool,
-    /// The gap where lubrication ends over the mean radius of the two; the program's default where the scene has none.
+    /// The gap where lubrication ends over the larger radius of the two; the program's default where the scene has none.
     pub lubrication_cutoff: Option<f64>,
     /// Whether the solve with lubrication is preconditioned.
     pub preconditioner: bool,
@@ -243,8 +243,9 @@ fn lubrication(raw: &raw::Hydrodynamics) -> Result<(), Fault> {
             Err(Fault::new("hydrodynamics.lubrication_cutoff", message))
         }
         Some(cutoff) if !(cutoff > 1e-3 && cutoff <= 8.0) => {
-            let message =
-                format!("is {cutoff}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in mean radii");
+            let message = format!(
+                "is {cutoff}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in radii of a pair's larger sphere"
+            );
             Err(Fault::new("hydrodynamics.lubrication_cutoff", message))
         }
         _ => Ok(()),
