@@ -20,6 +20,7 @@ import settling
 import shear
 import theory
 import viscosity
+from support import hard_spheres
 
 
 class PairSettling(unittest.TestCase):
@@ -36,6 +37,13 @@ class Iterations(unittest.TestCase):
         plain, _ = iterations.solve(0.45, 1e-4, 1e-3, preconditioner=False)
         self.assertLessEqual(found, iterations.ALLOWED[0.45][0])
         self.assertGreater(plain, 2 * found)
+
+
+class HardSpheres(unittest.TestCase):
+    def test_they_start_without_overlap_where_their_lattice_does_not_fit(self):
+        centres, edge = hard_spheres.equilibrium(64, 0.5, seed=1, sweeps=1)
+        self.assertEqual(edge, hard_spheres.box(64, 0.5))
+        self.assertGreater(hard_spheres.smallest_gap(centres, edge), 0)
 
 
 class Viscosity(unittest.TestCase):

@@ -82,8 +82,12 @@ impl WarmStart {
     }
 
     /// What the solution should be near at a time `ahead` of that of the last values that were remembered, by the polynomial
-    /// through those; `ages` says how old they were then, the last ones 0.
+    /// through those; `ages` says how old they were then, the last ones 0. Nothing if nothing was remembered: no motion would be a bad
+    /// guess with lubrication, since spheres that stand still in a strain press their neighbours hard.
     pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
+        if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
+            return Guess::default();
+        }
         let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
         let mut at = |name: &str, width: usize| -> Vec<f64> {
             let mut sum = vec![0.0; width * particles.len()];
@@ -118,6 +122,7 @@ mod tests {
         let warm_start = WarmStart::new(false);
         let mut particles = Particles::default();
         particles.push(0, Vector::ZERO, 1.0, 0);
+        assert_eq!(warm_start.guess(&mut particles, &[0.0], 1.0), Guess::default(), "nothing is known");
         for step in 0..6 {
             particles.column(STRESSLET, 5).values.copy_from_slice(&parabola(f64::from(step)).0);
             warm_start.remember(&mut particles);

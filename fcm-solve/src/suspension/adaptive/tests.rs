@@ -154,3 +154,39 @@ fn the_error_follows_the_tolerance() {
     assert!(errors[0] < 5e-3 && errors[1] < 0.3 * errors[0] + 1e-4, "{errors:?}");
     assert!(exact.distance(Vector::new(7.0, 5.5, 5.2)) > 1e-3, "it moves");
 }
+
+/// Two spheres that forces press together and roll about each other.
+const ROLLING: &str = r#"
+box.edges = [16.0, 16.0, 16.0]
+fluid.viscosity = 1.0
+particles = { initial = "positions", positions = [[6.0, 8.0, 8.0], [7.91077, 8.59107, 8.0]] }
+hydrodynamics = { tolerance = 1e-3, iteration_tolerance = 1e-7, lubrication = true }
+time = { step = 0.25, steps = 4, integrator = "adaptive" }
+[[species]]
+name = "pushed right"
+radius = 1.0
+count = 1
+force = [20.0, 0.0, 0.0]
+[[species]]
+name = "pushed left"
+radius = 1.0
+count = 1
+force = [-20.0, 0.0, 0.0]
+"#;
+
+/// Substeps half as long have half the gap fraction and an eighth of the tolerance; all the while the gap, 1e-4 and less, is so small
+/// that it counts as large as the tolerance.
+#[test]
+fn the_order_is_three_where_gaps_are_below_the_tolerance() {
+    let at = |fraction: f64| {
+        let control = [format!("time.gap_fraction={fraction}"), format!("time.tolerance={}", fraction.powi(3) / 8.0)];
+        let (particles, failed) = run(&parsed(ROLLING, &[&control[0], &control[1]]), 1);
+        assert!(failed.is_none(), "{}", failed.unwrap());
+        assert!(gap(&particles, 0, 1) < fraction.powi(3) / 8.0);
+        particles
+    };
+    let exact = at(0.1);
+    let errors = [0.4, 0.2].map(|fraction| difference(&at(fraction), &exact));
+    let order = (errors[0] / errors[1]).log2();
+    assert!(order > 2.7 && errors[1] < 1e-4, "order {order} from {errors:?}");
+}
