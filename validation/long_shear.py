@@ -1,0 +1,53 @@
+"""A long shear of a dense suspension with lubrication and repulsion, in adaptive steps: spheres stay apart, and the solve stays as cheap
+as it was.
+
+scripts/validate long-shear [STEPS]: 100,000 steps unless said otherwise. It fails if spheres overlap or a number is not finite."""
+
+import csv
+import sys
+import tempfile
+
+import numpy as np
+from stability import SPHERES, sheared
+from support.page import table, write_section
+from support.program import run
+
+FRACTION, STEP, PARTS = 0.4, 2e-3, 10
+COLUMNS = ("smallest_gap", "iterations", "relative_viscosity")
+
+
+def series(steps):
+    """The columns of all steps but the start, and how the run ended."""
+    with tempfile.TemporaryDirectory() as folder:
+        ended = run(sheared("adaptive", STEP, FRACTION, steps=steps), f"{folder}/run")
+        with open(f"{folder}/run/observables.csv") as file:
+            rows = [[float(row[name]) for name in COLUMNS] for row in csv.DictReader(file)]
+    if ended.returncode:
+        raise SystemExit(ended.stderr)
+    return np.array(rows[1:])
+
+
+def main():
+    steps = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
+    found = series(steps)
+    rows = []
+    for part in np.array_split(found, PARTS):
+        gaps, iterations, viscosity = part.T
+        rows.append([f"{gaps.min():.1e}", str((gaps <= 0).sum()), f"{iterations.mean():.2f}", f"{viscosity.mean():.2f}"])
+    ends = [f"{STEP * steps * (k + 1) / PARTS:g}" for k in range(PARTS)]
+    lines = [
+        f"{SPHERES} spheres at {FRACTION:.0%} with a repulsion of 100, {steps:,} steps of {STEP:g} over the rate, by tenths of the run.",
+        "",
+        *table(
+            ["strain up to", "smallest gap", "steps with overlap", "iterations a step", "relative viscosity"],
+            [[end, *row] for end, row in zip(ends, rows)],
+        ),
+    ]
+    write_section("lubrication.md", "long-shear", "A long shear", lines)
+    print("\n".join(lines))
+    if not np.isfinite(found).all() or found[:, 0].min() <= 0:
+        raise SystemExit("failed: spheres overlap, or a number is not finite")
+
+
+if __name__ == "__main__":
+    main()
