@@ -30,22 +30,31 @@ impl Costs {
     }
 }
 
-/// Seconds for one evaluation in a box of the given strain by one thread, as measured on one core of a Zen 4 processor.
-/// `fcm-solve bench` prints what follows from them beside what it measures.
-pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64) -> Costs {
+/// Bytes of a grid that stay near a core: a few megabytes.
+const CACHE: f64 = 3.3e6;
+
+/// Seconds a byte that a rank sends to another on the same machine, through memory that they share.
+const SENT: f64 = 1e-9;
+
+/// Seconds for one evaluation in a box of the given strain by one thread on each of some ranks together, as measured on a Zen 4
+/// processor. `fcm-solve bench` prints what follows from them beside what it measures.
+pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) -> Costs {
     let single = plan.precision == Precision::Single;
     let points: f64 = plan.grid.iter().map(|&n| n as f64).product();
+    let bytes = points * if single { 12.0 } else { 24.0 };
+    // How much of the grid comes from afar, again and again.
+    let spilt = (bytes / CACHE - 1.0).clamp(0.0, 1.0);
     let particles = particles as f64;
     let terms = if plan.multipoles == Multipoles::Dipole { 1.0 } else { 0.6 };
     let stencil = match plan.method {
         Method::Direct => {
             let rows = length(&plan.support, plan.spacing(), strain, if single { 16 } else { 8 });
-            rows * if single { 19e-9 } else { 18e-9 }
+            rows * if single { 18e-9 } else { 17e-9 }
         }
         // Rows of eight, of sixteen in two vectors.
         Method::Split { .. } => {
             let rows = (plan.support.support * plan.support.support) as f64;
-            rows * if single { 12.5e-9 } else { 20e-9 } * (plan.support.support as f64 / 8.0).ceil()
+            rows * 12.5e-9 * (plan.support.support as f64 / 8.0).ceil()
         }
     };
     let neighbours = match plan.method {
@@ -54,9 +63,11 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64) -> Costs {
             particles / (plan.edges.x * plan.edges.y * plan.edges.z) * 4.19 * cutoff.powi(3)
         }
     };
+    let transform = if single { 0.31e-9 + 0.15e-9 * spilt } else { 0.6e-9 + 0.28e-9 * spilt };
+    let sent = 2.0 * bytes * (1.0 - 1.0 / ranks.max(1) as f64);
     Costs {
-        stencils: particles * (stencil * terms + 4e-7),
-        transforms: points * points.log2() * if single { 0.45e-9 } else { 0.88e-9 },
+        stencils: particles * (stencil * terms + 4e-7) + 0.65e-9 * bytes * spilt,
+        transforms: points * points.log2() * transform + SENT * sent,
         pairs: particles * neighbours * 5.2e-8 * terms,
     }
 }

@@ -130,7 +130,7 @@ impl Plan {
     /// made on.
     #[must_use]
     pub fn parts(&self, particles: usize) -> Costs {
-        cost::seconds(self, particles, 0.0)
+        cost::seconds(self, particles, 0.0, 1)
     }
 
     /// What the split method spreads in place of the envelopes. The least is left to the grid: with dipoles, nothing of

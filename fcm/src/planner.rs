@@ -208,7 +208,7 @@ impl Problem {
             predicted_error: self.expected(method, [width, widest], spacing, support),
             predicted_seconds: 0.0,
         };
-        let parts = cost::seconds(&plan, self.particles(), self.largest_strain);
+        let parts = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks);
         plan.predicted_seconds = parts.total(&self.costs) / (self.ranks * self.threads).max(1) as f64;
         plan
     }
