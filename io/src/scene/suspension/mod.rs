@@ -87,7 +87,7 @@ pub struct Hydrodynamics {
     pub method: Evaluation,
     /// Grid points along x, y and z.
     pub grid: Option<[usize; 3]>,
-    /// Grid points across an envelope.
+    /// Grid points across a stencil.
     pub support: Option<usize>,
     /// Relative residual at which the stresslets are solved.
     pub iteration_tolerance: Option<f64>,
@@ -203,7 +203,7 @@ fn hydrodynamics(raw: &raw::Hydrodynamics) -> Result<Hydrodynamics, Fault> {
         checks::between(&key("iteration_tolerance"), tolerance, [1e-14, 0.1])?;
     }
     if let Some(support) = raw.support.filter(|s| !(2..=64).contains(s)) {
-        return Err(Fault::new(key("support"), format!("is {support}; an envelope covers 2 to 64 grid points")));
+        return Err(Fault::new(key("support"), format!("is {support}; a stencil covers 2 to 64 grid points")));
     }
     for (axis, points) in raw.grid.iter().flatten().enumerate() {
         checks::grid_points(&key(&format!("grid[{axis}]")), *points)?;
