@@ -45,6 +45,23 @@ def transforms(target):
     return rows
 
 
+def stencils(programs, target):
+    """The rate of the loops over a stencil's rows beside the peak of a core."""
+    peaks = {line["precision"]: line["flops"] for line in output([target / "peers" / "peak"])}
+    bench = [programs.ours, "bench", "--threads", 1, "--no-error", "--repeats", 9, "--tolerance", "1e-3,1e-6"]
+    rows = ["| loop | precision | points | ns a sphere | Gflop/s | peak | share |", "|---|---|---|---|---|---|---|"]
+    for line in output(bench):
+        points, precision = line["support"], line["precision"]
+        # Three components, three fused operations each, whole vectors of 8 points.
+        operations = points**2 * 8 * math.ceil(points / 8) * 3 * 3 * 2
+        for loop in ("spread", "interpolate"):
+            seconds = line["seconds"][loop] / line["particles"]
+            rate, peak = operations / seconds, peaks[precision]
+            cells = [loop, precision, f"{points}^3", f"{1e9 * seconds:.0f}", f"{rate / 1e9:.1f}", f"{peak / 1e9:.0f}"]
+            rows.append("| " + " | ".join([*cells, f"{rate / peak:.0%}"]) + " |")
+    return rows
+
+
 SCENE = """
 title = "{title}"
 seed = 1
@@ -151,6 +168,16 @@ def page(programs, target):
         "place, out of place and three at a time (`scripts/peers/fftw.c`, `cargo run --release -p solver --example fft_speed`).",
         "",
         *transforms(target),
+        "",
+        "## Share of peak",
+        "",
+        "The operations on the rows of stencils over the whole time of spreading and interpolation, one thread, beside what a core",
+        "can do on registers (`scripts/peers/peak.c`). On a row each component takes three fused operations for a vector that is",
+        "loaded, and in spreading stored: memory, not arithmetic, sets the pace, since a vector of a grid's row begins anywhere in",
+        "a line of the cache and most straddle two, and the grid is larger than the second cache. The rest of the time goes into the",
+        "window's polynomials, the coefficients of the rows, sorting the spheres, and clearing the grid.",
+        "",
+        *stencils(programs, target),
         "",
         "## Whole steps",
         "",
