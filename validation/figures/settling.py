@@ -121,7 +121,7 @@ def downwards(name):
 # The cases of each figure: Stokes times are those of species 1.
 MONODISPERSE = (0.02, 0.05, 0.10, 0.15, 0.20)
 TOTALS = {"quick": (0.02, 0.06, 0.10, 0.15), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.15)}
-WIDTHS = {"quick": (20.0, 28.0, 40.0), "full": (24.0, 32.0, 48.0, 64.0)}
+WIDTHS = {"quick": (20.0, 28.0, 40.0), "full": (24.0, 32.0, 48.0)}
 SECOND = {"quick": (0.02, 0.05, 0.10), "full": (0.01, 0.02, 0.04, 0.06, 0.08, 0.10, 0.13)}
 PAIRS = {
     "quick": ((0.03, 0.03), (0.06, 0.06), (0.10, 0.10)),
