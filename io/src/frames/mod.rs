@@ -4,7 +4,8 @@
 //! it is written (HDF5's implicit chunk index: no filters, a fixed largest size, early allocation). A frame then changes
 //! two things: its own numbers, and afterwards the lengths of the datasets, each of which is one small write in place.
 //! The length of `step` is written last. A program that is killed at any moment leaves a file that every HDF5 reader
-//! opens, and the length of `step` is the number of whole frames in it. Compression would need chunks of any length
+//! opens, and the length of `step` is the number of whole frames in it. For that no write of a length may be cut in two:
+//! what the library writes at once stands within a page of memory, where the kernel does not look for signals. Compression would need chunks of any length
 //! and with them an index that grows; `h5repack` compresses a finished file.
 
 mod element;
@@ -12,7 +13,7 @@ mod element;
 use crate::FileError;
 use element::Stored;
 pub(crate) use element::{Element, Values};
-use hdf5::file::LibraryVersion;
+use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
 use std::path::{Path, PathBuf};
 
@@ -33,7 +34,9 @@ impl Frames {
 
     fn try_create(path: &Path, elements: &[Element], capacity: usize) -> hdf5::Result<Self> {
         // A superblock of this version has no mark for files open for writing, which a killed program would leave set.
-        File::with_options().with_fapl(|f| f.libver_bounds(LibraryVersion::V18, LibraryVersion::V18)).create(path)?;
+        File::with_options()
+            .with_fapl(|f| in_pages(f).libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
+            .create(path)?;
         let file = for_writing(path)?;
         let first = element::group(&file, &elements[0].path)?;
         let steps = element::reserve::<i64>(&first, "step", None, capacity)?;
@@ -130,8 +133,15 @@ impl Frames {
 
 fn for_writing(path: &Path) -> hdf5::Result<File> {
     let newest = LibraryVersion::V110;
-    File::with_options().with_fapl(|f| f.libver_bounds(newest, newest)).open_as(path, OpenMode::ReadWrite)
+    File::with_options().with_fapl(|f| in_pages(f).libver_bounds(newest, newest)).open_as(path, OpenMode::ReadWrite)
 }
+
+/// Makes whatever the file consists of begin at a page of memory, by itself.
+fn in_pages(file: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
+    file.alignment(1, PAGE).meta_block_size(0)
+}
+
+const PAGE: u64 = 4096;
 
 #[cfg(test)]
 mod tests;

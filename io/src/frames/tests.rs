@@ -83,3 +83,25 @@ fn a_damaged_file_is_named() {
         assert!(message.contains("frames.h5 is damaged"), "{message}");
     }
 }
+
+/// A kill ends a write between two pages of memory. So a header, which has a checksum, must not straddle two.
+#[test]
+fn headers_begin_at_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let element = |path: &str, shape| Element { path: path.into(), shape, whole: false, unit: "length" };
+    let elements = [element("a/b", Some([3, 5])), element("a/c", None), element("d", Some([700, 3]))];
+    let mut frames = Frames::create(&path, &elements, 10).unwrap();
+    for step in 0..10 {
+        let values = [vec![1.0; 15], vec![2.0], vec![3.0; 2100]];
+        let values: Vec<Values> = values.iter().map(|v| v.as_slice().into()).collect();
+        frames.append((step, step as f64), &values).unwrap();
+    }
+    drop(frames);
+    let bytes = std::fs::read(&path).unwrap();
+    for signature in [b"OHDR", b"OCHK"] {
+        let found: Vec<usize> = (0..bytes.len() - 4).filter(|&at| bytes[at..at + 4] == *signature).collect();
+        assert!(found.iter().all(|at| at % PAGE as usize == 0), "{found:?}");
+        assert!(!found.is_empty() || signature == b"OCHK");
+    }
+}
