@@ -61,7 +61,7 @@ pub(crate) struct Common {
 
 impl Common {
     /// With `D` three quarters of the way from that of the narrowest of the given envelopes to that of the widest, whose
-    /// dipoles are the largest: in the middle, errors of two sizes were twice as large.
+    /// dipoles are the largest.
     pub fn new(width: f64, envelopes: impl Iterator<Item = f64> + Clone) -> Self {
         let least = envelopes.clone().fold(f64::INFINITY, f64::min);
         let most = envelopes.fold(0.0, f64::max);

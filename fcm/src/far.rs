@@ -177,17 +177,32 @@ impl<T: Real> With<T> for From<'_, T> {
     }
 }
 
+fn envelopes(plan: &Plan) -> Vec<Envelope> {
+    plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect()
+}
+
 impl<T: Real> Stencils<T> {
     fn new(plan: &Plan, grid: &Grid) -> Self {
-        let envelopes: Vec<Envelope> = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
-        if let (Some(window), Some(common)) = (plan.window(), plan.common()) {
-            return Self::Window(window::Lattice::new(grid, window, common, &envelopes));
+        match (plan.window(), plan.common()) {
+            (Some(window), Some(common)) => Self::Window(window::Lattice::new(grid, window, common, &envelopes(plan))),
+            _ => Self::gaussian(plan, grid),
         }
+    }
+
+    fn gaussian(plan: &Plan, grid: &Grid) -> Self {
         let strain = grid.cell().strain();
         let sources =
             |e: &Envelope| Sources { monopole: Source::monopole(e.monopole), dipole: Source::dipole(e.dipole), strain };
-        let sources = envelopes.iter().map(sources).collect();
+        let sources = envelopes(plan).iter().map(sources).collect();
         Self::Gaussian(gaussian::Lattice::new::<T>(grid, plan.support, sources))
+    }
+
+    /// The same on a grid that has been sheared.
+    fn sheared(&self, plan: &Plan, grid: &Grid) -> Self {
+        match (self, plan.common()) {
+            (Self::Window(lattice), Some(common)) => Self::Window(lattice.sheared(grid, common, &envelopes(plan))),
+            _ => Self::gaussian(plan, grid),
+        }
     }
 
     /// Points of a stencil along each axis.
@@ -222,7 +237,7 @@ impl<T: Real> FarField for Far<T> {
         if cell != self.grid.cell() {
             self.grid = self.grid.in_cell(*cell);
             self.operator = operator(&self.plan, &self.grid);
-            self.stencils = Stencils::new(&self.plan, &self.grid);
+            self.stencils = self.stencils.sheared(&self.plan, &self.grid);
         }
         self.places = places(&self.grid, self.stencils.extent(&self.plan), positions);
     }

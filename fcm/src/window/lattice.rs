@@ -25,19 +25,22 @@ pub(crate) struct Lattice<T> {
 impl<T: Real> Lattice<T> {
     /// For envelopes that share a common Gaussian.
     pub fn new(grid: &Grid, window: Window, common: Common, envelopes: &[Envelope]) -> Self {
+        Self::of_pieces(grid, (window, Pieces::new(window)), common, envelopes)
+    }
+
+    /// The same window on a grid that has been sheared.
+    pub fn sheared(&self, grid: &Grid, common: Common, envelopes: &[Envelope]) -> Self {
+        Self::of_pieces(grid, (self.window, self.pieces.clone()), common, envelopes)
+    }
+
+    fn of_pieces(grid: &Grid, (window, pieces): (Window, Pieces<T>), common: Common, envelopes: &[Envelope]) -> Self {
         let (inverse, strain) = (grid.spacing().recip().to_array(), grid.cell().strain());
         let [x, y, z] = inverse;
         // d/dy at rest is d/dy - s d/dX along the lattice.
         let laplacian = [(1.0 + strain * strain) * x * x, -2.0 * strain * x * y, y * y, z * z];
         let factors = |sigma: f64| laplacian.map(|factor| T::from_f64(-0.5 * common.rest(sigma) * factor));
-        Self {
-            points: grid.points(),
-            window,
-            pieces: Pieces::new(window),
-            inverse,
-            strain,
-            smoothing: envelopes.iter().map(|e| [factors(e.monopole), factors(e.dipole)]).collect(),
-        }
+        let smoothing = envelopes.iter().map(|e| [factors(e.monopole), factors(e.dipole)]).collect();
+        Self { points: grid.points(), window, pieces, inverse, strain, smoothing }
     }
 
     /// The highest order of derivatives that forces or dipoles or both need.
