@@ -74,10 +74,10 @@ impl Exchange {
 }
 
 /// The share of a rank as intervals along y and z, with the periods.
-struct Pencil([Option<[f64; 2]>; 2], [f64; 2]);
+pub(crate) struct Pencil([Option<[f64; 2]>; 2], [f64; 2]);
 
 impl Pencil {
-    fn of(partition: &Partition, cell: &PeriodicBox, rank: usize) -> Self {
+    pub fn of(partition: &Partition, cell: &PeriodicBox, rank: usize) -> Self {
         let lengths = [cell.edges().y, cell.edges().z];
         let owned = partition.owned_by(rank);
         let interval = |d: usize| {
@@ -88,7 +88,7 @@ impl Pencil {
         Self([interval(0), interval(1)], lengths)
     }
 
-    fn is_within(&self, reach: Reach, position: Vector) -> bool {
+    pub fn is_within(&self, reach: Reach, position: Vector) -> bool {
         (0..2).all(|d| {
             let coordinate = [position.y, position.z][d];
             self.0[d].is_some_and(|interval| distance(interval, coordinate, self.1[d]) <= reach[d])

@@ -14,7 +14,7 @@ mod random;
 mod traceless;
 mod vicinity;
 
-pub use comm::{Comm, CommError, Failure};
+pub use comm::{Comm, CommError, Failure, Window};
 pub use exchange::{Exchange, Reach};
 pub use neighbours::{Neighbour, Neighbours};
 pub use packing::{PackingError, random_packing};
@@ -24,7 +24,7 @@ pub use partition::{Partition, block, block_of};
 pub use periodic_box::{BoxError, PeriodicBox};
 pub use random::Random;
 pub use traceless::Traceless;
-pub use vicinity::Vicinity;
+pub use vicinity::{Present, Vicinity};
 
 /// A vector of three components in `f64`.
 pub type Vector = glam::DVec3;

@@ -1,29 +1,43 @@
 //! Neighbour lists that outlive small motions.
 
+use crate::exchange::Pencil;
 use crate::neighbours::Batch;
-use crate::{Neighbour, Neighbours, Particles, PeriodicBox, Vector};
+use crate::{Exchange, Neighbour, Neighbours, Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
 
 /// Who is near each particle, found anew only after somebody has moved too far (Verlet 1967): lists reach farther than
 /// the cutoff by a skin, and those who are within the cutoff are picked from them.
 ///
 /// Lists name particles by the rows that they had at the search, since rows are sorted anew as particles move, and are in the
-/// order of the ids, so that they do not depend on when the search was.
-#[derive(Debug)]
+/// order of the ids, so that they do not depend on when the search was. On several ranks there are lists of those too who
+/// may yet come over from other ranks.
 pub struct Vicinity {
     cutoff: f64,
+    partition: Partition,
     found: Option<Found>,
     near: Neighbours,
     searches: u64,
 }
 
+/// The particles of a rank and, behind them, their images from other ranks.
+#[derive(Debug, Clone, Copy)]
+pub struct Present<'a> {
+    /// Particles that the rank owns, which come first.
+    pub owned: usize,
+    /// Of all.
+    pub ids: &'a [u64],
+    /// Of all, inside the box.
+    pub positions: &'a [Vector],
+}
+
 /// What a search has found, and where everybody was.
-#[derive(Debug)]
 struct Found {
     cell: PeriodicBox,
     /// The row of each id then.
     rows: Vec<u32>,
     positions: Vec<Vector>,
+    /// Whose lists are whole.
+    listed: Vec<bool>,
     reach: f64,
     lists: Neighbours,
 }
@@ -38,12 +52,12 @@ const SPARSEST: usize = 16;
 const BATCH: usize = 1024;
 
 impl Vicinity {
-    /// Nobody yet.
-    pub fn new(cutoff: f64) -> Self {
-        Self { cutoff, found: None, near: Neighbours::default(), searches: 0 }
+    /// Nobody yet, on ranks that share out space by `partition`.
+    pub fn new(cutoff: f64, partition: &Partition) -> Self {
+        Self { cutoff, partition: partition.clone(), found: None, near: Neighbours::default(), searches: 0 }
     }
 
-    /// Those within the cutoff at the last positions, by rows.
+    /// Those within the cutoff of each particle owned at the last positions, by rows.
     pub fn near(&self) -> &Neighbours {
         &self.near
     }
@@ -53,40 +67,54 @@ impl Vicinity {
         self.searches
     }
 
-    /// Takes the positions, inside the box, of all particles, of which there are no images on other ranks.
-    pub fn update(&mut self, cell: &PeriodicBox, particles: &Particles) {
+    /// Takes those who are present: at least all within the cutoff of somebody owned. A collective call.
+    pub fn update(&mut self, cell: &PeriodicBox, present: &Present) {
         let cutoff = self.cutoff;
-        let follow = |found: &Found| found.follow(cell, particles, cutoff);
-        let mut now = self.found.as_ref().and_then(follow);
-        if now.is_none() {
-            self.found = Some(self.search(cell, particles));
-            now = self.found.as_ref().and_then(follow);
+        let near = |found: &Found| Some(found.within(&found.follow(cell, present, cutoff)?, cutoff));
+        let mut picked = self.found.as_ref().and_then(near);
+        if self.partition.comm().any(picked.is_none()) {
+            let found = self.search(cell, present);
+            // Where nobody can be followed, a search has no skin.
+            picked = Some(near(&found).unwrap_or_else(|| found.lists.clone()));
+            self.found = Some(found);
         }
-        match (&self.found, now) {
-            (Some(found), Some(now)) => self.near = found.within(&now, cutoff),
-            // Whom a search has just found, and nobody will follow.
-            (found, _) => self.near = found.as_ref().map_or_else(Neighbours::default, |found| found.lists.clone()),
-        }
+        self.near = picked.unwrap_or_default();
     }
 
-    fn search(&mut self, cell: &PeriodicBox, particles: &Particles) -> Found {
-        let Particles { ids, positions, .. } = particles;
+    fn search(&mut self, cell: &PeriodicBox, present: &Present) -> Found {
+        let comm = self.partition.comm();
+        let (mut ids, mut positions) = (present.ids.to_vec(), present.positions.to_vec());
         let last = ids.iter().max().map_or(0, |&last| last as usize);
-        let can_be_followed = last <= SPARSEST * ids.len();
+        let mut all = [present.owned as f64];
+        comm.sum(&mut all);
+        let can_be_followed = !comm.any(last > SPARSEST * all[0] as usize);
         // Who asks but once needs no skin.
         let skin = if self.searches > 0 && can_be_followed { SKIN } else { 0.0 };
-        let reach = (1.0 + skin) * self.cutoff;
         self.searches += 1;
-        let mut lists = Neighbours::find(cell, positions, positions.len(), reach);
+        let reach = (1.0 + skin) * self.cutoff;
+        let mut listed = vec![true; present.owned];
+        if skin > 0.0 && comm.size() > 1 {
+            // Those who may come to be owned before the next search, and all whom their lists name.
+            let margin = 0.5 * (reach - self.cutoff);
+            let exchange = Exchange::plan(&self.partition, cell, &positions[..present.owned], [reach + margin; 2]);
+            ids.truncate(present.owned);
+            positions.truncate(present.owned);
+            exchange.extend(&mut ids);
+            exchange.extend(&mut positions);
+            let pencil = Pencil::of(&self.partition, cell, comm.rank());
+            listed = positions.iter().map(|&position| pencil.is_within([margin; 2], position)).collect();
+        }
+        let mut lists = Neighbours::find(cell, &positions, listed.len(), reach);
         lists.sort_by_key(|neighbour| (ids[neighbour.row as usize], neighbour.steps));
+        listed.resize(ids.len(), false);
         let mut rows = Vec::new();
         if can_be_followed {
-            rows.resize(last + 1, NOBODY);
+            rows.resize(ids.iter().max().map_or(0, |&last| last as usize + 1), NOBODY);
             for (row, &id) in ids.iter().enumerate() {
                 rows[id as usize] = row as u32;
             }
         }
-        Found { cell: *cell, rows, positions: positions.clone(), reach, lists }
+        Found { cell: *cell, rows, positions, listed, reach, lists }
     }
 }
 
@@ -94,9 +122,10 @@ impl Vicinity {
 const NOBODY: u32 = u32::MAX;
 
 /// Who is where, by the rows of the search: in which row now, at which place if nobody had been wrapped since, and by which
-/// lattice steps each has been.
+/// lattice steps each has been. Nobody is near those who are not here any more.
 struct Now<'a> {
     cell: &'a PeriodicBox,
+    owned: usize,
     rows: Vec<u32>,
     places: Vec<Vector>,
     wrapped: Vec<[i8; 3]>,
@@ -107,39 +136,46 @@ impl Found {
     ///
     /// In lattice coordinates the flow of a shear does not move anybody. What it does to a distance is at least the factor
     /// `sqrt(1 + g^2/4) - g/2` at the strain `g` since.
-    fn follow<'a>(&self, cell: &'a PeriodicBox, particles: &Particles, cutoff: f64) -> Option<Now<'a>> {
-        if particles.len() != self.positions.len() || cell.edges() != self.cell.edges() {
+    fn follow<'a>(&self, cell: &'a PeriodicBox, present: &Present, cutoff: f64) -> Option<Now<'a>> {
+        if cell.edges() != self.cell.edges() {
             return None;
         }
-        let rows = self.rows_now(&particles.ids)?;
+        let rows = self.rows_now(present)?;
         let half = 0.5 * (cell.strain() - self.cell.strain()).abs();
         let spare = self.reach * ((1.0 + half * half).sqrt() - half) - cutoff;
         let edges = cell.edges();
-        let follow = |(&row, &before): (&u32, &Vector)| {
-            let now = particles.positions[row as usize];
-            let moved = cell.lattice_coordinates(now) - self.cell.lattice_coordinates(before);
+        let follow = |before: usize| {
+            let row = rows[before] as usize;
+            let Some(&now) = present.positions.get(row) else {
+                return Some((Vector::NAN, [0; 3]));
+            };
+            let moved = cell.lattice_coordinates(now) - self.cell.lattice_coordinates(self.positions[before]);
             let steps = (moved / edges).round();
             let moved = moved - steps * edges;
             let moved = Vector::new(moved.x + cell.strain() * moved.y, moved.y, moved.z);
-            // Both of a pair may have come nearer.
+            // Both of a pair may have come nearer. Images are looked after by their owners.
             let is_near = 4.0 * moved.length_squared() <= spare * spare && spare >= 0.0;
+            let is_followed = row >= present.owned || (is_near && self.listed[before]);
             let place =
                 if steps == Vector::ZERO { now } else { now - cell.lattice(steps.to_array().map(|s| s as i32)) };
-            is_near.then(|| (place, steps.to_array().map(|s| s as i8)))
+            is_followed.then(|| (place, steps.to_array().map(|s| s as i8)))
         };
-        let followed: Option<Vec<_>> = rows.par_iter().zip(&self.positions).map(follow).collect();
+        let followed: Option<Vec<_>> = (0..rows.len()).into_par_iter().map(follow).collect();
         let (places, wrapped) = followed?.into_iter().unzip();
-        Some(Now { cell, rows, places, wrapped })
+        Some(Now { cell, owned: present.owned, rows, places, wrapped })
     }
 
-    /// The rows now by those of the search, if they are the same particles.
-    fn rows_now(&self, ids: &[u64]) -> Option<Vec<u32>> {
-        let mut rows = vec![NOBODY; ids.len()];
-        for (row, &id) in ids.iter().enumerate() {
-            let before = *self.rows.get(id as usize)?;
-            *rows.get_mut(before as usize)? = row as u32;
+    /// The rows now by those of the search, if nobody is owned who was not here.
+    fn rows_now(&self, present: &Present) -> Option<Vec<u32>> {
+        let mut rows = vec![NOBODY; self.positions.len()];
+        for (row, &id) in present.ids.iter().enumerate() {
+            match self.rows.get(id as usize) {
+                Some(&before) if before != NOBODY => rows[before as usize] = row as u32,
+                _ if row < present.owned => return None,
+                _ => {}
+            }
         }
-        (!rows.contains(&NOBODY)).then_some(rows)
+        Some(rows)
     }
 
     /// Those of the lists who are within a cutoff.
@@ -148,12 +184,14 @@ impl Found {
         let pick = |batch: usize| {
             let mut picked = Batch::default();
             for row in batch * BATCH..count.min((batch + 1) * BATCH) {
-                now.pick(row, self.lists.of(row), cutoff, &mut picked.list);
-                picked.ends.push((now.rows[row], picked.list.len()));
+                if (now.rows[row] as usize) < now.owned {
+                    now.pick(row, self.lists.of(row), cutoff, &mut picked.list);
+                    picked.ends.push((now.rows[row], picked.list.len()));
+                }
             }
             picked
         };
-        Neighbours::join((0..count.div_ceil(BATCH)).into_par_iter().map(pick).collect(), count)
+        Neighbours::join((0..count.div_ceil(BATCH)).into_par_iter().map(pick).collect(), now.owned)
     }
 }
 
@@ -182,7 +220,7 @@ impl Now<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Random;
+    use crate::{Comm, Particles, Random};
 
     fn particles(cell: &PeriodicBox, places: &[Vector], turn: usize) -> Particles {
         let mut particles = Particles::default();
@@ -198,65 +236,88 @@ mod tests {
         (0..count).map(|i| Random::new(3, i).point() * edges).collect()
     }
 
-    /// Particles that wander in a box that shears, past its faces and its range of strains: the lists are at all times
-    /// those of a search.
+    fn present(particles: &Particles) -> Present<'_> {
+        Present { owned: particles.len(), ids: &particles.ids, positions: &particles.positions }
+    }
+
+    fn alone(cutoff: f64) -> Vicinity {
+        Vicinity::new(cutoff, &Partition::new(&Comm::alone(), [8, 8]))
+    }
+
+    /// Particles that wander in a box that shears, past its faces, its range of strains, and from rank to rank: the lists are
+    /// at all times those of a search.
     #[test]
     fn lists_are_those_of_a_search_at_all_times() {
         let (edges, cutoff) = (Vector::new(7.0, 5.0, 6.0), 1.4);
-        let mut vicinity = Vicinity::new(cutoff);
-        let mut places = places(150, edges);
-        for turn in 0..200 {
-            let cell = PeriodicBox::sheared(edges, 0.4 + 0.01 * turn as f64).unwrap();
-            for (i, x) in places.iter_mut().enumerate() {
-                let step = Random::new(turn as u64, i as u64).point() - Vector::splat(0.5);
-                *x += 0.03 * step + Vector::new(0.01 * x.y, 0.0, 0.0) + Vector::new(0.004, 0.003, -0.005);
-            }
-            let particles = particles(&cell, &places, turn);
-            vicinity.update(&cell, &particles);
-            let fresh = Neighbours::find(&cell, &particles.positions, 150, cutoff);
-            for row in 0..150 {
-                let mut expected = fresh.of(row).to_vec();
-                expected.sort_unstable_by_key(|n| (particles.ids[n.row as usize], n.steps));
-                assert_eq!(vicinity.near().of(row), expected, "turn {turn}, row {row}");
-            }
+        for table in [[1, 1], [1, 2], [2, 1], [2, 3]] {
+            Comm::threads(table[0] * table[1], |comm| {
+                let partition = Partition::with_table(&comm, [10, 12], table);
+                let mut vicinity = Vicinity::new(cutoff, &partition);
+                let mut places = places(150, edges);
+                for turn in 0..200 {
+                    let cell = PeriodicBox::sheared(edges, 0.4 + 0.01 * turn as f64).unwrap();
+                    for (i, x) in places.iter_mut().enumerate() {
+                        let step = Random::new(turn as u64, i as u64).point() - Vector::splat(0.5);
+                        *x += 0.03 * step + Vector::new(0.01 * x.y, 0.0, 0.0) + Vector::new(0.004, 0.003, -0.005);
+                    }
+                    let all = particles(&cell, &places, turn);
+                    let is_here = |&row: &usize| partition.owner(&cell, all.positions[row]) == comm.rank();
+                    let particles = all.selected(&(0..all.len()).filter(is_here).collect::<Vec<_>>());
+                    let exchange = Exchange::plan(&partition, &cell, &particles.positions, [cutoff; 2]);
+                    let (owned, mut ids, mut positions) =
+                        (particles.len(), particles.ids.clone(), particles.positions.clone());
+                    exchange.extend(&mut ids);
+                    exchange.extend(&mut positions);
+                    vicinity.update(&cell, &Present { owned, ids: &ids, positions: &positions });
+                    let fresh = Neighbours::find(&cell, &positions, owned, cutoff);
+                    for row in 0..owned {
+                        let mut expected = fresh.of(row).to_vec();
+                        expected.sort_unstable_by_key(|n| (ids[n.row as usize], n.steps));
+                        assert_eq!(vicinity.near().of(row), expected, "turn {turn}, row {row} on {table:?}");
+                    }
+                }
+                assert!((2..100).contains(&vicinity.searches()), "{} searches on {table:?}", vicinity.searches());
+            });
         }
-        assert!((2..100).contains(&vicinity.searches()), "{} searches", vicinity.searches());
     }
 
     #[test]
     fn nobody_is_searched_for_who_has_not_moved() {
         let cell = PeriodicBox::new(Vector::splat(6.0)).unwrap();
         let places = places(100, cell.edges());
-        let mut vicinity = Vicinity::new(1.5);
+        let mut vicinity = alone(1.5);
         // Without a skin, those who have not moved at all.
         for _ in 0..5 {
-            vicinity.update(&cell, &particles(&cell, &places, 0));
+            vicinity.update(&cell, &present(&particles(&cell, &places, 0)));
             assert_eq!(vicinity.searches(), 1);
         }
         for turn in 1..5 {
             let moved: Vec<Vector> = places.iter().map(|&x| x + Vector::splat(0.01 * turn as f64)).collect();
-            vicinity.update(&cell, &particles(&cell, &moved, turn));
+            vicinity.update(&cell, &present(&particles(&cell, &moved, turn)));
             assert_eq!(vicinity.searches(), 2);
         }
-        vicinity.update(&cell, &particles(&cell, &places[1..], 0));
-        assert_eq!(vicinity.searches(), 3);
+        // Nor because somebody has left, who is in no list any more.
+        let fewer = particles(&cell, &places[..99], 0);
+        vicinity.update(&cell, &present(&fewer));
+        assert_eq!(vicinity.searches(), 2);
+        assert_eq!(vicinity.near().count(), Neighbours::find(&cell, &fewer.positions, 99, 1.5).count());
     }
 
     #[test]
     fn other_particles_are_searched_for() {
         let cell = PeriodicBox::new(Vector::splat(6.0)).unwrap();
-        let mut vicinity = Vicinity::new(1.5);
+        let mut vicinity = alone(1.5);
         let mut some = particles(&cell, &places(20, cell.edges()), 0);
-        vicinity.update(&cell, &some);
+        vicinity.update(&cell, &present(&some));
         // Ids may have gaps.
         some.ids[3] = 77;
-        vicinity.update(&cell, &some);
-        vicinity.update(&cell, &some);
+        vicinity.update(&cell, &present(&some));
+        vicinity.update(&cell, &present(&some));
         assert_eq!(vicinity.searches(), 2);
         // With gaps like these nobody is followed, but everybody found.
         some.ids[3] = u64::MAX;
-        vicinity.update(&cell, &some);
-        vicinity.update(&cell, &some);
+        vicinity.update(&cell, &present(&some));
+        vicinity.update(&cell, &present(&some));
         assert_eq!(vicinity.searches(), 4);
         assert_eq!(vicinity.near().count(), Neighbours::find(&cell, &some.positions, 20, 1.5).count());
     }

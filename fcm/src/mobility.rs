@@ -3,11 +3,11 @@
 use crate::envelope::Envelope;
 use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
-use crate::near::{Near, NearField, Present};
+use crate::near::{Loaded, Near, NearField};
 use crate::plan::Plan;
 use crate::problem::Precision;
 use crate::work::{Clock, Work};
-use domain::{Exchange, Neighbours, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector, Vicinity};
+use domain::{Exchange, Particles, Partition, PeriodicBox, Present, Tensor, Traceless, Vector, Vicinity};
 use rayon::prelude::*;
 use solver::Real;
 
@@ -33,7 +33,6 @@ pub struct Mobility {
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
     arrangement: Arrangement,
-    /// Of the particles of a rank that is alone.
     vicinity: Vicinity,
     work: Work,
 }
@@ -44,8 +43,6 @@ struct Arrangement {
     exchange: Exchange,
     positions: Vec<Vector>,
     classes: Vec<u32>,
-    /// Of the particles of a rank among others.
-    neighbours: Neighbours,
 }
 
 impl Mobility {
@@ -61,9 +58,8 @@ impl Mobility {
             exchange: Exchange::plan(partition, &cell, &[], [0.0; 2]),
             positions: Vec::new(),
             classes: Vec::new(),
-            neighbours: Neighbours::default(),
         };
-        let vicinity = Vicinity::new(plan.method.cutoff());
+        let vicinity = Vicinity::new(plan.method.cutoff(), partition);
         Self {
             plan: plan.clone(),
             partition: partition.clone(),
@@ -101,16 +97,14 @@ impl Mobility {
         clock.stop(&mut self.work.seconds.exchange);
         self.far.arrange(cell, &present);
         clock.stop(&mut self.work.seconds.spread);
-        let mut neighbours = Neighbours::default();
-        if self.near.is_some() && self.partition.comm().size() == 1 {
-            self.vicinity.update(cell, particles);
+        if self.near.is_some() {
+            let owned = positions.len();
+            let mut ids = particles.ids.clone();
+            exchange.extend(&mut ids);
+            self.vicinity.update(cell, &Present { owned, ids: &ids, positions: &present });
             self.work.searches = self.vicinity.searches();
-        } else if self.near.is_some() {
-            // Who is present changes with every exchange.
-            neighbours = Neighbours::find(cell, &present, positions.len(), cutoff);
-            self.work.searches += 1;
         }
-        self.arrangement = Arrangement { cell: *cell, exchange, positions: present, classes, neighbours };
+        self.arrangement = Arrangement { cell: *cell, exchange, positions: present, classes };
         clock.stop(&mut self.work.seconds.near);
     }
 
@@ -133,16 +127,15 @@ impl Mobility {
         clock.stop(&mut self.work.seconds.exchange);
         if let Some(near) = &self.near {
             let gradients = wanted != Evaluation::Velocities || !dipoles.is_empty();
-            let present = Present {
+            let loaded = Loaded {
                 cell: &arrangement.cell,
                 positions: &arrangement.positions,
                 classes: &arrangement.classes,
                 forces: &forces,
                 dipoles: &dipoles,
             };
-            let neighbours =
-                if self.partition.comm().size() == 1 { self.vicinity.near() } else { &arrangement.neighbours };
-            near.add(&present, neighbours, gradients, &mut motions);
+            let neighbours = self.vicinity.near();
+            near.add(&loaded, neighbours, gradients, &mut motions);
             self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
         }

@@ -26,7 +26,7 @@ const MOST_TABULATED: usize = 8;
 const RECORD: usize = 16;
 
 /// The particles present: positions, classes of radius, and loads; an empty list of forces or dipoles stands for none.
-pub(crate) struct Present<'a> {
+pub(crate) struct Loaded<'a> {
     pub cell: &'a PeriodicBox,
     pub positions: &'a [Vector],
     pub classes: &'a [u32],
@@ -41,7 +41,7 @@ pub(crate) trait NearField {
 
     /// Adds the near field of all particles present, their own included, to the velocities and, if they are asked for,
     /// the velocity gradients of the particles that have neighbour lists.
-    fn add(&self, present: &Present, neighbours: &Neighbours, gradients: bool, motions: &mut [(Vector, Tensor)]);
+    fn add(&self, present: &Loaded, neighbours: &Neighbours, gradients: bool, motions: &mut [(Vector, Tensor)]);
 }
 
 /// The near field of particles of given radii.
@@ -102,7 +102,7 @@ impl<T: Real> Near<T> {
         Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
     }
 
-    fn of_itself(&self, present: &Present, row: usize) -> (Vector, Tensor) {
+    fn of_itself(&self, present: &Loaded, row: usize) -> (Vector, Tensor) {
         let f = self.functions.of_one(present.classes[row]);
         let velocity = present.forces.get(row).map_or(Vector::ZERO, |&force| force * (-2.0 * f[0]));
         let gradient = present.dipoles.get(row).map_or(Tensor::ZERO, |g| g.transpose() * f[6] - *g * (4.0 * f[6]));
@@ -118,7 +118,7 @@ impl<T: Real> NearField for Near<T> {
         self.cutoff
     }
 
-    fn add(&self, present: &Present, neighbours: &Neighbours, gradients: bool, motions: &mut [(Vector, Tensor)]) {
+    fn add(&self, present: &Loaded, neighbours: &Neighbours, gradients: bool, motions: &mut [(Vector, Tensor)]) {
         let loads: Vec<[T; RECORD]> =
             (0..present.positions.len()).into_par_iter().map(|row| load(present, row)).collect();
         motions.par_chunks_mut(BATCH).enumerate().for_each(|(batch, motions)| {
@@ -136,7 +136,7 @@ impl<T: Real> NearField for Near<T> {
 }
 
 /// The force and the dipole of a particle, row by row.
-fn load<T: Real>(present: &Present, row: usize) -> [T; RECORD] {
+fn load<T: Real>(present: &Loaded, row: usize) -> [T; RECORD] {
     let mut record = [T::default(); RECORD];
     let force = present.forces.get(row).copied().unwrap_or_default();
     let dipole = present.dipoles.get(row).copied().unwrap_or(Tensor::ZERO);
@@ -152,7 +152,7 @@ fn load<T: Real>(present: &Present, row: usize) -> [T; RECORD] {
 /// Some particles and their lists.
 struct Batch<'a, T> {
     near: &'a Near<T>,
-    present: &'a Present<'a>,
+    present: &'a Loaded<'a>,
     loads: &'a [[T; RECORD]],
     neighbours: &'a Neighbours,
     gradients: bool,

@@ -13,6 +13,11 @@ impl<T> Shared<T> {
         Self(values.as_mut_ptr())
     }
 
+    /// The values from a pointer on.
+    pub fn from_pointer(first: *mut T) -> Self {
+        Self(first)
+    }
+
     /// The value that stands `offset` places after the first.
     ///
     /// # Safety

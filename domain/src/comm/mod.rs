@@ -2,7 +2,10 @@
 //! process under `mpirun`.
 
 mod failure;
+#[cfg(all(feature = "mpi", target_os = "linux"))]
+mod mapped;
 mod threads;
+mod window;
 
 #[cfg(feature = "mpi")]
 #[path = "processes.rs"]
@@ -12,10 +15,13 @@ mod processes;
 mod processes;
 
 use bytemuck::Pod;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use failure::Failure;
+use window::Segment;
+pub use window::Window;
 
 /// Why the ranks could not be reached.
 #[derive(Debug, thiserror::Error)]
@@ -80,7 +86,7 @@ impl Comm {
     }
 
     /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns what each returned in
-    /// rank order. A panic on one rank is a panic of the call.
+    /// rank order. A panic on one rank is a panic of the call. Two by two they stand for ranks on one machine.
     pub fn threads<R: Send>(ranks: usize, body: impl Fn(Self) -> R + Sync) -> Vec<R> {
         threads::run(ranks, |rank| body(Self::of(Backend::Threads(rank))))
     }
@@ -134,15 +140,54 @@ impl Comm {
         }
     }
 
+    /// Memory of `bytes` on each rank that all ranks of the group on the same machine can reach. Where a machine does not
+    /// let its processes share memory, each of them counts as one of its own.
+    pub fn window(&self, bytes: usize) -> Window {
+        let machine = self.machine();
+        let shared = match &machine.backend {
+            Backend::Alone => None,
+            Backend::Threads(rank) => Some(rank.share(bytes)),
+            Backend::Processes(rank) => rank.share(bytes, &machine),
+        };
+        match shared {
+            Some(segments) => Window::new(self, machine, segments),
+            None => Window::new(self, Self::alone(), vec![Arc::new(Segment::private(bytes))]),
+        }
+    }
+
+    /// The ranks of this group on the same machine.
+    #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
+    fn machine(&self) -> Self {
+        match &self.backend {
+            Backend::Alone => Self::alone(),
+            Backend::Threads(rank) => self.split(rank.machine()),
+            Backend::Processes(rank) => {
+                Self { backend: Backend::Processes(rank.on_this_machine()), sent: self.sent.clone() }
+            }
+        }
+    }
+
+    /// Counts bytes that went to other ranks through a [`Window`].
+    pub fn count_sent(&self, bytes: usize) {
+        self.sent.fetch_add(bytes as u64, Ordering::Relaxed);
+    }
+
     /// Sends to rank `r` the next `send_counts[r]` values of `send`, and fills `receive` with what the ranks sent here,
     /// `receive_counts[r]` from rank `r`, in rank order.
     pub fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
+        let (room, counts) = receive;
         assert_eq!(send.0.len(), send.1.iter().sum::<usize>(), "send counts cover the values to send");
-        assert_eq!(receive.0.len(), receive.1.iter().sum::<usize>(), "receive counts cover the room to receive");
-        let elsewhere = send.0.len() - send.1[self.rank()];
-        self.sent.fetch_add((elsewhere * size_of::<T>()) as u64, Ordering::Relaxed);
+        assert_eq!(room.len(), counts.iter().sum::<usize>(), "receive counts cover the room to receive");
+        self.all_to_all_ranges((send.0, &consecutive(send.1)), (room, &consecutive(counts)));
+    }
+
+    /// Sends to rank `r` the values `send_ranges[r]`, and puts into the places `receive_ranges[r]` what rank `r` sent
+    /// here. Nothing is received into a place twice.
+    pub fn all_to_all_ranges<T: Pod>(&self, send: (&[T], &[Range<usize>]), receive: (&mut [T], &[Range<usize>])) {
+        let counted = send.1.iter().enumerate().filter(|&(rank, _)| rank != self.rank());
+        self.count_sent(counted.map(|(_, range)| range.len()).sum::<usize>() * size_of::<T>());
         match &self.backend {
-            Backend::Alone => receive.0.copy_from_slice(send.0),
+            Backend::Alone => receive.0[receive.1[0].clone()].copy_from_slice(&send.0[send.1[0].clone()]),
             Backend::Threads(rank) => rank.all_to_all(send, receive),
             Backend::Processes(rank) => rank.all_to_all(send, receive),
         }
@@ -241,6 +286,17 @@ impl Comm {
         let message = String::from_utf8_lossy(&messages[rank]).into_owned();
         Err(Failure { rank, ranks: self.size(), message })
     }
+}
+
+/// Ranges of so many, one after the other.
+fn consecutive(counts: &[usize]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let range = |count| {
+        let start = end;
+        end += count;
+        start..end
+    };
+    counts.iter().map(range).collect()
 }
 
 /// How many processes the launcher of this one says that it started.

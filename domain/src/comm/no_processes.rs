@@ -1,7 +1,10 @@
 //! Stands for the processes of a launcher in a program that was built without MPI: there are none.
 
-use super::CommError;
+use super::window::Segment;
+use super::{Comm, CommError};
 use bytemuck::Pod;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// No value of this type exists.
 #[derive(Clone)]
@@ -28,7 +31,15 @@ impl Rank {
         match *self {}
     }
 
-    pub(super) fn all_to_all<T: Pod>(&self, _send: (&[T], &[usize]), _receive: (&mut [T], &[usize])) {
+    pub(super) fn on_this_machine(&self) -> Self {
+        match *self {}
+    }
+
+    pub(super) fn share(&self, _bytes: usize, _machine: &Comm) -> Option<Vec<Arc<Segment>>> {
+        match *self {}
+    }
+
+    pub(super) fn all_to_all<T: Pod>(&self, _send: (&[T], &[Range<usize>]), _receive: (&mut [T], &[Range<usize>])) {
         match *self {}
     }
 }

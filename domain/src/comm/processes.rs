@@ -1,13 +1,16 @@
 //! Ranks that are processes under a launcher such as `mpirun`: the one place that speaks MPI.
 
-use super::CommError;
+use super::window::Segment;
+use super::{Comm, CommError};
 use bytemuck::Pod;
 use mpi::Threading;
 use mpi::datatype::{Equivalence, Partition, PartitionMut};
 use mpi::environment::Universe;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives};
+use std::ops::Range;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// One process's place in a group of processes. The library shuts down when the last of them goes.
 #[derive(Clone)]
@@ -49,7 +52,34 @@ impl Rank {
         self.communicator.barrier();
     }
 
-    pub(super) fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
+    pub(super) fn on_this_machine(&self) -> Self {
+        let communicator = self.communicator.split_shared(self.communicator.rank());
+        Self { communicator: Rc::new(communicator), universe: self.universe.clone() }
+    }
+
+    /// Memory of every rank of a group on one machine, if that lets processes share it.
+    #[cfg(target_os = "linux")]
+    pub(super) fn share(&self, bytes: usize, machine: &Comm) -> Option<Vec<Arc<Segment>>> {
+        use super::mapped::Mapped;
+        if self.size() == 1 {
+            return None;
+        }
+        let mine = Mapped::create(bytes).ok();
+        let addresses = machine.all_gather(mine.as_ref().map(|(.., address)| *address).as_slice());
+        let open = |address| Mapped::open(address).map(|memory| Arc::new(Segment::Mapped(memory))).ok();
+        let all: Option<Vec<_>> = addresses.into_iter().map(open).collect();
+        // Whether it works is everybody's, and `mine` stays open until all have it.
+        let everybody = !machine.any(all.as_ref().is_none_or(|all| all.len() < self.size()));
+        all.filter(|_| everybody)
+    }
+
+    /// Other systems have no memory without a name.
+    #[cfg(not(target_os = "linux"))]
+    pub(super) fn share(&self, _bytes: usize, _machine: &Comm) -> Option<Vec<Arc<Segment>>> {
+        None
+    }
+
+    pub(super) fn all_to_all<T: Pod>(&self, send: (&[T], &[Range<usize>]), receive: (&mut [T], &[Range<usize>])) {
         // Words as wide as the type's alignment keep the counts, which MPI holds in 32 bits, small.
         match align_of::<T>() {
             8 => self.all_to_all_words::<T, u64>(send, receive),
@@ -59,7 +89,11 @@ impl Rank {
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "the receiving slice is written to")]
-    fn all_to_all_words<T: Pod, W: Pod + Equivalence>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
+    fn all_to_all_words<T: Pod, W: Pod + Equivalence>(
+        &self,
+        send: (&[T], &[Range<usize>]),
+        receive: (&mut [T], &[Range<usize>]),
+    ) {
         let words = size_of::<T>() / size_of::<W>();
         let (send_counts, send_starts) = counts_and_starts(send.1, words);
         let (receive_counts, receive_starts) = counts_and_starts(receive.1, words);
@@ -73,16 +107,10 @@ impl Rank {
     }
 }
 
-/// MPI's counts and displacements of consecutive blocks.
-fn counts_and_starts(counts: &[usize], words: usize) -> (Vec<i32>, Vec<i32>) {
-    let mut start = 0;
-    let mut starts = Vec::with_capacity(counts.len());
-    let in_32_bits = |n: usize| i32::try_from(n).expect("a message of fewer than 2^31 words; use more ranks");
-    for count in counts {
-        starts.push(in_32_bits(start));
-        start += count * words;
-    }
-    (counts.iter().map(|&n| in_32_bits(n * words)).collect(), starts)
+/// MPI's counts and displacements.
+fn counts_and_starts(ranges: &[Range<usize>], words: usize) -> (Vec<i32>, Vec<i32>) {
+    let in_32_bits = |n: usize| i32::try_from(n * words).expect("a message of fewer than 2^31 words; use more ranks");
+    ranges.iter().map(|range| (in_32_bits(range.len()), in_32_bits(range.start))).unzip()
 }
 
 /// The other ranks would wait for ever for one that panicked.

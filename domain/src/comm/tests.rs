@@ -96,3 +96,45 @@ fn a_panic_does_not_hang_the_others() {
         comm.barrier();
     });
 }
+
+#[test]
+fn ranks_on_one_machine_write_into_each_others_memory() {
+    for ranks in RANKS {
+        Comm::threads(ranks, |comm| {
+            let me = comm.rank();
+            let window = comm.window(ranks * size_of::<u64>());
+            let number = |owner: usize, place: usize| unsafe { window.of::<u64>(owner).unwrap().add(place) };
+            assert_eq!(unsafe { number(me, 0).read() }, 0);
+            window.barrier();
+            // Two by two they are on one machine.
+            let reached: Vec<usize> = (0..ranks).filter(|&rank| window.of::<u64>(rank).is_some()).collect();
+            assert_eq!(reached, (0..ranks).filter(|rank| rank / 2 == me / 2).collect::<Vec<_>>());
+            assert_eq!(window.is_divided(), ranks > 2);
+            for &other in &reached {
+                unsafe { number(other, me).write(10 * other as u64 + me as u64) };
+            }
+            window.barrier();
+            for &other in &reached {
+                assert_eq!(unsafe { number(me, other).read() }, 10 * me as u64 + other as u64);
+            }
+        });
+    }
+}
+
+#[test]
+fn ranges_leave_places_free() {
+    Comm::threads(3, |comm| {
+        let me = comm.rank();
+        let send: Vec<u32> = (0..6).map(|i| (10 * me + i) as u32).collect();
+        let mut receive = [99_u32; 8];
+        // Nothing goes to oneself.
+        let of = |rank: usize, wide: usize| if rank == me { 0..0 } else { wide * rank..wide * rank + 2 };
+        let [from, into] = [2, 3].map(|wide| (0..3).map(|rank| of(rank, wide)).collect::<Vec<_>>());
+        comm.all_to_all_ranges((&send, &from), (&mut receive, &into));
+        for other in (0..3).filter(|&other| other != me) {
+            assert_eq!(receive[3 * other..][..2], [0, 1].map(|i| (10 * other + 2 * me + i) as u32));
+        }
+        assert_eq!(receive[3 * me], 99);
+        assert_eq!((receive[2], receive[5]), (99, 99));
+    });
+}

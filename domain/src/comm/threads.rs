@@ -1,14 +1,17 @@
 //! Ranks that are threads of one process, so that ordinary tests exercise every exchange.
 
+use super::window::Segment;
 use bytemuck::Pod;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// One thread's place in a group of threads.
 #[derive(Clone)]
 pub(super) struct Rank {
-    rank: usize,
+    number: usize,
     group: Arc<Group>,
+    machine: usize,
 }
 
 /// What the threads of a group share: a meeting point and a mailbox from every rank to every other.
@@ -18,6 +21,7 @@ struct Group {
     everyone: Condvar,
     mail: Vec<Mutex<Vec<u8>>>,
     subgroups: Mutex<HashMap<(usize, usize), Arc<Group>>>,
+    segments: Mutex<HashMap<(usize, usize), Arc<Segment>>>,
 }
 
 #[derive(Default)]
@@ -35,7 +39,7 @@ pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(Rank) -> R + Sync) -> Vec
             let group = group.clone();
             scope.spawn(move || {
                 let guard = BreakOnPanic(group.clone());
-                let value = body(Rank { rank, group });
+                let value = body(Rank { number: rank, group, machine: rank / 2 });
                 std::mem::forget(guard);
                 value
             })
@@ -67,6 +71,7 @@ impl Group {
             everyone: Condvar::new(),
             mail: (0..size * size).map(|_| Mutex::default()).collect(),
             subgroups: Mutex::default(),
+            segments: Mutex::default(),
         })
     }
 
@@ -89,7 +94,7 @@ impl Group {
 
 impl Rank {
     pub(super) fn rank(&self) -> usize {
-        self.rank
+        self.number
     }
 
     pub(super) fn size(&self) -> usize {
@@ -100,33 +105,44 @@ impl Rank {
         self.group.meet();
     }
 
+    /// On which of the machines that are played here it is.
+    pub(super) fn machine(&self) -> usize {
+        self.machine
+    }
+
+    /// Memory of every rank of the group.
+    pub(super) fn share(&self, bytes: usize) -> Vec<Arc<Segment>> {
+        let round = self.group.meet();
+        lock(&self.group.segments).insert((round, self.number), Arc::new(Segment::private(bytes)));
+        self.barrier();
+        let all = (0..self.size()).map(|rank| lock(&self.group.segments)[&(round, rank)].clone()).collect();
+        self.barrier();
+        lock(&self.group.segments).remove(&(round, self.number));
+        all
+    }
+
     pub(super) fn split(&self, colour: usize) -> Self {
-        let ones = vec![1; self.size()];
+        let ones: Vec<_> = (0..self.size()).map(|rank| rank..rank + 1).collect();
         let mut colours = vec![0; self.size()];
         self.all_to_all((&vec![colour; self.size()], &ones), (&mut colours, &ones));
         let members = colours.iter().filter(|&&c| c == colour).count();
-        let rank = colours[..self.rank].iter().filter(|&&c| c == colour).count();
+        let number = colours[..self.number].iter().filter(|&&c| c == colour).count();
         let round = self.group.meet();
         let group = lock(&self.group.subgroups).entry((round, colour)).or_insert_with(|| Group::new(members)).clone();
         self.barrier();
         lock(&self.group.subgroups).remove(&(round, colour));
-        Self { rank, group }
+        Self { number, group, machine: self.machine }
     }
 
-    pub(super) fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
-        let mut rest = send.0;
-        for (to, &count) in send.1.iter().enumerate() {
-            let (part, tail) = rest.split_at(count);
-            *lock(self.mailbox(self.rank, to)) = bytemuck::cast_slice(part).to_vec();
-            rest = tail;
+    pub(super) fn all_to_all<T: Pod>(&self, send: (&[T], &[Range<usize>]), receive: (&mut [T], &[Range<usize>])) {
+        let (room, ranges) = receive;
+        for (to, range) in send.1.iter().enumerate() {
+            *lock(self.mailbox(self.number, to)) = bytemuck::cast_slice(&send.0[range.clone()]).to_vec();
         }
         self.barrier();
-        let mut room = receive.0;
-        for (from, &count) in receive.1.iter().enumerate() {
-            let (part, tail) = room.split_at_mut(count);
-            let mail = std::mem::take(&mut *lock(self.mailbox(from, self.rank)));
-            bytemuck::cast_slice_mut::<T, u8>(part).copy_from_slice(&mail);
-            room = tail;
+        for (from, range) in ranges.iter().enumerate() {
+            let mail = std::mem::take(&mut *lock(self.mailbox(from, self.number)));
+            bytemuck::cast_slice_mut::<T, u8>(&mut room[range.clone()]).copy_from_slice(&mail);
         }
         self.barrier();
     }

@@ -6,6 +6,7 @@ mod share;
 use crate::fourier::Direction;
 use crate::layout::Layout;
 use crate::memory::Memory;
+use crate::shared::Shared;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
 use exchange::Exchange;
@@ -21,17 +22,16 @@ use share::{Share, Task};
 ///
 /// Rows along x are whole on a rank. Columns along y and then along z are made whole by one exchange each, of all three
 /// components at once, among the ranks that split them; a table of ranks with a single row or column saves that
-/// exchange, and a rank on its own copies nothing. Coefficients are left where the last exchange brought them. In the
-/// exchange along y the ranks share out blocks of 8 (`f64`) or 16 (`f32`) columns of `nx/2`: beyond as many ranks
+/// exchange, and a rank on its own copies nothing. Between ranks on one machine rows go straight from where they are to
+/// where they are needed, in memory that both reach. In the exchange along y the ranks share out blocks of 8 (`f64`) or 16 (`f32`) columns of `nx/2`: beyond as many ranks
 /// along y as there are blocks, some wait.
 ///
 /// Threads of the pool in which a method is called work side by side; results are the same bits for any number of
 /// threads and ranks.
 pub struct Transform<T> {
     share: Share<T>,
-    along_y: Option<Exchange>,
-    along_z: Option<Exchange>,
-    outbox: Memory<T>,
+    along_y: Option<Exchange<T>>,
+    along_z: Option<Exchange<T>>,
 }
 
 impl<T: Real> Transform<T> {
@@ -43,10 +43,9 @@ impl<T: Real> Transform<T> {
     /// If the partition shares out other lines than those of the grid.
     pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
         let layout = Layout::new::<T>(points, partition, halo);
-        let along_y = Exchange::along_y::<T>(&layout, partition);
-        let along_z = Exchange::along_z::<T>(&layout, partition);
-        let sent = [&along_y, &along_z].into_iter().flatten().map(Exchange::room).max();
-        Self { share: Share::new(layout), along_y, along_z, outbox: Memory::zero(sent.unwrap_or(0)) }
+        let along_y = Exchange::along_y(&layout, partition);
+        let along_z = Exchange::along_z(&layout, partition);
+        Self { share: Share::new(layout), along_y, along_z }
     }
 
     /// A field of zeros for this transform.
@@ -58,15 +57,26 @@ impl<T: Real> Transform<T> {
     /// transform, [`Field::clear_halo`] comes before.
     #[must_use]
     pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
-        self.planes_forward(&mut field.memory);
-        self.share.pencils(&mut field.memory, Direction::Forward);
+        let columns = self.planes_forward(&mut field.memory);
+        self.share.pencils(&columns, Direction::Forward);
+        if let Some(columns) = self.whole_columns() {
+            field.memory.values_mut()[..columns.len()].copy_from_slice(columns);
+        }
         field.into_space()
     }
 
     /// From coefficients to values. The halos are filled.
     #[must_use]
     pub fn backward(&mut self, mut field: Field<T, Spectral>) -> Field<T, Physical> {
-        self.share.pencils(&mut field.memory, Direction::Backward);
+        for exchange in [&self.along_y, &self.along_z].into_iter().flatten() {
+            exchange.open();
+        }
+        let mut columns = Shared::new(field.memory.values_mut());
+        if let Some(whole) = self.whole_columns() {
+            whole.copy_from_slice(&field.memory.values()[..whole.len()]);
+            columns = Shared::new(whole);
+        }
+        self.share.pencils(&columns, Direction::Backward);
         self.planes_backward(&mut field.memory);
         field.into_space()
     }
@@ -75,44 +85,57 @@ impl<T: Real> Transform<T> {
     /// a few of its columns are in the cache. Halos are added to the rows first, and filled at the end.
     pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
         assert_eq!(self.share.layout().points, operator.points(), "transform and operator have one grid");
-        self.planes_forward(&mut field.memory);
-        self.share.pencils_through(&mut field.memory, operator);
+        let columns = self.planes_forward(&mut field.memory);
+        self.share.pencils_through(&columns, operator);
         self.planes_backward(&mut field.memory);
     }
 
-    /// Transforms along x and y, after which columns along z are whole.
-    fn planes_forward(&mut self, memory: &mut Memory<T>) {
+    /// The memory of the last exchange, in which columns along z are whole; none if a field's own are.
+    fn whole_columns(&mut self) -> Option<&mut [T]> {
+        self.along_z.as_mut().or(self.along_y.as_mut()).map(Exchange::columns_mut)
+    }
+
+    /// Transforms along x and y, after which columns along z are whole: where they are.
+    fn planes_forward(&mut self, memory: &mut Memory<T>) -> Shared<T> {
         assert!(memory.values().len() >= self.share.layout().capacity, "the field is of this transform");
-        let (mut tasks, outbox) = (vec![Task::X], &mut self.outbox);
+        let mut place = Shared::new(memory.values_mut());
+        let mut tasks = vec![Task::X];
         if let Some(exchange) = &self.along_y {
+            exchange.open();
             tasks.push(Task::Pack(exchange.packing()));
-            self.share.planes(memory, outbox, Direction::Forward, &tasks);
-            exchange.send(memory, outbox);
+            self.share.planes(&place, Direction::Forward, &tasks);
             tasks.clear();
+            exchange.deliver();
+            place = exchange.columns();
         }
         tasks.push(Task::Y);
-        tasks.extend(self.along_z.as_ref().map(|exchange| Task::Pack(exchange.packing())));
-        self.share.planes(memory, outbox, Direction::Forward, &tasks);
         if let Some(exchange) = &self.along_z {
-            exchange.send(memory, outbox);
+            exchange.open();
+            tasks.push(Task::Pack(exchange.packing()));
+            self.share.planes(&place, Direction::Forward, &tasks);
+            exchange.deliver();
+            return exchange.columns();
         }
+        self.share.planes(&place, Direction::Forward, &tasks);
+        place
     }
 
     /// The way back from whole columns along z.
     fn planes_backward(&mut self, memory: &mut Memory<T>) {
-        let (mut tasks, outbox) = (Vec::new(), &mut self.outbox);
+        let rows = Shared::new(memory.values_mut());
+        let mut tasks = Vec::new();
         if let Some(exchange) = &self.along_z {
-            exchange.send_back(memory, outbox);
+            exchange.give_back();
             tasks.push(Task::Unpack(exchange.packing()));
         }
         tasks.push(Task::Y);
         if let Some(exchange) = &self.along_y {
-            self.share.planes(memory, outbox, Direction::Backward, &tasks);
-            exchange.send_back(memory, outbox);
+            self.share.planes(&exchange.columns(), Direction::Backward, &tasks);
+            exchange.give_back();
             tasks = vec![Task::Unpack(exchange.packing())];
         }
         tasks.push(Task::X);
-        self.share.planes(memory, outbox, Direction::Backward, &tasks);
+        self.share.planes(&rows, Direction::Backward, &tasks);
     }
 }
 

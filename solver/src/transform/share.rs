@@ -10,15 +10,15 @@ use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// What there is to do with a plane.
-pub(super) enum Task<'a> {
+pub(super) enum Task<'a, T> {
     /// Transform its rows.
     X,
     /// Transform its columns.
     Y,
-    /// Copy it to the outbox.
-    Pack(&'a Packing),
-    /// Copy it from the outbox.
-    Unpack(&'a Packing),
+    /// Copy it to where its rows go.
+    Pack(&'a Packing<T>),
+    /// Copy it from where its rows went.
+    Unpack(&'a Packing<T>),
 }
 
 /// One rank's layout, the plans of its three directions, and room for each thread to work in.
@@ -57,18 +57,17 @@ impl<T: Real> Share<T> {
 
     /// Does all that there is to do with every plane of this rank, one thing after the other while the plane is in the
     /// cache.
-    pub fn planes(&self, memory: &mut Memory<T>, outbox: &mut Memory<T>, direction: Direction, tasks: &[Task]) {
-        let (memory, outbox) = (Shared::new(memory.values_mut()), Shared::new(outbox.values_mut()));
+    pub fn planes(&self, memory: &Shared<T>, direction: Direction, tasks: &[Task<T>]) {
         let planes = self.layout.rows[1].len();
         (0..3 * planes).into_par_iter().for_each(|i| {
             let (component, z) = (i / planes, i % planes);
             for task in tasks {
                 match task {
-                    Task::X => self.plane_rows(&memory, direction, self.layout.physical.at(component, 0, z)),
-                    Task::Y => self.plane_columns(&memory, direction, self.layout.transposed.at(component, 0, z)),
+                    Task::X => self.plane_rows(memory, direction, self.layout.physical.at(component, 0, z)),
+                    Task::Y => self.plane_columns(memory, direction, self.layout.transposed.at(component, 0, z)),
                     // SAFETY: a plane belongs to one thread, and the packing is that of this field's transform.
-                    Task::Pack(packing) => unsafe { packing.pack(&memory, &outbox, [component, z]) },
-                    Task::Unpack(packing) => unsafe { packing.unpack(&memory, &outbox, [component, z]) },
+                    Task::Pack(packing) => unsafe { packing.pack(memory, [component, z]) },
+                    Task::Unpack(packing) => unsafe { packing.unpack(memory, [component, z]) },
                 }
             }
         });
@@ -112,7 +111,7 @@ impl<T: Real> Share<T> {
     }
 
     /// Transforms all columns along z.
-    pub fn pencils(&self, memory: &mut Memory<T>, direction: Direction) {
+    pub fn pencils(&self, memory: &Shared<T>, direction: Direction) {
         self.each_panel(memory, |components, _| {
             self.at_desk(|buffers, _, _| {
                 for columns in components {
@@ -124,7 +123,7 @@ impl<T: Real> Share<T> {
     }
 
     /// Transforms all columns along z, multiplies them by the operator, and transforms them back.
-    pub fn pencils_through(&self, memory: &mut Memory<T>, operator: &Stokes<T>) {
+    pub fn pencils_through(&self, memory: &Shared<T>, operator: &Stokes<T>) {
         let stride = 2 * T::LANES;
         self.each_panel(memory, |components, [block, mode]| {
             self.at_desk(|buffers, panel, _| {
@@ -144,8 +143,7 @@ impl<T: Real> Share<T> {
     }
 
     /// Goes to every panel of columns along z: those of one block along x and one mode along y, which it names.
-    fn each_panel(&self, memory: &mut Memory<T>, work: impl Fn([At<T>; 3], [usize; 2]) + Sync) {
-        let memory = Shared::new(memory.values_mut());
+    fn each_panel(&self, memory: &Shared<T>, work: impl Fn([At<T>; 3], [usize; 2]) + Sync) {
         let Layout { blocks, modes, spectral, .. } = &self.layout;
         (0..modes.len() * blocks.len()).into_par_iter().for_each(|i| {
             let (mode, block) = (i / blocks.len(), i % blocks.len());

@@ -1,0 +1,90 @@
+//! Memory without a name in any file system, which processes of one machine map by way of the one that made it. Nothing of
+//! it is left behind, however the processes end, and no limit on `/dev/shm` holds for it.
+
+use rustix::fs::{FallocateFlags, MemfdFlags, Mode, OFlags};
+use rustix::io::Errno;
+use rustix::mm::{MapFlags, ProtFlags};
+use rustix::process::Resource;
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+use std::os::fd::{AsFd, AsRawFd, OwnedFd};
+
+/// Some memory, mapped.
+pub(super) struct Mapped {
+    start: *mut u8,
+    bytes: usize,
+}
+
+/// Before the memory itself: a page that tells whose it is.
+const HEADER: usize = 4096;
+
+/// How others find it.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct Address {
+    process: u64,
+    descriptor: u64,
+    bytes: u64,
+    /// What the header holds: elsewhere a process of the same number may be another one.
+    token: u64,
+}
+
+impl Mapped {
+    /// Memory of this process, for as long as the descriptor is open to be mapped by others too.
+    pub fn create(bytes: usize) -> rustix::io::Result<(Self, OwnedFd, Address)> {
+        let size = (HEADER + bytes) as u64;
+        // Beyond the limit on files the system would end the process.
+        if rustix::process::getrlimit(Resource::Fsize).current.is_some_and(|limit| limit < size) {
+            return Err(Errno::FBIG);
+        }
+        let token = RandomState::new().build_hasher().finish();
+        let descriptor = rustix::fs::memfd_create("fcm-solve", MemfdFlags::CLOEXEC)?;
+        rustix::fs::ftruncate(&descriptor, size)?;
+        // Memory that is not there fails here rather than at the first touch.
+        rustix::fs::fallocate(&descriptor, FallocateFlags::empty(), 0, size)?;
+        let memory = Self::map(&descriptor, bytes)?;
+        // SAFETY: the header has room for the token, and nobody else knows of it yet.
+        unsafe { memory.header().write(token) };
+        let process = rustix::process::getpid().as_raw_nonzero().get() as u64;
+        let address = Address { process, descriptor: descriptor.as_raw_fd() as u64, bytes: bytes as u64, token };
+        Ok((memory, descriptor, address))
+    }
+
+    /// Memory that another process made.
+    pub fn open(address: Address) -> rustix::io::Result<Self> {
+        let path = format!("/proc/{}/fd/{}", address.process, address.descriptor);
+        let descriptor = rustix::fs::open(path, OFlags::RDWR | OFlags::CLOEXEC, Mode::empty())?;
+        if rustix::fs::fstat(&descriptor)?.st_size as u64 != HEADER as u64 + address.bytes {
+            return Err(Errno::NXIO);
+        }
+        let memory = Self::map(&descriptor, address.bytes as usize)?;
+        // SAFETY: the header is there, and was written before its address was sent.
+        let token = unsafe { memory.header().read() };
+        if token == address.token { Ok(memory) } else { Err(Errno::NXIO) }
+    }
+
+    fn map(descriptor: impl AsFd, bytes: usize) -> rustix::io::Result<Self> {
+        let (place, all) = (std::ptr::null_mut(), HEADER + bytes);
+        // SAFETY: the kernel chooses a place where nothing else is.
+        let start = unsafe {
+            rustix::mm::mmap(place, all, ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED, descriptor, 0)?
+        };
+        Ok(Self { start: start.cast(), bytes })
+    }
+
+    fn header(&self) -> *mut u64 {
+        self.start.cast()
+    }
+
+    pub fn start(&self) -> *mut u8 {
+        // SAFETY: the memory begins after the header.
+        unsafe { self.start.add(HEADER) }
+    }
+}
+
+impl Drop for Mapped {
+    fn drop(&mut self) {
+        // SAFETY: it was mapped so, and its user does not outlive it.
+        let _ = unsafe { rustix::mm::munmap(self.start.cast(), HEADER + self.bytes) };
+    }
+}

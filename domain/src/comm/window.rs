@@ -1,0 +1,74 @@
+//! Memory that the ranks on one machine reach without messages.
+
+use super::Comm;
+use bytemuck::{Pod, Zeroable};
+use std::cell::UnsafeCell;
+use std::sync::Arc;
+
+/// Memory of each rank of a group, zeros at first, which every rank on the same machine can read and write, made by
+/// [`Comm::window`]. It begins at a cache line.
+///
+/// What one rank has written is there for another after both have come to [`Window::barrier`].
+pub struct Window {
+    /// By ranks of the group; none for those on other machines.
+    parts: Vec<Option<Arc<Segment>>>,
+    machine: Comm,
+}
+
+impl Window {
+    pub(super) fn new(group: &Comm, machine: Comm, segments: Vec<Arc<Segment>>) -> Self {
+        let mut parts = vec![None; group.size()];
+        for (rank, segment) in machine.all_gather(&[group.rank()]).into_iter().zip(segments) {
+            parts[rank] = Some(segment);
+        }
+        Self { parts, machine }
+    }
+
+    /// Where the memory of a rank of the group begins, if it is on this machine.
+    pub fn of<T: Pod>(&self, rank: usize) -> Option<*mut T> {
+        self.parts[rank].as_ref().map(|segment| segment.start().cast())
+    }
+
+    /// Whether some ranks of the group are on other machines.
+    pub fn is_divided(&self) -> bool {
+        self.machine.size() < self.parts.len()
+    }
+
+    /// Waits for the ranks of the group on this machine.
+    pub fn barrier(&self) {
+        if self.machine.size() > 1 {
+            self.machine.barrier();
+        }
+    }
+}
+
+/// A rank's part of a window.
+pub(super) enum Segment {
+    /// Of this process.
+    Private(Box<[UnsafeCell<Line>]>),
+    /// Of several processes.
+    #[cfg(all(feature = "mpi", target_os = "linux"))]
+    Mapped(super::mapped::Mapped),
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(super) struct Line([u64; 8]);
+
+// SAFETY: it is but memory; who uses the pointer keeps to the barriers.
+unsafe impl Send for Segment {}
+unsafe impl Sync for Segment {}
+
+impl Segment {
+    pub(super) fn private(bytes: usize) -> Self {
+        Self::Private((0..bytes.div_ceil(size_of::<Line>())).map(|_| UnsafeCell::new(Line::zeroed())).collect())
+    }
+
+    fn start(&self) -> *mut u8 {
+        match self {
+            Self::Private(lines) => UnsafeCell::raw_get(lines.as_ptr()).cast(),
+            #[cfg(all(feature = "mpi", target_os = "linux"))]
+            Self::Mapped(memory) => memory.start(),
+        }
+    }
+}
