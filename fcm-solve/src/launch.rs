@@ -10,6 +10,17 @@ pub fn leave_files_unlocked() {
     unsafe { std::env::set_var("HDF5_USE_FILE_LOCKING", "FALSE") };
 }
 
+/// Keeps memory that was freed for the next step, which needs as much: given back to the system, it would come again page by
+/// page, each filled with zeros.
+pub fn keep_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: two numbers are set, of which any value is allowed.
+    unsafe {
+        libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 30);
+        libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
+    }
+}
+
 /// Says why the ranks could not be reached; once, where the launcher tells which process this is.
 pub fn refused(error: &CommError) -> ExitCode {
     if number(&["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"]).unwrap_or(0) == 0 {

@@ -32,6 +32,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     launch::leave_files_unlocked();
+    launch::keep_memory();
     let comm = match Comm::world() {
         Ok(comm) => comm,
         Err(error) => return launch::refused(&error),

@@ -62,6 +62,11 @@ impl PairForce {
         Ok(Self { radii: radii.to_vec(), viscosity, range, tables })
     }
 
+    /// The radii of the species.
+    pub fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
     /// Where the correction begins and ends.
     pub fn range(&self) -> Range {
         self.range
@@ -72,15 +77,19 @@ impl PairForce {
         self.radii.iter().copied().fold(0.0, f64::max) * (2.0 + self.range.cutoff())
     }
 
+    /// The gap of a pair of species whose centres are so far apart; none beyond the cutoff.
+    pub fn gap(&self, distance: f64, species: [u32; 2]) -> Option<f64> {
+        let [first, second] = species.map(|s| self.radii[s as usize]);
+        let gap = distance - first - second;
+        (gap < self.range.cutoff() * first.max(second) && distance > 0.0).then_some(gap)
+    }
+
     /// The factor of a pair, for `separation` from the first centre to the second; none beyond the cutoff.
     pub fn factor(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
         let [first, second] = species.map(|s| self.radii[s as usize]);
         let (small, large) = (first.min(second), first.max(second));
         let distance = separation.length();
-        let gap = distance - small - large;
-        if gap >= self.range.cutoff() * large || distance == 0.0 {
-            return None;
-        }
+        let gap = self.gap(distance, species)?;
         let (order, axis) =
             if first <= second { ([0, 1], separation / distance) } else { ([1, 0], -separation / distance) };
         let factor = (self.viscosity * small).sqrt() * self.range.taper(gap / large);

@@ -271,3 +271,38 @@ proptest! {
         prop_assert_eq!(loads.moment, [other.moment[1], other.moment[0]]);
     }
 }
+
+proptest! {
+    /// Column by column, for spheres in either order.
+    #[test]
+    fn the_matrix_is_what_the_modes_make(direction in vector(), gap in 1e-4..1.0_f64, order in 0..2_u32) {
+        prop_assume!(direction.length() > 0.1);
+        let factor = force(&[1.0, 2.0]).factor(direction.normalize() * (3.0 + gap), [order, 1 - order]).unwrap();
+        let matrix = factor.rigid_resistance();
+        for (moves, column) in (0..12).map(|k| (k / 6, k % 6)) {
+            let mut motion = [[[0.0; 3]; 2]; 2];
+            motion[column / 3][moves][column % 3] = 1.0;
+            let [velocity, angular_velocity] = motion.map(|spheres| spheres.map(Vector::from_array));
+            let [forces, torques] = factor.rigid_loads(&factor.rigid_modes(velocity, angular_velocity));
+            for sphere in [0, 1] {
+                let (block, [force, torque]) = (matrix.block(sphere, moves), [forces[sphere], torques[sphere]]);
+                for (row, expected) in force.to_array().into_iter().chain(torque.to_array()).enumerate() {
+                    prop_assert!((block[row][column] - expected).abs() < 1e-9, "{row}, {column}: {} {expected}", block[row][column]);
+                }
+                if sphere == moves {
+                    prop_assert!((matrix.diagonal(sphere)[column] - block[column][column]).abs() < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn moments_with_known_modes_are_those_of_the_resistance(direction in vector(), gap in 1e-4..1.0_f64, motion in motion()) {
+        prop_assume!(direction.length() > 0.1);
+        let factor = force(&[1.0, 2.0]).factor(direction.normalize() * (3.0 + gap), [1, 0]).unwrap();
+        let (found, expected) = (factor.moments_on(&motion, &factor.modes(&motion)), factor.resistance(&motion).moment);
+        for (a, b) in found.into_iter().zip(expected) {
+            prop_assert!((a - b).contract(a - b).sqrt() < 1e-10 * (1.0 + b.contract(b).sqrt()));
+        }
+    }
+}

@@ -15,11 +15,6 @@ impl Block {
         Screw(self.0.map(|row| row.iter().zip(screw.0).map(|(m, x)| m * x).sum()))
     }
 
-    /// The transpose.
-    pub fn transposed(&self) -> Self {
-        Self(std::array::from_fn(|i| std::array::from_fn(|j| self.0[j][i])))
-    }
-
     /// The inverse of a symmetric positive definite matrix, by Gauss's and Jordan's elimination without pivoting.
     pub fn inverse(&self) -> Self {
         let mut work = self.0;

@@ -124,7 +124,7 @@ impl System for Coupled<'_> {
         let loads = self.near.loads(&direction.modes);
         let motion = self.mobility.apply(&far_loads(&loads, &direction.moments), Evaluation::All);
         let rigid = Screws::new(self.single.len(), &motion.velocities, &motion.angular_velocities);
-        let mut modes = self.near.rigid_modes(&rigid);
+        let mut modes = self.near.rigid_modes(&rigid, direction.modes.len());
         for (mode, g) in modes.as_flattened_mut().iter_mut().zip(direction.modes.as_flattened()) {
             *mode += g;
         }

@@ -5,6 +5,7 @@ mod coupled;
 mod near_pairs;
 mod particle_matrix;
 mod screw;
+mod stiffness;
 
 use coupled::{Coupled, PairsAndMoments};
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
@@ -14,11 +15,12 @@ use near_pairs::NearPairs;
 use particle_matrix::ParticleMatrix;
 use screw::{Screw, Screws};
 use std::f64::consts::PI;
+use stiffness::Stiffness;
 
 /// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added.
 pub struct Hydrodynamics {
     far: fcm::Hydrodynamics,
-    lubrication: Option<PairForce>,
+    lubrication: Option<(PairForce, Stiffness)>,
     preconditioned: bool,
     partition: Partition,
 }
@@ -56,7 +58,12 @@ impl Hydrodynamics {
     /// Prepares what `plan` decided, with lubrication at the gaps of `range` if there is one. Not to be called from a rayon
     /// task.
     pub fn new(plan: &Plan, partition: &Partition, range: Option<Range>) -> Result<Self, PairForceError> {
-        let lubrication = range.map(|range| PairForce::new(&plan.radii, plan.viscosity, range)).transpose()?;
+        let force = range.map(|range| PairForce::new(&plan.radii, plan.viscosity, range)).transpose()?;
+        let lubrication = force.map(|force| {
+            let single: Vec<Screw> = plan.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
+            let stiffness = Stiffness::new(&force, &single);
+            (force, stiffness)
+        });
         let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
         Ok(Self { far, lubrication, preconditioned: true, partition })
     }
@@ -82,9 +89,8 @@ impl Hydrodynamics {
         background: Traceless,
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
-        if let Some(force) = &self.lubrication {
-            let radii = self.far.mobility().plan().radii.clone();
-            let near = NearPairs::find(force, &radii, particles, cell, &self.partition);
+        if let Some((force, stiffness)) = &self.lubrication {
+            let near = NearPairs::find((force, stiffness), particles, cell, &self.partition);
             if self.partition.comm().any(!near.list().is_empty()) {
                 let mobility = self.far.mobility();
                 mobility.arrange(cell, particles);
@@ -150,7 +156,7 @@ fn loads_of(
     all.add(1.0, &near.loads(&x.modes));
     let far = coupled::far_loads(&all, &x.moments);
     let motions = Screws::new(x.moments.len(), &motion.velocities, &motion.angular_velocities);
-    let near = near.stresslets(&motions, background);
+    let near = near.stresslets(&motions, background, &x.modes);
     let stresslets = far.stresslets.iter().zip(near).map(|(&far, near)| far + near).collect();
     (far, stresslets)
 }

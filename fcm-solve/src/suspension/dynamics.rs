@@ -39,8 +39,19 @@ pub enum StepError {
         /// The smallest gap.
         gap: f64,
     },
+    /// The fluid could not be computed around spheres that overlap.
+    #[error(
+        "step {step}: spheres overlap by {overlap:.1e}, and the flow around them can't be found; take a smaller time.step, \
+         a larger repulsion.strength, or time.integrator = \"adaptive\", which keeps spheres apart"
+    )]
+    Overlap {
+        /// Steps taken before.
+        step: u64,
+        /// The largest overlap.
+        overlap: f64,
+    },
     /// The fluid could not be computed.
-    #[error("step {step}: {source}")]
+    #[error("step {step}")]
     Solve {
         /// Steps taken before.
         step: u64,
@@ -134,9 +145,16 @@ impl Dynamics {
             if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
         let ambient = self.flow.strain_rate();
         let solved = self.hydrodynamics.solve(&cell, particles, &loads, ambient, &guess);
-        let solved = solved.map_err(|source| StepError::Solve { step: clock.step(), source })?;
+        let solved = solved.map_err(|source| self.unsolved(source, particles, clock.step()))?;
         self.record(particles, &loads, &solved);
         Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
+    }
+
+    /// Why the flow could not be found at a step. Collective.
+    pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
+        let nothing = [[0.0]; 2];
+        let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
+        if gap < 0.0 { StepError::Overlap { step, overlap: -gap } } else { StepError::Solve { step, source } }
     }
 
     fn check_positions(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {

@@ -184,3 +184,18 @@ count = 4
     }
     assert_ne!(here.steps, there.steps);
 }
+
+/// Where no flow is found: because spheres overlap, or for another reason.
+#[test]
+fn spheres_that_overlap_are_named_where_no_flow_is_found() {
+    let positions = "particles.positions=[[3, 3, 3], [6.5, 3, 3]]";
+    let scene = scene(&["species=[{ radius = 1.0, count = 2 }]", "particles.initial=positions", positions]);
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    let Suspension { dynamics, mut particles, .. } = Suspension::start(scene, &Comm::alone()).unwrap();
+    let because = "step 7: the motion of the particles is not finite";
+    for (distance, said) in [(3.5, because), (1.5, "step 7: spheres overlap by 5.0e-1, and")] {
+        particles.positions[1] = particles.positions[0] + Vector::X * distance;
+        let error = anyhow::Error::from(dynamics.unsolved(fcm::SolveError::NotFinite, &mut particles, 7));
+        assert!(format!("{error:#}").starts_with(said), "{error:#}");
+    }
+}

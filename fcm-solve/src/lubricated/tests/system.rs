@@ -90,10 +90,12 @@ fn the_system_is_symmetric_and_positive_definite() {
     let comm = Comm::alone();
     let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
     let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
-    let near = NearPairs::find(&force, &plan.radii, &particles, &cell, &partition);
     let mut mobility = Mobility::new(&plan, &partition);
     mobility.arrange(&cell, &particles);
     let single: Vec<Screw> = particles.radii.iter().map(|&a| single(1.0, a)).collect();
+    let alone: Vec<Screw> = plan.radii.iter().map(|&a| super::super::single(1.0, a)).collect();
+    let stiffness = Stiffness::new(&force, &alone);
+    let near = NearPairs::find((&force, &stiffness), &particles, &cell, &partition);
     let strain_resistance: Vec<f64> = particles.radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
     let basis = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance };
     let start = basis.unit(0);

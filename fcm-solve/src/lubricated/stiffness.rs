@@ -1,0 +1,56 @@
+//! Which pairs are stiff.
+
+use super::screw::Screw;
+use domain::Vector;
+use lubrication::PairForce;
+
+/// Up to which gap the pairs of each two species are stiff.
+pub struct Stiffness {
+    species: usize,
+    gaps: Vec<f64>,
+}
+
+/// A pair is stiff if it resists some motion of a sphere more than this part of what the sphere does alone: within gaps of about
+/// half a radius. Most pairs within reach are not.
+const STIFF: f64 = 0.1;
+
+/// Halvings of the range in which the gap is sought.
+const HALVINGS: usize = 30;
+
+impl Stiffness {
+    /// For species whose resistances alone are `single`.
+    pub fn new(force: &PairForce, single: &[Screw]) -> Self {
+        let gap = |k: usize| largest_gap(force, [k / single.len(), k % single.len()], single);
+        Self { species: single.len(), gaps: (0..single.len() * single.len()).map(gap).collect() }
+    }
+
+    /// Whether a pair of two species at a gap is stiff.
+    pub fn holds(&self, species: [u32; 2], gap: f64) -> bool {
+        gap < self.gaps[species[0] as usize * self.species + species[1] as usize]
+    }
+}
+
+/// The gap at which a pair ceases to be stiff, since resistance falls as it grows.
+fn largest_gap(force: &PairForce, species: [usize; 2], single: &[Screw]) -> f64 {
+    let radii = species.map(|s| force.radii()[s]);
+    let is_stiff = |gap: f64| {
+        let separation = Vector::X * (radii[0] + radii[1] + gap);
+        let factor = force.factor(separation, species.map(|s| s as u32));
+        let resistance = factor.map(|factor| factor.rigid_resistance());
+        let exceeds = |sphere: usize| {
+            let alone = single[species[sphere]].0;
+            resistance.is_some_and(|matrix| matrix.diagonal(sphere).iter().zip(alone).any(|(&r, a)| r > STIFF * a))
+        };
+        exceeds(0) || exceeds(1)
+    };
+    let (mut stiff, mut soft) = (0.0, force.range().cutoff() * radii[0].max(radii[1]));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (stiff + soft);
+        if is_stiff(middle) {
+            stiff = middle;
+        } else {
+            soft = middle;
+        }
+    }
+    soft
+}
