@@ -1,7 +1,7 @@
 """A long shear of a dense suspension with lubrication and repulsion, in adaptive steps: spheres stay apart, and the solve stays as cheap
 as it was.
 
-scripts/validate long-shear [STEPS]: 100,000 steps unless said otherwise. It fails if spheres overlap or a number is not finite."""
+scripts/validate long-shear [STEPS] [--full]: 100,000 steps unless said otherwise, in full with more spheres. It fails if spheres overlap or a number is not finite."""
 
 import csv
 import sys
@@ -28,7 +28,8 @@ def series(steps):
 
 
 def main():
-    steps = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
+    said = [int(word) for word in sys.argv[1:] if word != "--full"]
+    steps = said[0] if said else 100_000
     found = series(steps)
     rows = []
     for part in np.array_split(found, PARTS):

@@ -13,7 +13,7 @@ import numpy as np
 from support.page import table, write_section
 from support.program import PROGRAM, run
 
-SIZES, FRACTION = (1000, 10000, 100000), 0.2
+SIZES, FRACTION = (500, 1000, 10000, 100000), 0.2
 # Steps by the method of Runge and Kutta and one more, and steps that are timed.
 START, TIMED = 4, 4
 
