@@ -42,8 +42,8 @@ impl Around {
     }
 }
 
-/// Particles in a cube of the cutoff's edge above which halved cells find neighbours faster: they leave out more of those
-/// that are not, but are more numerous.
+/// Particles in a cube of the cutoff's edge above which halved cells find neighbours faster: they leave out more of
+/// those that are not, but are more numerous.
 const CROWDED: f64 = 12.0;
 
 impl Cells {
@@ -87,8 +87,8 @@ impl Cells {
         &self.rows[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
-    /// Collects the particles, and the images of them by lattice steps, in the cells that the cutoff around a position in
-    /// one cell may touch.
+    /// Collects the particles, and the images of them by lattice steps, in the cells that the cutoff around a position
+    /// in one cell may touch.
     pub fn collect_around(&self, cell: &PeriodicBox, home: usize, around: &mut Around) {
         around.who.clear();
         around.positions.iter_mut().for_each(Vec::clear);

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 /// Who is near each particle, found anew only after somebody has moved too far (Verlet 1967): lists reach farther than
 /// the cutoff by a skin, and those who are within the cutoff are picked from them.
 ///
-/// Lists name particles by the rows that they had at the search, since rows are sorted anew as particles move, and are in the
-/// order of the ids, so that they do not depend on when the search was. On several ranks there are lists of those too who
-/// may yet come over from other ranks.
+/// Lists name particles by the rows that they had at the search, since rows are sorted anew as particles move, and are
+/// in the order of the ids, so that they do not depend on when the search was. On several ranks there are lists of
+/// those too who may yet come over from other ranks.
 pub struct Vicinity {
     cutoff: f64,
     partition: Partition,
@@ -121,8 +121,8 @@ impl Vicinity {
 /// The row of an id that nobody has.
 const NOBODY: u32 = u32::MAX;
 
-/// Who is where, by the rows of the search: in which row now, at which place if nobody had been wrapped since, and by which
-/// lattice steps each has been. Nobody is near those who are not here any more.
+/// Who is where, by the rows of the search: in which row now, at which place if nobody had been wrapped since, and by
+/// which lattice steps each has been. Nobody is near those who are not here any more.
 struct Now<'a> {
     cell: &'a PeriodicBox,
     owned: usize,
@@ -134,8 +134,8 @@ struct Now<'a> {
 impl Found {
     /// Where everybody is now, or nothing if somebody may be within the cutoff who is in no list.
     ///
-    /// In lattice coordinates the flow of a shear does not move anybody. What it does to a distance is at least the factor
-    /// `sqrt(1 + g^2/4) - g/2` at the strain `g` since.
+    /// In lattice coordinates the flow of a shear does not move anybody. What it does to a distance is at least the
+    /// factor `sqrt(1 + g^2/4) - g/2` at the strain `g` since.
     fn follow<'a>(&self, cell: &'a PeriodicBox, present: &Present, cutoff: f64) -> Option<Now<'a>> {
         if cell.edges() != self.cell.edges() {
             return None;
@@ -244,8 +244,8 @@ mod tests {
         Vicinity::new(cutoff, &Partition::new(&Comm::alone(), [8, 8]))
     }
 
-    /// Particles that wander in a box that shears, past its faces, its range of strains, and from rank to rank: the lists are
-    /// at all times those of a search.
+    /// Particles that wander in a box that shears, past its faces, its range of strains, and from rank to rank: the
+    /// lists are at all times those of a search.
     #[test]
     fn lists_are_those_of_a_search_at_all_times() {
         let (edges, cutoff) = (Vector::new(7.0, 5.0, 6.0), 1.4);

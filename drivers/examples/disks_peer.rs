@@ -109,8 +109,8 @@ fn frames(file: &str) -> Result<Vec<Frame>, Box<dyn Error>> {
 }
 
 /// Prints how far apart the disks are in frames of the same step: median, 95 % and largest. Images are told apart along
-/// x and y one by one: where the offset of the rows is not a whole number of cells, a disk that only one of the two runs
-/// has wrapped upward shows as a large distance.
+/// x and y one by one: where the offset of the rows is not a whole number of cells, a disk that only one of the two
+/// runs has wrapped upward shows as a large distance.
 fn compare(one: &str, other: &str) -> Outcome {
     let others = frames(other)?;
     for (step, places) in frames(one)? {

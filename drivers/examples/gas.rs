@@ -1,5 +1,5 @@
-//! A gas of hard spheres in the event-driven engine, long enough to time it and to hold it against kinetic theory. Prints
-//! one line of JSON. See `scripts/validate grains`.
+//! A gas of hard spheres in the event-driven engine, long enough to time it and to hold it against kinetic theory.
+//! Prints one line of JSON. See `scripts/validate grains`.
 //!
 //!     gas hit COUNT SOLID_FRACTION HITS          elastic: speed, rate of hits over Enskog's, overlap, energy
 //!     gas cool COUNT SOLID_FRACTION RESTITUTION  inelastic: temperature over Haff's until a twelfth is left

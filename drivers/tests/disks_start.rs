@@ -1,4 +1,5 @@
-//! A start that an independent program made (plain C, and Python for the numbers): 1460 disks at the paper's parameters.
+//! A start that an independent program made (plain C, and Python for the numbers): 1460 disks at the paper's
+//! parameters.
 
 use domain::{Particles, Vector};
 use drivers::disks::{Disks, Parameters};

@@ -66,7 +66,8 @@ fn scaled(collisions: Collisions, factor: f64) -> [f64; 4] {
     run.report().walls.map(|w| w.normal.mean)
 }
 
-/// `U -> 2U, g -> 4g, t -> t/2` from the same places: stresses are four times as large, exactly so in binary arithmetic.
+/// `U -> 2U, g -> 4g, t -> t/2` from the same places: stresses are four times as large, exactly so in binary
+/// arithmetic.
 #[test]
 fn stress_scales_with_the_square_of_the_speed() {
     let twice = Collisions::TimeStepped { step: 0.5 * STEP };
@@ -110,8 +111,8 @@ fn packing_reaches_dense_cells_or_says_how_far_it_came() {
     assert!(error.starts_with("grains.solid_fraction is 0.7146; this cell was packed at random up to 0.6"), "{error}");
 }
 
-/// Sheared where they have no room, rigid grains jam, at once rather than after the time asked for; those on a time step
-/// overlap instead, and with a free top the same grains flow. All of them stop when told to.
+/// Sheared where they have no room, rigid grains jam, at once rather than after the time asked for; those on a time
+/// step overlap instead, and with a free top the same grains flow. All of them stop when told to.
 #[test]
 fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
     let narrow = Parameters { length: 5e-3, width: 5e-3, ..small() };

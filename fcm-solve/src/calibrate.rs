@@ -12,9 +12,9 @@ const CLOSE: f64 = 1.1;
 /// The search leaves the strength that it starts from by this factor at most.
 const FARTHEST: f64 = 1e6;
 
-/// The scene with the least `repulsion.strength`, to 10%, with which no spheres overlap in the first 200 steps, if it asks for that by
-/// `repulsion.calibrate`. The strength is doubled or halved until one fails and one suffices, then their geometric mean is tried
-/// again and again. Collective.
+/// The scene with the least `repulsion.strength`, to 10%, with which no spheres overlap in the first 200 steps, if it
+/// asks for that by `repulsion.calibrate`. The strength is doubled or halved until one fails and one suffices, then
+/// their geometric mean is tried again and again. Collective.
 pub fn calibrated(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
     let Kind::Suspension(checked) = scene.kind() else { return Ok(scene) };
     let Some(repulsion) = checked.repulsion.filter(|repulsion| repulsion.calibrate) else { return Ok(scene) };

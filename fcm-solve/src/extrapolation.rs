@@ -6,8 +6,9 @@ pub fn weight(times: &[f64], k: usize, time: f64) -> f64 {
     others.map(|(_, other)| (time - other) / (times[k] - other)).product()
 }
 
-/// Weights of the integral from 0 to `end` of the polynomial through values at `times`, at most four of them: by Gauss's rule of
-/// two points, which is exact for cubics. For equal steps back from 0 they are those of Adams and Bashforth.
+/// Weights of the integral from 0 to `end` of the polynomial through values at `times`, at most four of them: by
+/// Gauss's rule of two points, which is exact for cubics. For equal steps back from 0 they are those of Adams and
+/// Bashforth.
 pub fn integral(times: &[f64], end: f64) -> Vec<f64> {
     let middle = 0.5 * end;
     let points = [-1.0, 1.0].map(|sign| middle * (1.0 + sign / 3.0_f64.sqrt()));

@@ -24,9 +24,9 @@ pub const VELOCITY_COLUMNS: [&str; 6] = [VELOCITY, PAST[0], PAST[1], PAST[2], ST
 ///
 /// or, in the first three steps, of the classical Runge-Kutta method of the same order, which needs no past.
 ///
-/// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step; it
-/// may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The column
-/// must hold the velocities of now when this is called, and holds those of the step's end afterwards.
+/// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step;
+/// it may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
+/// column must hold the velocities of now when this is called, and holds those of the step's end afterwards.
 pub fn advance<E>(
     particles: &mut Particles,
     clock: &Clock,

@@ -10,8 +10,8 @@ pub fn leave_files_unlocked() {
     unsafe { std::env::set_var("HDF5_USE_FILE_LOCKING", "FALSE") };
 }
 
-/// Keeps memory that was freed for the next step, which needs as much: given back to the system, it would come again page by
-/// page, each filled with zeros.
+/// Keeps memory that was freed for the next step, which needs as much: given back to the system, it would come again
+/// page by page, each filled with zeros.
 pub fn keep_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: two numbers are set, of which any value is allowed.

@@ -1,5 +1,5 @@
-//! What evaluations cost on this machine: measured by `fcm-solve calibrate`, kept in the user's cache folder, and written into
-//! the scenes that are run here, so that they are resumed anywhere by the same plan.
+//! What evaluations cost on this machine: measured by `fcm-solve calibrate`, kept in the user's cache folder, and
+//! written into the scenes that are run here, so that they are resumed anywhere by the same plan.
 
 use crate::bench::{Case, Kind, Spheres, Task};
 use crate::run::in_full;
@@ -101,7 +101,8 @@ fn kept() -> anyhow::Result<Option<Costs>> {
     Ok(Some(Costs { stencils, transforms, pairs }))
 }
 
-/// A scene to be run here, with the costs of this machine if they were measured and it does not say otherwise. Collective.
+/// A scene to be run here, with the costs of this machine if they were measured and it does not say otherwise.
+/// Collective.
 pub fn on_this_machine(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
     let SceneKind::Suspension(checked) = scene.kind() else { return Ok(scene) };
     let costs = costs(comm)?;

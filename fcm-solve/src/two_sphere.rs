@@ -18,7 +18,8 @@ pub struct Args {
     json: bool,
 }
 
-/// Prints the functions: `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey (1992). Collective.
+/// Prints the functions: `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey (1992).
+/// Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let functions = TwoSphere::with_ratio(args.ratio).and_then(|table| table.resistance(args.gap));
     let values = named(&comm.agree(functions)?);

@@ -59,8 +59,8 @@ fn place() -> (tempfile::TempDir, String, String) {
     (folder, scene.display().to_string(), out.display().to_string())
 }
 
-/// Everything in a result folder that a run determines: the last checkpoint, the trajectory, the time series but for the
-/// seconds that steps took, and the statistics.
+/// Everything in a result folder that a run determines: the last checkpoint, the trajectory, the time series but for
+/// the seconds that steps took, and the statistics.
 fn results(out: &str) -> (Vec<u8>, Vec<f64>, String) {
     let checkpoint = std::fs::read(Path::new(out).join("checkpoint-0000000030.bin")).unwrap();
     let trajectory = hdf5::File::open(Path::new(out).join("trajectory.h5")).unwrap();

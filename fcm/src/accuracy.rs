@@ -43,8 +43,8 @@ pub(crate) fn stencil_error(reach: f64) -> f64 {
     2.0 * (-0.5 * reach * reach).exp()
 }
 
-/// Error of a window of so many points by what folds onto the wavenumbers of the Gaussian, times what derivatives make of
-/// it: see [`roughness`].
+/// Error of a window of so many points by what folds onto the wavenumbers of the Gaussian, times what derivatives make
+/// of it: see [`roughness`].
 pub(crate) fn window_error(points: usize, resolution: f64, roughness: f64) -> f64 {
     165.0 * resolution * resolution * roughness * (-0.92 * Window::new(points, resolution).shape()).exp()
 }
@@ -55,8 +55,8 @@ pub(crate) fn roughness(rest: f64, spacing: f64) -> f64 {
     1.0 + rest * (2.0 * PI / spacing).powi(2)
 }
 
-/// Error of leaving out pairs farther apart than `cutoff` widths, with derivatives `1 - rest lap`, `rest` over the square
-/// of the width.
+/// Error of leaving out pairs farther apart than `cutoff` widths, with derivatives `1 - rest lap`, `rest` over the
+/// square of the width.
 pub(crate) fn cutoff_error(cutoff: f64, rest: f64) -> f64 {
     let square = 0.25 * cutoff * cutoff;
     (0.75 + 2.0 * (cutoff - 5.8).max(0.0).powi(2)) * (1.0 + rest * square).powf(1.5) * (-square).exp()
@@ -79,8 +79,8 @@ pub(crate) fn split_error(resolution: f64, points: usize, roughness: f64) -> f64
 }
 
 impl Accuracy {
-    /// Ways of the direct method to keep a tolerance, from the shortest stencil, which needs a fine grid, to a few points
-    /// more.
+    /// Ways of the direct method to keep a tolerance, from the shortest stencil, which needs a fine grid, to a few
+    /// points more.
     pub fn direct(tolerance: f64) -> Vec<Self> {
         // A finer grid takes more from a stencil of so many points than it gives.
         let error = |points: usize, resolution: f64| direct_error(resolution, 0.5 * points as f64 / resolution);

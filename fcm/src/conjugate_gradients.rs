@@ -54,8 +54,8 @@ pub struct Limits {
 /// end. Collective.
 ///
 /// Directions are made conjugate by the rule of Polak and Ribière, which bears a preconditioner that is itself an
-/// iteration (Golub & Ye 1999). It stops when the error that the preconditioned residual estimates is small against `x`,
-/// both in the energy norm of the preconditioner.
+/// iteration (Golub & Ye 1999). It stops when the error that the preconditioned residual estimates is small against
+/// `x`, both in the energy norm of the preconditioner.
 pub fn conjugate_gradients<S: System>(
     comm: &Comm,
     system: &mut S,

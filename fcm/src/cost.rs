@@ -36,8 +36,8 @@ const CACHE: f64 = 3.3e6;
 /// Seconds a byte that a rank sends to another on the same machine, through memory that they share.
 const SENT: f64 = 1e-9;
 
-/// Seconds for one evaluation in a box of the given strain by one thread on each of some ranks together, as measured on a Zen 4
-/// processor. `fcm-solve bench` prints what follows from them beside what it measures.
+/// Seconds for one evaluation in a box of the given strain by one thread on each of some ranks together, as measured on
+/// a Zen 4 processor. `fcm-solve bench` prints what follows from them beside what it measures.
 pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) -> Costs {
     let single = plan.precision == Precision::Single;
     let points: f64 = plan.grid.iter().map(|&n| n as f64).product();

@@ -20,8 +20,8 @@ impl Envelope {
     }
 }
 
-/// What the direct method spreads for one multipole: `peak exp(-r^2 / (2 width^2))`, for a monopole the envelope itself,
-/// for a dipole the factor of `x_j` in its gradient.
+/// What the direct method spreads for one multipole: `peak exp(-r^2 / (2 width^2))`, for a monopole the envelope
+/// itself, for a dipole the factor of `x_j` in its gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Source {
     /// Width of the Gaussian.
@@ -60,8 +60,8 @@ pub(crate) struct Common {
 }
 
 impl Common {
-    /// With `D` three quarters of the way from that of the narrowest of the given envelopes to that of the widest, whose
-    /// dipoles are the largest.
+    /// With `D` three quarters of the way from that of the narrowest of the given envelopes to that of the widest,
+    /// whose dipoles are the largest.
     pub fn new(width: f64, envelopes: impl Iterator<Item = f64> + Clone) -> Self {
         let least = envelopes.clone().fold(f64::INFINITY, f64::min);
         let most = envelopes.fold(0.0, f64::max);

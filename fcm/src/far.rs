@@ -122,8 +122,8 @@ impl<T: Real> Far<T> {
     }
 }
 
-/// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for spreading
-/// and once for interpolating. A window on the grid has no units, a force density has: the volume of a point.
+/// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for
+/// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point.
 fn operator<T: Real>(plan: &Plan, grid: &Grid) -> Stokes<T> {
     let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
         return Stokes::new(grid, plan.viscosity);

@@ -46,8 +46,9 @@ pub struct Solved {
 
 /// The hydrodynamics of spheres: forces and torques to motions, with the stresslets that keep them rigid.
 ///
-/// With `M` the mobility `(F, T, -S) -> (V, Omega, E)`, the stresslets solve `M_EE (-S) = -(E_inf + E_FT)`, where `E_FT`
-/// is the rate of strain by forces and torques and `E_inf` the background's: a symmetric positive definite system.
+/// With `M` the mobility `(F, T, -S) -> (V, Omega, E)`, the stresslets solve `M_EE (-S) = -(E_inf + E_FT)`, where
+/// `E_FT` is the rate of strain by forces and torques and `E_inf` the background's: a symmetric positive definite
+/// system.
 pub struct Hydrodynamics {
     mobility: Mobility,
     comm: Comm,

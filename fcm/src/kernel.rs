@@ -77,8 +77,8 @@ pub(crate) struct Starts {
 }
 
 impl Starts {
-    /// Those of a stencil of so many rows and planes from the place on. Gives where the last row begins, or nothing if the
-    /// slab has none.
+    /// Those of a stencil of so many rows and planes from the place on. Gives where the last row begins, or nothing if
+    /// the slab has none.
     #[inline(always)]
     pub fn find<S>(&mut self, place: &Place, count: usize, points: [usize; 3], slab: &Slab<S>) -> Option<usize> {
         let [_, y, z] = place.first.map(|first| first as usize);

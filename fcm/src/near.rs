@@ -85,8 +85,8 @@ fn exact(envelopes: &[Envelope], common: Common, [i, j]: [u32; 2], square: f64) 
 }
 
 impl<T: Real> Near<T> {
-    /// For particles with these envelopes in a fluid of the given viscosity. Pairs farther apart than the cutoff are left
-    /// out; tables are exact to `tolerance`.
+    /// For particles with these envelopes in a fluid of the given viscosity. Pairs farther apart than the cutoff are
+    /// left out; tables are exact to `tolerance`.
     pub fn new(envelopes: Vec<Envelope>, common: Common, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
         let pair = |&i: &Envelope, &j: &Envelope| PairFunctions::new(i, j, common);
         let table = |functions: PairFunctions| Table::new(&functions, cutoff, tolerance);

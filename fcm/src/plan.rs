@@ -126,8 +126,8 @@ impl Plan {
         self.edges / Vector::from_array(self.grid.map(|n| n as f64))
     }
 
-    /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the planner was
-    /// made on.
+    /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the
+    /// planner was made on.
     #[must_use]
     pub fn parts(&self, particles: usize) -> Costs {
         cost::seconds(self, particles, 0.0, 1)

@@ -16,8 +16,8 @@ pub(crate) struct Spread<'a, T> {
 }
 
 impl<T: Real> Spread<'_, T> {
-    /// Makes the field the sum of all loads. Each thread writes planes of its own and goes through the particles in the same
-    /// order, so that the sums do not depend on the number of threads.
+    /// Makes the field the sum of all loads. Each thread writes planes of its own and goes through the particles in the
+    /// same order, so that the sums do not depend on the number of threads.
     pub fn run<K: Kernel<T>>(&self, kernel: &K, field: &mut Field<T, Physical>) {
         let [lines, planes] = field.rows();
         if lines.is_empty() || planes.is_empty() {

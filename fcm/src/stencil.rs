@@ -4,9 +4,9 @@ use domain::Vector;
 use rayon::prelude::*;
 use solver::Grid;
 
-/// The stencils of all particles. With the direct method those of `lanes` points along x and `support` along y and z that
-/// lie within the reach; with the split method `support` points along each axis, for which there is room for `lanes` along
-/// x.
+/// The stencils of all particles. With the direct method those of `lanes` points along x and `support` along y and z
+/// that lie within the reach; with the split method `support` points along each axis, for which there is room for
+/// `lanes` along x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
     /// Points along x, a multiple of eight.
@@ -28,8 +28,8 @@ pub(crate) struct Place {
     pub offset: Vector,
 }
 
-/// The stencils of so many points along each axis of the particles at `positions`, in the order of the blocks where they
-/// begin.
+/// The stencils of so many points along each axis of the particles at `positions`, in the order of the blocks where
+/// they begin.
 pub(crate) fn places(grid: &Grid, extent: [usize; 3], positions: &[Vector]) -> Vec<Place> {
     let spacing = grid.spacing();
     let points = grid.points().map(|n| n as i32);
@@ -46,9 +46,9 @@ pub(crate) fn places(grid: &Grid, extent: [usize; 3], positions: &[Vector]) -> V
     sort_by_key(unsorted.collect(), key, blocks.count())
 }
 
-/// Blocks of the grid in an order in which neighbours in the list are neighbours in memory: columns of blocks along z, one
-/// after the other, and in each the blocks by layers from below. What the stencils of a layer touch stays in the second
-/// cache, so that each plane comes from afar once a column; what those of a block touch stays in the first.
+/// Blocks of the grid in an order in which neighbours in the list are neighbours in memory: columns of blocks along z,
+/// one after the other, and in each the blocks by layers from below. What the stencils of a layer touch stays in the
+/// second cache, so that each plane comes from afar once a column; what those of a block touch stays in the first.
 struct Blocks {
     /// Columns along x and y, and layers.
     counts: [usize; 3],

@@ -4,8 +4,8 @@ use crate::envelope::{Common, Envelope};
 use crate::pair_functions::Difference;
 use solver::Real;
 
-/// The functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the
-/// second's dipole, `f_2, f_3` the other way round, and `f_2, f_3, f_4` of two dipoles.
+/// The functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and
+/// the second's dipole, `f_2, f_3` the other way round, and `f_2, f_3, f_4` of two dipoles.
 pub(crate) type Values = [f64; 9];
 
 /// The four differences between two envelopes and two common ones.
@@ -28,7 +28,8 @@ impl PairFunctions {
         }
     }
 
-    /// The functions at `r^2 = square`, and their derivatives by `r^2` to the given order: `d f_n / d(r^2) = f_(n+1)/2`.
+    /// The functions at `r^2 = square`, and their derivatives by `r^2` to the given order:
+    /// `d f_n / d(r^2) = f_(n+1)/2`.
     fn derivative(&self, square: f64, order: usize) -> Values {
         let [forces, mixed, other, dipoles] =
             [&self.forces, &self.force_dipole, &self.dipole_force, &self.dipoles].map(|d| d.evaluate(square));
@@ -64,8 +65,8 @@ struct Interval<T> {
 }
 
 impl<T: Real> Table<T> {
-    /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and point; none
-    /// where that takes too many intervals, as for a cutoff of hundreds of radii.
+    /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and
+    /// point; none where that takes too many intervals, as for a cutoff of hundreds of radii.
     pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<Self> {
         let first = functions.exact(0.0);
         let bound = functions.derivative(0.0, DEGREE + 1);

@@ -75,8 +75,8 @@ fn stresslets(edge: f64) -> [f64; 2] {
 
 /// `c` of the expansion below: what the far fields `u = -3/(8 pi mu) x (x.S.x) / r^5` of the stresslets at all other
 /// points of a simple cubic lattice of edge 1 add to the rate of strain at one of them, `(c - 1) phi` of `-S / (20/3 pi
-/// mu a^3)`, of which the 1 is the uniform back flow. The sum converges conditionally: it ends in a smooth sphere, whose
-/// radius changes the seventh digit.
+/// mu a^3)`, of which the 1 is the uniform back flow. The sum converges conditionally: it ends in a smooth sphere,
+/// whose radius changes the seventh digit.
 fn lattice_sum(strain: Traceless) -> f64 {
     let (tensor, mut sum) = (strain.tensor(), 0.0);
     for index in 0..27_i32.pow(3) {

@@ -32,8 +32,8 @@ const COLUMNS: [(&str, &str, &str); 3] = [
 ];
 
 impl Trajectory {
-    /// A trajectory of up to `frames` frames, like the first frame given: radii, species and periodic axes are those that
-    /// it has, and the columns are those that it has.
+    /// A trajectory of up to `frames` frames, like the first frame given: radii, species and periodic axes are those
+    /// that it has, and the columns are those that it has.
     pub fn create(path: &Path, provenance: &Provenance, first: &Frame, frames: u64) -> Result<Self, FileError> {
         let elements = elements(&first.particles);
         let frames = Frames::create(path, &elements, frames)?;

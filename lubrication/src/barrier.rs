@@ -3,7 +3,8 @@
 use domain::Vector;
 use thiserror::Error;
 
-/// Repulsion between two spheres, Dance, Climent & Maxey (2004), and eq. (13) of Abbas et al. (2006), for any two radii.
+/// Repulsion between two spheres, Dance, Climent & Maxey (2004), and eq. (13) of Abbas et al. (2006), for any two
+/// radii.
 ///
 /// With `r` the distance of the centres, `c = a_i + a_j` their distance at contact and
 /// `R = c + range (a_i + a_j)/2` the distance where the barrier starts, the force on sphere `i` is

@@ -61,8 +61,8 @@ pub fn part<const N: usize>(block: &Square<N>, (row, column): (usize, usize)) ->
     [0, 1].map(|i| [0, 1].map(|j| block[row + i][column + j]))
 }
 
-/// Axial motions `(U1, U2, e1, e2)` from `(c, w, e1, e2)`: `c = (a1 U1 + a2 U2)/(a1 + a2)` is the mean velocity and `-w` the speed
-/// at which the facing surfaces approach, `w = U2 - U1 - sqrt(2/3) (a1 e1 + a2 e2)`.
+/// Axial motions `(U1, U2, e1, e2)` from `(c, w, e1, e2)`: `c = (a1 U1 + a2 U2)/(a1 + a2)` is the mean velocity and
+/// `-w` the speed at which the facing surfaces approach, `w = U2 - U1 - sqrt(2/3) (a1 e1 + a2 e2)`.
 ///
 /// In these coordinates only the entry of `w` grows like one over the gap, and nothing cancels.
 pub fn from_gap_coordinates(radii: [f64; 2]) -> Square<4> {

@@ -6,8 +6,8 @@ use crate::blocks::{Blocks, place};
 use crate::dense::{Square, inverse};
 use crate::gaussian::{radial_derivatives, widths};
 
-/// Resistance over viscosity of two spheres in free space as the method sees them: forces, torques and stresslets with Gaussian
-/// envelopes, each block the inverse of its mobility.
+/// Resistance over viscosity of two spheres in free space as the method sees them: forces, torques and stresslets with
+/// Gaussian envelopes, each block the inverse of its mobility.
 ///
 /// The diagonal of the mobility is that of single spheres, which the envelopes reproduce exactly.
 pub fn resistance(radii: [f64; 2], distance: f64) -> Blocks {

@@ -99,8 +99,8 @@ fn every_motion_is_within_a_percent_of_exact_if_lubrication_reaches_far() {
 
 #[test]
 fn the_default_range_is_within_a_percent_of_the_motion_of_a_sphere() {
-    // Unit strain rates move far pairs across their line by less than a hundredth of a radius, which the method has to a few percent; so
-    // does a unit force turn a sphere ten times as large.
+    // Unit strain rates move far pairs across their line by less than a hundredth of a radius, which the method has to
+    // a few percent; so does a unit force turn a sphere ten times as large.
     check(&[1.0, 2.0], Range::default(), 2e-4);
     check(&[1.0, 2.0, 4.0, 10.0], Range::default(), 1e-3);
 }

@@ -5,9 +5,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, PI};
 /// `[f_1, f_2, f_3, f_4]` at distance `r`, with `f_n = (1/r d/dr)^n B`.
 ///
 /// `B` is the biharmonic function of a Gaussian of standard deviation `width`,
-/// `B = -1/(8 pi) [(r + s²/r) erf(r/(s sqrt 2)) + s sqrt(2/pi) exp(-r²/(2 s²))]`, and the mobility of a force density is
-/// `T_ab = -delta_ab lap B + d_a d_b B` over the viscosity. Two envelopes of widths `s_1`, `s_2` act as one
-/// of width `sqrt(s_1² + s_2²)`. The forms lose digits for `r` well below `s`, where spheres would overlap.
+/// `B = -1/(8 pi) [(r + s²/r) erf(r/(s sqrt 2)) + s sqrt(2/pi) exp(-r²/(2 s²))]`, and the mobility of a force density
+/// is `T_ab = -delta_ab lap B + d_a d_b B` over the viscosity. Two envelopes of widths `s_1`, `s_2` act as one of width
+/// `sqrt(s_1² + s_2²)`. The forms lose digits for `r` well below `s`, where spheres would overlap.
 pub fn radial_derivatives(r: f64, width: f64) -> [f64; 4] {
     let (s2, r2) = (width * width, r * r);
     let e = libm::erf(r / width * FRAC_1_SQRT_2);

@@ -11,8 +11,8 @@ use crate::root::{Part, Roots};
 /// Velocity of a sphere's pole per radius and unit axial strain, `sqrt(2/3)`.
 const LEVER: f64 = 0.816496580927726;
 
-/// The lubrication resistance of one near pair. What resists the spheres' motions is `B B^T`, with 12 modes of which the first is
-/// the approach of the surfaces; what couples motions and rates of strain comes besides.
+/// The lubrication resistance of one near pair. What resists the spheres' motions is `B B^T`, with 12 modes of which
+/// the first is the approach of the surfaces; what couples motions and rates of strain comes besides.
 #[derive(Debug, Clone, Copy)]
 pub struct PairFactor {
     /// Columns `x`, `y`, and the unit vector `z` from the smaller sphere to the larger one.
@@ -46,7 +46,8 @@ impl PairFactor {
     /// Number of modes of a pair.
     pub const MODES: usize = 12;
 
-    /// From roots for radii 1 and `ratio`, which carry `sqrt(viscosity * radius)`; `axis` points from the smaller sphere to the larger.
+    /// From roots for radii 1 and `ratio`, which carry `sqrt(viscosity * radius)`; `axis` points from the smaller
+    /// sphere to the larger.
     pub(crate) fn new(roots: &Roots, axis: Vector, order: [usize; 2], [radius, ratio]: [f64; 2]) -> Self {
         Self { frame: frame(axis), order, ratio, roots: *roots, radius }
     }

@@ -11,13 +11,13 @@ use crate::range::Range;
 use crate::root_table::RootTable;
 use crate::two_sphere::TwoSphereError;
 
-/// The pair correction `R_lub = R_exact - R_FCM` of the force-coupling method, Dance & Maxey (2003), Yeo & Maxey (2010):
-/// exact two-sphere resistance minus what the method itself gives two spheres in free space.
+/// The pair correction `R_lub = R_exact - R_FCM` of the force-coupling method, Dance & Maxey (2003), Yeo & Maxey
+/// (2010): exact two-sphere resistance minus what the method itself gives two spheres in free space.
 ///
 /// What resists the spheres' motions is kept positive semi-definite in its tables: what is stored, interpolated and
-/// tapered is a factor `B` of it, `B B^T`, so any number in the tables is a valid one. That changes the drag of a pair that
-/// moves as one by half a percent at most for radii up to 10:1, and nothing else: rates of strain of rigid spheres are known, not solved for, so
-/// what couples them to motions is stored as it is.
+/// tapered is a factor `B` of it, `B B^T`, so any number in the tables is a valid one. That changes the drag of a pair
+/// that moves as one by half a percent at most for radii up to 10:1, and nothing else: rates of strain of rigid spheres
+/// are known, not solved for, so what couples them to motions is stored as it is.
 #[derive(Debug, Clone)]
 pub struct PairForce {
     radii: Vec<f64>,
@@ -44,8 +44,8 @@ pub enum PairForceError {
 }
 
 impl PairForce {
-    /// Tables for every pair of species; `radii` has one entry a species. Computes tables at first use, with rayon; not to be called
-    /// from a rayon task.
+    /// Tables for every pair of species; `radii` has one entry a species. Computes tables at first use, with rayon; not
+    /// to be called from a rayon task.
     pub fn new(radii: &[f64], viscosity: f64, range: Range) -> Result<Self, PairForceError> {
         let named = radii.iter().map(|&radius| ("particle radius", radius)).chain([("viscosity", viscosity)]);
         if let Some((name, value)) = named.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {

@@ -19,7 +19,8 @@ pub struct PairMotion {
 
 /// Loads of two spheres on the fluid: forces, torques and symmetric traceless first moments.
 ///
-/// The moment is conjugate to [`PairMotion::strain_rate`]: minus the stresslet that is positive along the ambient strain.
+/// The moment is conjugate to [`PairMotion::strain_rate`]: minus the stresslet that is positive along the ambient
+/// strain.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PairLoads {
     /// Forces.

@@ -4,11 +4,11 @@ use thiserror::Error;
 
 use crate::root_table::{CLOSEST, FARTHEST};
 
-/// Gaps between which the lubrication correction acts: where it ends over the larger radius of a pair, which says how far what
-/// the method misses reaches, and where it grows no more over the mean radius.
+/// Gaps between which the lubrication correction acts: where it ends over the larger radius of a pair, which says how
+/// far what the method misses reaches, and where it grows no more over the mean radius.
 ///
-/// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two continuous
-/// derivatives. At gaps below `closest`, and for spheres that overlap, it stays what it is at `closest`.
+/// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two
+/// continuous derivatives. At gaps below `closest`, and for spheres that overlap, it stays what it is at `closest`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     cutoff: f64,
@@ -61,7 +61,8 @@ impl Range {
         self.closest
     }
 
-    /// Factor of the root of the correction at a gap over the larger radius, the square root of a quintic step from 1 to 0.
+    /// Factor of the root of the correction at a gap over the larger radius, the square root of a quintic step from 1
+    /// to 0.
     pub(crate) fn taper(&self, gap: f64) -> f64 {
         let x = ((1.0 - gap / self.cutoff) / (1.0 - Self::TAPER)).clamp(0.0, 1.0);
         (x * x * x * (10.0 - x * (15.0 - 6.0 * x))).sqrt()

@@ -2,8 +2,8 @@
 
 use domain::Vector;
 
-/// The blocks of `B B^T` by the two spheres of a pair. With the unit vector `z` from the smaller sphere to the larger, a
-/// load on one by the motion of another is
+/// The blocks of `B B^T` by the two spheres of a pair. With the unit vector `z` from the smaller sphere to the larger,
+/// a load on one by the motion of another is
 ///
 /// ```text
 /// F = (Z zz + T (1 - zz)) U + C Omega x z,        L = (S zz + R (1 - zz)) Omega + C' z x U

@@ -1,5 +1,5 @@
-//! The numbers of one pair's lubrication resistance, `R_exact - R_FCM`, such that the part that moves spheres is positive
-//! semi-definite.
+//! The numbers of one pair's lubrication resistance, `R_exact - R_FCM`, such that the part that moves spheres is
+//! positive semi-definite.
 
 use std::f64::consts::PI;
 
@@ -19,8 +19,8 @@ pub const LANES: usize = 37;
 /// f = L L^T u + C e,        m = C^T u + M e.
 /// ```
 ///
-/// Spheres are rigid, so `e` is known, minus the ambient rate of strain; only `L L^T` is part of a system of equations, and
-/// any `L` makes that positive semi-definite. `C` and `M` are exact.
+/// Spheres are rigid, so `e` is known, minus the ambient rate of strain; only `L L^T` is part of a system of equations,
+/// and any `L` makes that positive semi-definite. `C` and `M` are exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part<const N: usize> {
     /// `L`; rows are velocities, columns modes.
@@ -33,8 +33,8 @@ pub struct Part<const N: usize> {
 
 /// The blocks of a pair's resistance.
 ///
-/// The axial one is in gap coordinates (see [`from_gap_coordinates`]), with the velocities `(w, c)`. Its first mode belongs to the
-/// approach of the surfaces, which alone is singular like one over the gap.
+/// The axial one is in gap coordinates (see [`from_gap_coordinates`]), with the velocities `(w, c)`. Its first mode
+/// belongs to the approach of the surfaces, which alone is singular like one over the gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roots {
     /// `(w, c)` and `(e1, e2)` along the line of centres.
@@ -150,8 +150,8 @@ fn rows<const N: usize, const M: usize>(lanes: &mut impl Iterator<Item = f64>) -
     std::array::from_fn(|_| std::array::from_fn(|_| lanes.next().unwrap_or_default()))
 }
 
-/// By Cholesky's rule, so that the first column alone is singular. Where no `L` has both entries of the last row, the one on the
-/// diagonal is what gives way: the drag of the pair as a whole.
+/// By Cholesky's rule, so that the first column alone is singular. Where no `L` has both entries of the last row, the
+/// one on the diagonal is what gives way: the drag of the pair as a whole.
 fn bordered_root(matrix: &Square<2>) -> Square<2> {
     let pivot = matrix[0][0].max(0.0).sqrt();
     // A vanishing pivot, as of spheres far apart, must not blow up what is below.
@@ -160,7 +160,8 @@ fn bordered_root(matrix: &Square<2>) -> Square<2> {
     [[pivot, 0.0], [below, positive_part(rest, SOFTNESS * matrix[1][1].abs()).sqrt()]]
 }
 
-/// Symmetric root of the positive part: eigenvalues `v` become `(v + sqrt(v² + 4 d²))/2` with a small `d`, smooth where one changes sign.
+/// Symmetric root of the positive part: eigenvalues `v` become `(v + sqrt(v² + 4 d²))/2` with a small `d`, smooth where
+/// one changes sign.
 fn root<const N: usize>(matrix: &Square<N>) -> Square<N> {
     let (values, vectors) = eigen(*matrix);
     let softness = SOFTNESS * values.iter().map(|v| v.abs()).sum::<f64>();

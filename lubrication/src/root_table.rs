@@ -83,7 +83,8 @@ mod tests {
             for k in 0..60 {
                 let gap = 1.3e-6 * 1.29_f64.powi(k);
                 let (wanted, found) = (Roots::from_flat(&roots(&exact, gap), 1.0, &table.scales), table.at(gap, 1.0));
-                // The approach of the surfaces is smooth; eigenvalues that change sign bend the rest by 1e-4 of the drag.
+                // The approach of the surfaces is smooth; eigenvalues that change sign bend the rest by 1e-4 of the
+                // drag.
                 assert!(gap > 1.0 || (found.axial.root[0][0] / wanted.axial.root[0][0] - 1.0).abs() < 1e-9);
                 let worst =
                     product(&found).iter().zip(product(&wanted)).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);

@@ -22,7 +22,8 @@ fn turning(sphere: usize, angular_velocity: Vector) -> PairMotion {
     motion
 }
 
-/// Exact resistance minus that of the method, by multipole collocation and a dense inverse: hatted dXA11, dXA12, dXA22, dYA11, dYB11, dYB21, dYC11.
+/// Exact resistance minus that of the method, by multipole collocation and a dense inverse: hatted dXA11, dXA12, dXA22,
+/// dYA11, dYB11, dYB21, dYC11.
 #[test]
 fn strong_functions_agree_with_reference() {
     let cases = [
@@ -65,8 +66,8 @@ fn strong_functions_agree_with_reference() {
     }
 }
 
-/// Forces of 1e6 at near contact leave over what the method misses of the drag on the pair as a whole and no more: net force and net
-/// torque do not grow as the gap shrinks.
+/// Forces of 1e6 at near contact leave over what the method misses of the drag on the pair as a whole and no more: net
+/// force and net torque do not grow as the gap shrinks.
 #[test]
 fn action_equals_reaction_at_contact() {
     for ratio in [1.0, 2.0, 4.0, 10.0] {
@@ -84,8 +85,8 @@ fn action_equals_reaction_at_contact() {
     }
 }
 
-/// What grows as surfaces that slide on each other come nearer acts where they meet: opposite forces, and torques that balance
-/// those of the forces about any point.
+/// What grows as surfaces that slide on each other come nearer acts where they meet: opposite forces, and torques that
+/// balance those of the forces about any point.
 #[test]
 fn forces_and_torques_of_sliding_surfaces_balance_for_unequal_spheres() {
     for ratio in [1.0, 2.0, 4.0, 10.0] {

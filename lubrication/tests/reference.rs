@@ -46,7 +46,8 @@ fn resistance_agrees_with_collocation() {
     }
 }
 
-/// Multipole collocation: ratio 2; gap; xa11, xa12, xa22, ya11, ya12, ya22, yb11, yb12, yb21, yb22 as velocity times `6 pi` over force.
+/// Multipole collocation: ratio 2; gap; xa11, xa12, xa22, ya11, ya12, ya22, yb11, yb12, yb21, yb22 as velocity times
+/// `6 pi` over force.
 #[rustfmt::skip]
 const MOBILITIES: [(f64, [f64; 10]); 2] = [
     (2.0000000000131e-05, [
@@ -118,7 +119,8 @@ fn relative_motion_in_strain_agrees_with_collocation() {
     }
 }
 
-/// Constants of the near-contact expansion, equal spheres: Jeffrey & Onishi (1984), Jeffrey (1992), tables in Kim & Karrila (1991), ch. 11.
+/// Constants of the near-contact expansion, equal spheres: Jeffrey & Onishi (1984), Jeffrey (1992), tables in Kim &
+/// Karrila (1991), ch. 11.
 #[test]
 fn near_contact_constants_are_the_published_ones() {
     let functions = TwoSphere::with_ratio(1.0).unwrap().resistance(1e-7).unwrap();

@@ -17,9 +17,9 @@ pub enum Spectral {}
 
 /// The three components of a vector field: one rank's share of it, made by [`crate::Transform::field`].
 ///
-/// In physical space a rank owns whole rows along x; after the `nx` values of each row there is room for `halo` more, in
-/// which a stencil that crosses the box's end goes on without wrapping. Values written there belong to the start of the
-/// row: a forward transform adds them to it, and a backward transform copies the row's start there.
+/// In physical space a rank owns whole rows along x; after the `nx` values of each row there is room for `halo` more,
+/// in which a stencil that crosses the box's end goes on without wrapping. Values written there belong to the start of
+/// the row: a forward transform adds them to it, and a backward transform copies the row's start there.
 #[derive(Debug, Clone)]
 pub struct Field<T, Space> {
     pub(crate) memory: Memory<T>,

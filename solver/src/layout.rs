@@ -6,8 +6,8 @@ use std::ops::Range;
 
 /// The share of one rank. Physical values stand in rows along x, [component][z][y][x], with room for a halo after each
 /// row; rows and planes are odd numbers of cache lines, so that columns across them do not compete for the same places
-/// of the cache, and components are a third of a page apart, for the same reason. A spectral row has `nx/2` complex values, in blocks: the real parts of a few neighbours, as many as
-/// fill a cache line, then their imaginary parts.
+/// of the cache, and components are a third of a page apart, for the same reason. A spectral row has `nx/2` complex
+/// values, in blocks: the real parts of a few neighbours, as many as fill a cache line, then their imaginary parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub points: [usize; 3],
@@ -72,8 +72,8 @@ impl Layout {
     }
 }
 
-/// At least so many reals, and a third of a page more than whole pages: 21 of 64 cache lines. Processors take a read for
-/// one of what was just written if both are equally far into a page.
+/// At least so many reals, and a third of a page more than whole pages: 21 of 64 cache lines. Processors take a read
+/// for one of what was just written if both are equally far into a page.
 fn apart<T: Real>(reals: usize) -> usize {
     const PAGE: usize = 64;
     let lines = reals.div_ceil(T::LANES);

@@ -27,8 +27,8 @@ pub struct Stokes<T> {
 }
 
 /// A multiplier `m(k) = plane(k1, k2) axis(k3) (1 + widening k^2)^2` of the wavevector `k = (k1, k2, k3)` of the box,
-/// sheared or not: with `m` even, as that of every real even kernel, and not negative, the operator keeps its properties.
-/// `axis` is called for `k3 >= 0`.
+/// sheared or not: with `m` even, as that of every real even kernel, and not negative, the operator keeps its
+/// properties. `axis` is called for `k3 >= 0`.
 #[derive(Debug, Clone, Copy)]
 pub struct Multiplier<P, A> {
     /// The factor of `k1` and `k2`.

@@ -14,10 +14,10 @@ pub struct Estimate {
     pub converged: bool,
 }
 
-/// The mean of a series whose numbers are correlated, and its error by blocking: neighbours are averaged in pairs, pairs
-/// of these again and so on, until blocks are independent (Flyvbjerg & Petersen, J. Chem. Phys. 91, 461, 1989). The
-/// length of the blocks is the shortest `B` with `B^3 > 2 n (error_B / error_1)^4`, for `n` numbers (Lee et al., Phys. Rev. E
-/// 83, 066706, 2011).
+/// The mean of a series whose numbers are correlated, and its error by blocking: neighbours are averaged in pairs,
+/// pairs of these again and so on, until blocks are independent (Flyvbjerg & Petersen, J. Chem. Phys. 91, 461, 1989).
+/// The length of the blocks is the shortest `B` with `B^3 > 2 n (error_B / error_1)^4`, for `n` numbers (Lee et al.,
+/// Phys. Rev. E 83, 066706, 2011).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Blocks {
     levels: Vec<Level>,

@@ -13,8 +13,8 @@ pub struct Diffusivity {
 }
 
 impl Diffusivity {
-    /// For a species or all particles, from the lags in a window of time where motion is diffusive. Not a number if there are
-    /// fewer than two of them.
+    /// For a species or all particles, from the lags in a window of time where motion is diffusive. Not a number if
+    /// there are fewer than two of them.
     pub fn of(lagrangian: &Lagrangian, species: Option<usize>, window: [f64; 2]) -> Self {
         let inside = |lag: &&Lag| (window[0]..=window[1]).contains(&lag.time);
         let integral = |lags: &[Lag], i: usize| {

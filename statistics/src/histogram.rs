@@ -5,8 +5,9 @@ use crate::{State, Store};
 /// Bins on either side of zero.
 const HALF: usize = 256;
 
-/// Counts of numbers in bins of equal width around zero. The width is a power of two, the least for which all numbers fit:
-/// when one does not, neighbouring bins are merged in pairs, so that the counts never depend on the order of the numbers.
+/// Counts of numbers in bins of equal width around zero. The width is a power of two, the least for which all numbers
+/// fit: when one does not, neighbouring bins are merged in pairs, so that the counts never depend on the order of the
+/// numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Histogram {
     counts: Vec<f64>,

@@ -21,18 +21,18 @@ pub struct Lag {
     pub correlation: Vector,
     /// `<d^2> - <d>^2`, the mean square displacement.
     pub displacement: Vector,
-    /// `<v(0) d> - <v(0)> <d>`, which is the integral of the correlation from 0 to `t`, without an error of quadrature: the
-    /// diffusivity of eq. (16) for a long lag.
+    /// `<v(0) d> - <v(0)> <d>`, which is the integral of the correlation from 0 to `t`, without an error of quadrature:
+    /// the diffusivity of eq. (16) for a long lag.
     pub integral: Vector,
 }
 
-/// A correlator at lags whose spacing grows with them (multiple-tau; Magatti & Ferri, Appl. Opt. 40, 4011, 2001; Ramirez et
-/// al., J. Chem. Phys. 133, 154103, 2010): level `l` keeps the last samples among those whose number is a
-/// multiple of `2^l`, and correlates each new one with them. Samples are skipped, not averaged, so that every lag is exact.
-/// Memory grows as the logarithm of the number of samples.
+/// A correlator at lags whose spacing grows with them (multiple-tau; Magatti & Ferri, Appl. Opt. 40, 4011, 2001;
+/// Ramirez et al., J. Chem. Phys. 133, 154103, 2010): level `l` keeps the last samples among those whose number is a
+/// multiple of `2^l`, and correlates each new one with them. Samples are skipped, not averaged, so that every lag is
+/// exact. Memory grows as the logarithm of the number of samples.
 ///
-/// The particles of a species are shared out to a few groups, and errors are those of the mean of the groups. As groups move
-/// in the same flow, that is a lower bound.
+/// The particles of a species are shared out to a few groups, and errors are those of the mean of the groups. As groups
+/// move in the same flow, that is a lower bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lagrangian {
     /// The class of each particle: its species and group.
@@ -132,7 +132,8 @@ impl Lagrangian {
         }
     }
 
-    /// The averages over the particles of a species, or over all, at all lags that there are samples for, in ascending order.
+    /// The averages over the particles of a species, or over all, at all lags that there are samples for, in ascending
+    /// order.
     pub fn lags(&self, species: Option<usize>) -> Vec<Lag> {
         let of_species = |s: usize| s * GROUPS..(s + 1) * GROUPS;
         self.averages(&species.map_or(0..self.class_count, of_species).collect::<Vec<_>>())

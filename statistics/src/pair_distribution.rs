@@ -37,8 +37,8 @@ impl Angle {
 /// g(r) = (pairs found at a distance in [r, r + dr)) / (N_a N_b 4 pi r^2 dr / V),
 /// ```
 ///
-/// with `N_a (N_a - 1) / 2` for a species and itself, so that an ideal gas has 1 at any number of particles; and `g(r, angle)`
-/// likewise. Images count, also across the sides of a sheared box, but not those of a particle itself.
+/// with `N_a (N_a - 1) / 2` for a species and itself, so that an ideal gas has 1 at any number of particles; and
+/// `g(r, angle)` likewise. Images count, also across the sides of a sheared box, but not those of a particle itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairDistribution {
     cutoff: f64,

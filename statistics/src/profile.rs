@@ -4,8 +4,8 @@ use crate::{State, Store};
 use domain::{PeriodicBox, Vector};
 use std::f64::consts::PI;
 
-/// The volume fraction of each species in slabs across an axis; a sphere counts in every slab with the volume that it has
-/// there.
+/// The volume fraction of each species in slabs across an axis; a sphere counts in every slab with the volume that it
+/// has there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     axis: usize,

@@ -33,8 +33,9 @@ impl Columns {
         &mut self.counts
     }
 
-    /// The intensity of segregation (Danckwerts, Appl. Sci. Res. A 3, 279, 1952). With `n_c` the number of particles in column
-    /// `c`, `p_cs` the share of species `s` among them, `p_s` that among all `N`, and `C` the number of columns with particles,
+    /// The intensity of segregation (Danckwerts, Appl. Sci. Res. A 3, 279, 1952). With `n_c` the number of particles in
+    /// column `c`, `p_cs` the share of species `s` among them, `p_s` that among all `N`, and `C` the number of columns
+    /// with particles,
     ///
     /// ```text
     /// I = (sum_s sum_c n_c (p_cs - p_s)^2 / N - R) / (sum_s p_s (1 - p_s) - R),    R = sum_s p_s (1 - p_s) (C - 1) / (N - 1):

@@ -23,8 +23,8 @@ const EXPONENTS: [f64; 2] = [0.2, 8.0];
 impl StretchedExponential {
     /// The most likely one for the numbers of a histogram; none for fewer than two different numbers.
     ///
-    /// At a given `n` the most likely scale is `l^n = n <|x|^n>`, and the likelihood at that scale is maximised over `n`
-    /// by golden sections.
+    /// At a given `n` the most likely scale is `l^n = n <|x|^n>`, and the likelihood at that scale is maximised over
+    /// `n` by golden sections.
     pub fn fitted(histogram: &Histogram) -> Option<Self> {
         let deviation = histogram.standard_deviation();
         if deviation.is_nan() || deviation == 0.0 {

@@ -1,5 +1,5 @@
-//! Memory without a name in any file system, which processes of one machine map by way of the one that made it. Nothing of
-//! it is left behind, however the processes end, and no limit on `/dev/shm` holds for it.
+//! Memory without a name in any file system, which processes of one machine map by way of the one that made it. Nothing
+//! of it is left behind, however the processes end, and no limit on `/dev/shm` holds for it.
 
 use rustix::fs::{FallocateFlags, MemfdFlags, Mode, OFlags};
 use rustix::io::Errno;

@@ -140,8 +140,8 @@ impl Comm {
         }
     }
 
-    /// Memory of `bytes` on each rank that all ranks of the group on the same machine can reach. Where a machine does not
-    /// let its processes share memory, each of them counts as one of its own.
+    /// Memory of `bytes` on each rank that all ranks of the group on the same machine can reach. Where a machine does
+    /// not let its processes share memory, each of them counts as one of its own.
     pub fn window(&self, bytes: usize) -> Window {
         let machine = self.machine();
         let shared = match &machine.backend {

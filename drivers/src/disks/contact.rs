@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-/// A contact of overlap `xi > 0` pushes with `mu (xi + 2 kappa dxi/dt)`, `mu` the reduced mass: the stiffness follows the
-/// pair, so that an undamped contact lasts `pi` for every pair. Eq. (1) of Santra, Schwarzer & Herrmann, PRE 54, 5066
-/// (1996), with the dot and the sign that make `xi'' + 2 kappa xi' + xi = 0`.
+/// A contact of overlap `xi > 0` pushes with `mu (xi + 2 kappa dxi/dt)`, `mu` the reduced mass: the stiffness follows
+/// the pair, so that an undamped contact lasts `pi` for every pair. Eq. (1) of Santra, Schwarzer & Herrmann, PRE 54,
+/// 5066 (1996), with the dot and the sign that make `xi'' + 2 kappa xi' + xi = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     restitution: f64,

@@ -84,8 +84,8 @@ impl Contact {
     /// Jn = (1 + e)(g - vn)/2,   Jt = min(mu Jn, |s|/7),   rebound at least `least`
     /// ```
     ///
-    /// with `vn` the rate at which their centres part, `g` that at which their diameter grows, and `s` the slip of their
-    /// surfaces. Returns the impulse on the second, per mass.
+    /// with `vn` the rate at which their centres part, `g` that at which their diameter grows, and `s` the slip of
+    /// their surfaces. Returns the impulse on the second, per mass.
     pub fn strike_pair(&self, pair: [&mut Motion; 2], n: Vector, radius: f64, [growth, least]: [f64; 2]) -> Vector {
         let [a, b] = pair;
         let arm = n * radius;

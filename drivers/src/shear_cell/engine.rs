@@ -73,8 +73,8 @@ impl Engine {
         })
     }
 
-    /// The state now. The engine starts anew from it, as one that resumes from it does: both then go the same way to the
-    /// last bit.
+    /// The state now. The engine starts anew from it, as one that resumes from it does: both then go the same way to
+    /// the last bit.
     pub fn checkpoint(&mut self, model: &Model) -> Result<State, ParameterError> {
         let state = State { grains: self.grains(), lid: self.lid(), tally: *self.tally() };
         *self = Self::resume(model, &state, self.collisions())?;

@@ -1,5 +1,5 @@
-//! Scenes of grains without a fluid grid: sheared disks, the shear cell and its kinetic theory. They run in one process,
-//! on any number of threads.
+//! Scenes of grains without a fluid grid: sheared disks, the shear cell and its kinetic theory. They run in one
+//! process, on any number of threads.
 
 mod cell;
 mod cell_tables;

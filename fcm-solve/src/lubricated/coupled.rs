@@ -6,7 +6,8 @@ use super::screw::{Screw, Screws};
 use domain::Traceless;
 use fcm::{Evaluation, Loads, Mobility, Motion, System, Unknowns};
 
-/// Amplitudes of the modes of the pairs that a rank keeps, `g`, and first moments of the particles that it owns, `D = -S`.
+/// Amplitudes of the modes of the pairs that a rank keeps, `g`, and first moments of the particles that it owns,
+/// `D = -S`.
 #[derive(Debug, Clone)]
 pub struct PairsAndMoments {
     /// `g`
@@ -28,9 +29,10 @@ impl Unknowns for PairsAndMoments {
     }
 }
 
-/// With `M` the mobility of the method, `B B^T` what near pairs resist to motions and `C` their coupling to rates of strain,
-/// the forces that the method sees are `F + C E_inf + B g` with `g = -B^T (U - U_inf, Omega - Omega_inf, -E_inf)`, and its
-/// first moments `D` leave no strain within the spheres. With `F` for all that is known from the start,
+/// With `M` the mobility of the method, `B B^T` what near pairs resist to motions and `C` their coupling to rates of
+/// strain, the forces that the method sees are `F + C E_inf + B g` with
+/// `g = -B^T (U - U_inf, Omega - Omega_inf, -E_inf)`, and its first moments `D` leave no strain within the spheres.
+/// With `F` for all that is known from the start,
 ///
 /// ```text
 /// [ I + B^T M_UF B   B^T M_UD ] [g]   [ -B^T M_UF F + B_E^T E_inf ]
@@ -38,8 +40,8 @@ impl Unknowns for PairsAndMoments {
 /// ```
 ///
 /// with `B` for its rows of forces and torques and `B_E` for those of first moments. It is symmetric and positive
-/// definite. The preconditioner has the mobility `M_0` of single spheres in the place of `M`, and the stiff pairs' columns
-/// alone of `B`: for `g` the inverse is `I - B^T (M_0^-1 + B B^T)^-1 B`, by Woodbury's identity.
+/// definite. The preconditioner has the mobility `M_0` of single spheres in the place of `M`, and the stiff pairs'
+/// columns alone of `B`: for `g` the inverse is `I - B^T (M_0^-1 + B B^T)^-1 B`, by Woodbury's identity.
 pub struct Coupled<'a> {
     mobility: &'a mut Mobility,
     near: &'a NearPairs,
@@ -93,9 +95,9 @@ impl<'a> Coupled<'a> {
         PairsAndMoments { modes, moments }
     }
 
-    /// The motions of the particles and the unknowns after a last step of the preconditioner alone, which is known already:
-    /// the motions `U` then have `g = -B^T U` exactly, so that near pairs do not run into each other by the error of
-    /// their forces.
+    /// The motions of the particles and the unknowns after a last step of the preconditioner alone, which is known
+    /// already: the motions `U` then have `g = -B^T U` exactly, so that near pairs do not run into each other by the
+    /// error of their forces.
     pub fn finish(
         self,
         (mut x, residual): (PairsAndMoments, &PairsAndMoments),

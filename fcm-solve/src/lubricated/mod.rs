@@ -55,8 +55,8 @@ pub struct Guess {
 const MOST_ITERATIONS: usize = 1000;
 
 impl Hydrodynamics {
-    /// Prepares what `plan` decided, with lubrication at the gaps of `range` if there is one. Not to be called from a rayon
-    /// task.
+    /// Prepares what `plan` decided, with lubrication at the gaps of `range` if there is one. Not to be called from a
+    /// rayon task.
     pub fn new(plan: &Plan, partition: &Partition, range: Option<Range>) -> Result<Self, PairForceError> {
         let force = range.map(|range| PairForce::new(&plan.radii, plan.viscosity, range)).transpose()?;
         let lubrication = force.map(|force| {
@@ -79,8 +79,8 @@ impl Hydrodynamics {
     }
 
     /// The motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`;
-    /// `loads.stresslets` are ignored and solved for. Where no pair is near, this is the far field alone. Collective; an
-    /// error is an error on all ranks.
+    /// `loads.stresslets` are ignored and solved for. Where no pair is near, this is the far field alone. Collective;
+    /// an error is an error on all ranks.
     pub fn solve(
         &mut self,
         cell: &PeriodicBox,

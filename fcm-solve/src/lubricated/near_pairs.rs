@@ -108,7 +108,8 @@ impl NearPairs {
         Screws(self.summed(modes.len(), |i, pair| screws(pair.factor.rigid_loads(&modes[i]))))
     }
 
-    /// Forces and torques of lubrication in a flow whose rate of strain is `ambient`, besides those of the modes. Collective.
+    /// Forces and torques of lubrication in a flow whose rate of strain is `ambient`, besides those of the modes.
+    /// Collective.
     pub fn loads_in(&self, ambient: Traceless) -> Screws {
         let resting = motion([Screw::default(); 2], -ambient);
         let on = |_: usize, pair: &NearPair| {
@@ -118,8 +119,8 @@ impl NearPairs {
         Screws(self.summed(self.list.len(), on))
     }
 
-    /// The stresslets that lubrication adds to those of the far field, for motions and their amplitudes `g`, which are minus
-    /// `B^T` times them. Collective.
+    /// The stresslets that lubrication adds to those of the far field, for motions and their amplitudes `g`, which are
+    /// minus `B^T` times them. Collective.
     pub fn stresslets(&self, motions: &Screws, ambient: Traceless, amplitudes: &[Modes]) -> Vec<Traceless> {
         let mut present = motions.0.clone();
         self.exchange.extend(&mut present);

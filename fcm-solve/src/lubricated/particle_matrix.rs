@@ -21,9 +21,9 @@ pub struct ParticleMatrix<'a> {
     entries: Vec<(u32, Block)>,
 }
 
-/// Error left in a solve. The outer iteration does not know how exact it is, but the preconditioned modes of the nearest
-/// pairs are the small differences of large numbers: at gaps of 1e-6 an error of 1e-3 takes several times as many outer
-/// iterations.
+/// Error left in a solve. The outer iteration does not know how exact it is, but the preconditioned modes of the
+/// nearest pairs are the small differences of large numbers: at gaps of 1e-6 an error of 1e-3 takes several times as
+/// many outer iterations.
 const LIMITS: Limits = Limits { tolerance: 1e-5, iterations: 2000 };
 
 impl<'a> ParticleMatrix<'a> {
@@ -58,8 +58,8 @@ impl<'a> ParticleMatrix<'a> {
         Self { comm: comm.clone(), near, exchange, diagonal, inverse, starts, entries }
     }
 
-    /// Takes from the amplitudes of stiff pairs what the motions by these alone do to them, `B^T (M_0^-1 + B B^T)^-1 B` times
-    /// them, nearly; the motions. Collective.
+    /// Takes from the amplitudes of stiff pairs what the motions by these alone do to them, `B^T (M_0^-1 + B B^T)^-1 B`
+    /// times them, nearly; the motions. Collective.
     pub fn relieve(&mut self, modes: &mut [Modes]) -> Screws {
         let stiff = &mut modes[..self.near.stiff()];
         let motions = self.solve(self.near.loads(stiff));

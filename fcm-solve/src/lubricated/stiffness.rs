@@ -10,8 +10,8 @@ pub struct Stiffness {
     gaps: Vec<f64>,
 }
 
-/// A pair is stiff if it resists some motion of a sphere more than this part of what the sphere does alone: within gaps of about
-/// half a radius. Most pairs within reach are not.
+/// A pair is stiff if it resists some motion of a sphere more than this part of what the sphere does alone: within gaps
+/// of about half a radius. Most pairs within reach are not.
 const STIFF: f64 = 0.1;
 
 /// Halvings of the range in which the gap is sought.

@@ -45,8 +45,8 @@ fn solve(plan: &Plan, particles: &Particles, forces: &[Vector], strain: Traceles
     fluid.solve(&plan.cell(), particles, &loads, strain, &Guess::default()).unwrap()
 }
 
-/// Two spheres with the line of centres along z in a box so large that images change forces without sum and strains by less
-/// than a thousandth.
+/// Two spheres with the line of centres along z in a box so large that images change forces without sum and strains by
+/// less than a thousandth.
 fn pair(gap: f64, radii: [f64; 2]) -> (Plan, Particles) {
     let edge = 50.0;
     let middle = Vector::splat(0.5 * edge);

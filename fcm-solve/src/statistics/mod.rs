@@ -16,8 +16,8 @@ use statistics::{
 /// The columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
 
-/// Everything that is averaged. All particles of a sample have to be on one rank, in the order of their ids, so that results
-/// do not depend on the number of ranks.
+/// Everything that is averaged. All particles of a sample have to be on one rank, in the order of their ids, so that
+/// results do not depend on the number of ranks.
 pub struct Statistics {
     about: About,
     /// First time, last time, and samples.
@@ -43,7 +43,8 @@ struct About {
     wanted: Wanted,
 }
 
-/// The moments of a vector of the particles of a species, and the densities of its components about the mean at each time.
+/// The moments of a vector of the particles of a species, and the densities of its components about the mean at each
+/// time.
 #[derive(Default)]
 struct Vectors {
     moments: Fluctuations,

@@ -4,9 +4,9 @@ use domain::{Particles, PeriodicBox, Vector};
 use solver::BackgroundFlow;
 use statistics::{Motion, State, Store};
 
-/// The displacement of each particle since the first sample, less what the flow has carried it along its way. Along axes
-/// without a flow it is that of the position without periodicity, exactly; along the flow, the integral of the velocity
-/// relative to it, by the trapezoidal rule over the samples.
+/// The displacement of each particle since the first sample, less what the flow has carried it along its way. Along
+/// axes without a flow it is that of the position without periodicity, exactly; along the flow, the integral of the
+/// velocity relative to it, by the trapezoidal rule over the samples.
 #[derive(Debug, Default)]
 pub struct Paths {
     time: f64,

@@ -43,9 +43,10 @@ impl<const N: usize> Approach<N> {
         Self { near, pairs }
     }
 
-    /// What the displacements `sum of weights[k] * velocity k` do to gaps, and how far they are from those with the weights `lower`.
-    /// Losses are over gaps of at least `least[0]` mean radii and errors over those of at least `least[1]`, where smaller ones count as
-    /// so large; those of spheres that overlap do not count at all if that is zero. Collective.
+    /// What the displacements `sum of weights[k] * velocity k` do to gaps, and how far they are from those with the
+    /// weights `lower`. Losses are over gaps of at least `least[0]` mean radii and errors over those of at least
+    /// `least[1]`, where smaller ones count as so large; those of spheres that overlap do not count at all if that is
+    /// zero. Collective.
     pub fn after(&self, [weights, lower]: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
         let mut change = Change { gap: f64::INFINITY, loss: 0.0, error: 0.0 };
         for pair in &self.pairs {
@@ -63,9 +64,10 @@ impl<const N: usize> Approach<N> {
         Change { gap: least[0], loss: -least[1], error: -least[2] }
     }
 
-    /// Displacements, besides `sum of weights[k] * velocity k`, that leave every pair with a gap of `closest` mean radii, but for a tenth
-    /// of it: pairs that are nearer are moved apart along their lines of centres, the smaller sphere farther, again and again, a sphere
-    /// of several such pairs by the mean of what they ask for. None if that comes to no end. Collective.
+    /// Displacements, besides `sum of weights[k] * velocity k`, that leave every pair with a gap of `closest` mean
+    /// radii, but for a tenth of it: pairs that are nearer are moved apart along their lines of centres, the smaller
+    /// sphere farther, again and again, a sphere of several such pairs by the mean of what they ask for. None if that
+    /// comes to no end. Collective.
     pub fn apart(&self, weights: [f64; N], closest: f64, comm: &Comm) -> Option<Vec<Vector>> {
         let separations: Vec<Vector> = self.pairs.iter().map(|pair| pair.separation_after(weights)).collect();
         let mut displacements = vec![Vector::ZERO; self.near.owned()];
@@ -147,7 +149,8 @@ mod tests {
 
     const VELOCITY: &str = "velocity";
 
-    /// A chain of spheres, near enough to touch once they move, that is pressed together from both ends across a face of the box.
+    /// A chain of spheres, near enough to touch once they move, that is pressed together from both ends across a face
+    /// of the box.
     fn chain() -> Particles {
         let mut particles = Particles::default();
         for (id, (x, radius, velocity)) in [(9.0, 1.0, 0.1), (0.5, 0.5, 0.0), (2.0, 1.0, -0.2)].into_iter().enumerate()

@@ -4,8 +4,8 @@ use bytemuck::cast_slice;
 use domain::{Comm, Particles, Partition, PeriodicBox, Vector};
 use fcm::{Evaluation, Loads, Mobility, Plan};
 
-/// The velocity of the fluid relative to the background flow, on all grid points in the order `[z][y][x]`, x fastest; on
-/// the first rank. It is computed on a grid that carries every particle's own envelopes, whatever way the particles'
+/// The velocity of the fluid relative to the background flow, on all grid points in the order `[z][y][x]`, x fastest;
+/// on the first rank. It is computed on a grid that carries every particle's own envelopes, whatever way the particles'
 /// motions are found. Collective.
 pub fn velocity(
     plan: &Plan,

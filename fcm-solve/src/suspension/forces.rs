@@ -38,8 +38,9 @@ impl Forces {
         Loads { forces, torques: self.torques(particles), stresslets: Vec::new() }
     }
 
-    /// For each particle that this rank owns, its share of the first moments of repulsion: of a pair at `x_i` and `x_j`,
-    /// where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without repulsion there are none. Collective.
+    /// For each particle that this rank owns, its share of the first moments of repulsion: of a pair at `x_i` and
+    /// `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without repulsion there are none.
+    /// Collective.
     pub fn repulsion_moments(&self, particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Vec<Tensor> {
         let Some((barrier, reach)) = &self.barrier else { return Vec::new() };
         Near::find(particles, cell, partition, *reach).sums(|separation, radii| {

@@ -30,8 +30,8 @@ pub use outline::Outline;
 use setup::Setup;
 pub use stress::ParticleStress;
 
-/// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular velocities
-/// and stresslets that belong to their positions.
+/// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
+/// velocities and stresslets that belong to their positions.
 pub struct Suspension {
     particles: Particles,
     dynamics: Dynamics,

@@ -26,14 +26,14 @@ impl Near {
         Self { exchange, cell: *cell, positions, radii, pairs }
     }
 
-    /// For each particle that this rank owns, the sum over its pairs of what `of(separation, radii)` gives to the first and
-    /// to the second of a pair. Collective.
+    /// For each particle that this rank owns, the sum over its pairs of what `of(separation, radii)` gives to the first
+    /// and to the second of a pair. Collective.
     pub fn sums<T: Pod + AddAssign>(&self, of: impl Fn(Vector, [f64; 2]) -> [T; 2]) -> Vec<T> {
         self.summed(self.pairs().map(|(separation, radii, _)| of(separation, radii)))
     }
 
-    /// For each particle that this rank owns, the sum of what its pairs give to the first and to the second of them; there is one
-    /// item for each of [`Near::pairs`]. Collective.
+    /// For each particle that this rank owns, the sum of what its pairs give to the first and to the second of them;
+    /// there is one item for each of [`Near::pairs`]. Collective.
     pub fn summed<T: Pod + AddAssign>(&self, of_pairs: impl Iterator<Item = [T; 2]>) -> Vec<T> {
         let mut sums = vec![T::zeroed(); self.exchange.present()];
         for (pair, [first, second]) in self.pairs.list().iter().zip(of_pairs) {
@@ -49,7 +49,8 @@ impl Near {
         self.exchange.owned()
     }
 
-    /// Of vectors that each particle of this rank has, for each pair that of the second less that of the first. Collective.
+    /// Of vectors that each particle of this rank has, for each pair that of the second less that of the first.
+    /// Collective.
     pub fn differences(&self, values: &[Vector]) -> Vec<Vector> {
         let mut present = values.to_vec();
         self.exchange.extend(&mut present);
@@ -57,7 +58,8 @@ impl Near {
         self.pairs.list().iter().map(difference).collect()
     }
 
-    /// The pairs: from the first centre to the second, both radii, and how many lattice steps the second is from its own place.
+    /// The pairs: from the first centre to the second, both radii, and how many lattice steps the second is from its
+    /// own place.
     pub fn pairs(&self) -> impl Iterator<Item = (Vector, [f64; 2], [i32; 3])> + '_ {
         let one = |pair: &Pair| (self.separation(pair), self.radii_of(pair), pair.steps.map(i32::from));
         self.pairs.list().iter().map(one)

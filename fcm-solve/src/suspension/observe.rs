@@ -25,7 +25,8 @@ impl Observer {
         Self { species, rheology: Rheology::of(scene), columns, last: (step, Instant::now()) }
     }
 
-    /// What a row consists of. Velocities are relative to the background flow; their variance is component by component.
+    /// What a row consists of. Velocities are relative to the background flow; their variance is component by
+    /// component.
     pub fn quantities(&self) -> Vec<Quantity> {
         let mut quantities = vec![
             Quantity::vectors("mean_velocity", "length/time", &self.species),

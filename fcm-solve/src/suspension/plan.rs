@@ -62,8 +62,8 @@ pub fn problem(scene: &SuspensionScene, radii: &Radii) -> Problem {
     }
 }
 
-/// What the scene says of the plan. With lubrication the grid is in f64: the modes of a pair of gap `h` see differences of velocities
-/// over `sqrt(h)`, in which the noise of f32 would keep the solve from its end at gaps below 1e-5.
+/// What the scene says of the plan. With lubrication the grid is in f64: the modes of a pair of gap `h` see differences
+/// of velocities over `sqrt(h)`, in which the noise of f32 would keep the solve from its end at gaps below 1e-5.
 fn fixed(chosen: &Hydrodynamics) -> Fixed {
     let method = match chosen.method {
         Evaluation::Auto => None,

@@ -6,8 +6,9 @@ use bytemuck::cast_slice;
 use domain::{Comm, Particles, Tensor, Traceless};
 
 /// The stress of the particles of one species, averaged over the box, by origin. With `S_n` the stresslet of a particle
-/// in the far field, `L_n` what lubrication adds to it, `F_ij` the repulsion that particle `i` feels from `j`, and `V` the
-/// volume of the box (Batchelor, J. Fluid Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111, 1988),
+/// in the far field, `L_n` what lubrication adds to it, `F_ij` the repulsion that particle `i` feels from `j`, and `V`
+/// the volume of the box (Batchelor, J. Fluid Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111,
+/// 1988),
 ///
 /// ```text
 /// stresslet  = sum_n S_n / V
@@ -15,9 +16,9 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
-/// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these. Stresslets
-/// have no trace: of the pressure of the particles only the part of repulsion is defined. Forces from outside, such as
-/// weight, have no part in it.
+/// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
+/// Stresslets have no trace: of the pressure of the particles only the part of repulsion is defined. Forces from
+/// outside, such as weight, have no part in it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ParticleStress {
     /// Of the far field's stresslets.
@@ -34,8 +35,8 @@ impl ParticleStress {
         self.stresslet + self.lubrication + self.repulsion
     }
 
-    /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume; `repulsion`
-    /// has each particle's share of the first moments of repulsion, or nothing. Collective.
+    /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume;
+    /// `repulsion` has each particle's share of the first moments of repulsion, or nothing. Collective.
     pub fn by_species(
         particles: &Particles,
         repulsion: &[Tensor],

@@ -153,8 +153,8 @@ count = 8
     }
 }
 
-/// Which image of a sphere the scene names changes nothing but the count of its lattice steps, in a box that shears past its
-/// turning back.
+/// Which image of a sphere the scene names changes nothing but the count of its lattice steps, in a box that shears
+/// past its turning back.
 #[test]
 fn trajectories_do_not_depend_on_the_image_that_a_sphere_starts_from() {
     let places = [[1.0, 1.0, 1.0], [3.4, 1.5, 1.2], [6.5, 6.0, 5.0], [5.0, 7.6, 1.0]];

@@ -81,9 +81,10 @@ impl WarmStart {
         }
     }
 
-    /// What the solution should be near at a time `ahead` of that of the last values that were remembered, by the polynomial
-    /// through those; `ages` says how old they were then, the last ones 0. Nothing if nothing was remembered: no motion would be a bad
-    /// guess with lubrication, since spheres that stand still in a strain press their neighbours hard.
+    /// What the solution should be near at a time `ahead` of that of the last values that were remembered, by the
+    /// polynomial through those; `ages` says how old they were then, the last ones 0. Nothing if nothing was
+    /// remembered: no motion would be a bad guess with lubrication, since spheres that stand still in a strain press
+    /// their neighbours hard.
     pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
         if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
             return Guess::default();

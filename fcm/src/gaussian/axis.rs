@@ -6,8 +6,8 @@ use solver::simd::Vector as Lanes;
 use solver::{Memory, Real};
 
 /// The points of a stencil along one axis: their distances from the particle, and the Gaussians
-/// `exp(-distance^2 / (2 width^2))` of the monopole and of the dipole, those that a shape has. A few points more than were
-/// asked for, whole vectors.
+/// `exp(-distance^2 / (2 width^2))` of the monopole and of the dipole, those that a shape has. A few points more than
+/// were asked for, whole vectors.
 #[derive(Default)]
 pub(crate) struct Axis<T> {
     /// 0, 1, 2, ...

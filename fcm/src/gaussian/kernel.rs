@@ -150,8 +150,8 @@ impl<T: Real> Scratch<T> {
     }
 }
 
-/// A row of the stencil: where it begins in a component, apart from its first column, its distances from the particle, its
-/// table and what its plane has.
+/// A row of the stencil: where it begins in a component, apart from its first column, its distances from the particle,
+/// its table and what its plane has.
 struct At<T> {
     start: usize,
     y: T,

@@ -1,9 +1,9 @@
 //! Which rows of a stencil's box its ball cuts, and how wide each row needs to be.
 //!
 //! An envelope is a function of the distance alone, so that what lies outside a ball around the particle is left out,
-//! not what lies outside a box. Rows far from the particle are short then, and shorter vectors do. The ball is that of a
-//! particle in the middle between grid points, for all alike: which rows belong to it is decided once, and the loops over
-//! them have the same lengths for every particle.
+//! not what lies outside a box. Rows far from the particle are short then, and shorter vectors do. The ball is that of
+//! a particle in the middle between grid points, for all alike: which rows belong to it is decided once, and the loops
+//! over them have the same lengths for every particle.
 
 use crate::stencil::Support;
 use domain::Vector;

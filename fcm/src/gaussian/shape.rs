@@ -7,9 +7,9 @@
 //! ```
 //!
 //! with Gaussians `g`, `g'`. In a lattice sheared by `s`, `x = X + s y` where `X` belongs to the column of the grid
-//! alone. So `G_c . r = (G_cx X + G_cz z) + (s G_cx + G_cy) y`, of which the bracket is the same for the rows of a plane,
-//! and the weights `a` and `b` are the same for all components: a row takes three fused multiplications a component.
-//! Interpolation weighs the velocity with the same products, which makes it the exact adjoint of spreading.
+//! alone. So `G_c . r = (G_cx X + G_cz z) + (s G_cx + G_cy) y`, of which the bracket is the same for the rows of a
+//! plane, and the weights `a` and `b` are the same for all components: a row takes three fused multiplications a
+//! component. Interpolation weighs the velocity with the same products, which makes it the exact adjoint of spreading.
 
 use crate::envelope::Source;
 use crate::gaussian::exponential::exponential;
@@ -93,8 +93,8 @@ fn gaussian<T: Real, V: Lanes<T>>(
     exponential(x.mul_add(x, y.mul(y)).mul(factor))
 }
 
-/// The weights `a` and `b` on a row that was tabulated, in a plane with the given peaks, `m` and `q` times the Gaussians of
-/// `z`; of those that the shape does not have, nothing is computed.
+/// The weights `a` and `b` on a row that was tabulated, in a plane with the given peaks, `m` and `q` times the
+/// Gaussians of `z`; of those that the shape does not have, nothing is computed.
 ///
 /// # Safety
 /// The table is that of a row.

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 /// Derivatives of a window that are needed at most, its value among them.
 pub(crate) const DERIVATIVES: usize = 4;
 
-/// `I_0(beta sqrt(1 - (2x/P)^2)) / I_0(beta)` for `|x| <= P/2`, in units of the grid's spacing, and zero beyond (Kaiser &
-/// Schafer 1980; as a gridding window Jackson et al. 1991). Within its support it is an entire function of `x`.
+/// `I_0(beta sqrt(1 - (2x/P)^2)) / I_0(beta)` for `|x| <= P/2`, in units of the grid's spacing, and zero beyond (Kaiser
+/// & Schafer 1980; as a gridding window Jackson et al. 1991). Within its support it is an entire function of `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Window {
     points: usize,
@@ -22,10 +22,10 @@ impl Window {
 
     /// The window of so many points that serves a Gaussian of the width `Sigma`, `resolution` grid spacings, best.
     ///
-    /// The transform of the window is compact up to `2 beta / P`. What folds onto a wavenumber `k` comes from `2 pi - k`
-    /// on, and matters where `exp(-k^2 Sigma^2 / 2)` does, which is up to some `k Sigma`, the larger the smaller the error
-    /// that so many points can have: a fit, whose errors `cargo run --release -p fcm --example errors` prints for 4 to 16
-    /// points.
+    /// The transform of the window is compact up to `2 beta / P`. What folds onto a wavenumber `k` comes from
+    /// `2 pi - k` on, and matters where `exp(-k^2 Sigma^2 / 2)` does, which is up to some `k Sigma`, the larger the
+    /// smaller the error that so many points can have: a fit, whose errors
+    /// `cargo run --release -p fcm --example errors` prints for 4 to 16 points.
     pub fn new(points: usize, resolution: f64) -> Self {
         let highest = (0.86 + (0.4 * points as f64 - 1.38) / resolution) / resolution;
         let shape = 0.5 * points as f64 * (2.0 * PI - highest);

@@ -6,9 +6,9 @@
 //! sum_nml  K_c,nml  p_n(X) p_m(y) p_l(z),      n + m + l <= ORDER
 //! ```
 //!
-//! of products of the window's derivatives `p_n`, with few coefficients `K` that the load and the class decide. On a row
-//! that is a sum over `n` of the vectors `p_n(X)`, whose coefficients are worked out for all rows of a plane at once, out
-//! of coefficients that are worked out for all planes at once. Interpolation goes the same way back.
+//! of products of the window's derivatives `p_n`, with few coefficients `K` that the load and the class decide. On a
+//! row that is a sum over `n` of the vectors `p_n(X)`, whose coefficients are worked out for all rows of a plane at
+//! once, out of coefficients that are worked out for all planes at once. Interpolation goes the same way back.
 
 use crate::kernel::{ELSEWHERE, Kernel, Load, Slab, Starts, Weighed};
 use crate::stencil::Place;
@@ -19,8 +19,8 @@ use crate::window::lattice::SECOND;
 use solver::simd::Vector as Lanes;
 use solver::{Memory, Real};
 
-/// The kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for forces
-/// and dipoles of envelopes of other widths.
+/// The kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for
+/// forces and dipoles of envelopes of other widths.
 pub(crate) struct Windowed<'a, T, const ORDER: usize>(pub &'a Lattice<T>);
 
 /// The window's derivatives along the axes, where the stencil is in the slab, and coefficients.

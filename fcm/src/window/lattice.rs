@@ -8,8 +8,8 @@ use solver::{Grid, Real};
 /// The derivatives of second order that the Laplacian has in lattice coordinates.
 pub(crate) const SECOND: [[usize; 3]; 4] = [[2, 0, 0], [1, 1, 0], [0, 2, 0], [0, 0, 2]];
 
-/// A window on a grid: derivatives along its lattice coordinates, `x = X + s y` in a box sheared by `s`, in units of the
-/// spacings.
+/// A window on a grid: derivatives along its lattice coordinates, `x = X + s y` in a box sheared by `s`, in units of
+/// the spacings.
 #[derive(Debug, Clone)]
 pub(crate) struct Lattice<T> {
     pub points: [usize; 3],

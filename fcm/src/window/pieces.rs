@@ -49,8 +49,8 @@ impl<T: Real> Pieces<T> {
         self.lanes
     }
 
-    /// Writes so many derivatives, the value among them, at the points of stencils along three axes, whose first are `offsets`
-    /// spacings from the particle, each a row of lanes.
+    /// Writes so many derivatives, the value among them, at the points of stencils along three axes, whose first are
+    /// `offsets` spacings from the particle, each a row of lanes.
     ///
     /// # Safety
     /// The lanes are `WIDTH` vectors, and there is room.
@@ -86,8 +86,8 @@ impl<T: Real> Pieces<T> {
 /// Chebyshev nodes by which a window is sampled between two points of the grid.
 const NODES: usize = 32;
 
-/// The window and its derivatives at a point of the stencil as polynomials of `t`, from -1, where the first point is half
-/// the window away from the particle, to 1, where it is a spacing nearer: coefficients from the constant on.
+/// The window and its derivatives at a point of the stencil as polynomials of `t`, from -1, where the first point is
+/// half the window away from the particle, to 1, where it is a spacing nearer: coefficients from the constant on.
 fn polynomials(window: Window, point: usize) -> [Vec<f64>; DERIVATIVES] {
     let half = 0.5 * window.points() as f64;
     let angle = |i: usize| PI * (i as f64 + 0.5) / NODES as f64;

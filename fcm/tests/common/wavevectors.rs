@@ -69,8 +69,8 @@ impl Suspension {
     }
 }
 
-/// Adds `Re[u exp(i k.Y)]` and its gradient with `u = (I - k k/k^2)/k^2 sum (F w + i G.k w') exp(-i k.Y)`, averaged over
-/// the envelopes. `factors` is room for `w cos, w sin, w' cos, w' sin` of each particle.
+/// Adds `Re[u exp(i k.Y)]` and its gradient with `u = (I - k k/k^2)/k^2 sum (F w + i G.k w') exp(-i k.Y)`, averaged
+/// over the envelopes. `factors` is room for `w cos, w sin, w' cos, w' sin` of each particle.
 fn add_mode(k: Vector, sources: &[Source], factors: &mut Vec<[f64; 4]>, flow: &mut [(Vector, Tensor)]) {
     let square = k.length_squared();
     factors.clear();

@@ -1,12 +1,13 @@
 //! HDF5 files that grow by whole frames and survive being cut short.
 //!
 //! The room for all frames of a run is reserved when the file is made, as a hole that takes no space on the disk until
-//! it is written (HDF5's implicit chunk index: no filters, a fixed largest size, early allocation). A frame then changes
-//! two things: its own numbers, and afterwards the lengths of the datasets, each of which is one small write in place.
-//! The length of `step` is written last. A program that is killed at any moment leaves a file that every HDF5 reader
-//! opens, and the length of `step` is the number of whole frames in it. For that no write of a length may be cut in two:
-//! what the library writes at once stands within a page of memory, where the kernel does not look for signals. Compression would need chunks of any length
-//! and with them an index that grows; `h5repack` compresses a finished file.
+//! it is written (HDF5's implicit chunk index: no filters, a fixed largest size, early allocation). A frame then
+//! changes two things: its own numbers, and afterwards the lengths of the datasets, each of which is one small write in
+//! place. The length of `step` is written last. A program that is killed at any moment leaves a file that every HDF5
+//! reader opens, and the length of `step` is the number of whole frames in it. For that no write of a length may be cut
+//! in two: what the library writes at once stands within a page of memory, where the kernel does not look for signals.
+//! Compression would need chunks of any length and with them an index that grows; `h5repack` compresses a finished
+//! file.
 
 mod element;
 

@@ -10,16 +10,17 @@
 //! sqrt(cosh xi - cos eta) sum_n [a_n exp((n+1/2)(xi - alpha_2)) + b_n exp(-(n+1/2)(xi + alpha_1))] P_n^m(cos eta),
 //! ```
 //!
-//! the family `a` with its sources inside sphere 2, the family `b` inside sphere 1. On a sphere, the boundary condition gives
-//! all four from one unknown series, `y_n` of `z Q/2`. That `u` has no divergence is a recurrence for each family that
-//! couples `y_{n-1}`, `y_n`, `y_{n+1}` of both spheres: a block tridiagonal system, solved directly.
-//! Digits are lost like a power of `1/alpha`, hence the double-double numbers.
+//! the family `a` with its sources inside sphere 2, the family `b` inside sphere 1. On a sphere, the boundary condition
+//! gives all four from one unknown series, `y_n` of `z Q/2`. That `u` has no divergence is a recurrence for each family
+//! that couples `y_{n-1}`, `y_n`, `y_{n+1}` of both spheres: a block tridiagonal system, solved directly. Digits are
+//! lost like a power of `1/alpha`, hence the double-double numbers.
 
 use super::double_double::DoubleDouble;
 use super::geometry::{Geometry, side};
 use super::tridiagonal::{self, Block, Row};
 
-/// A velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over `sqrt 2`.
+/// A velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over
+/// `sqrt 2`.
 #[derive(Debug, Clone, Copy)]
 pub struct Drive {
     /// Sphere that moves, 0 or 1; the other one is at rest.

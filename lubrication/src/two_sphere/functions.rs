@@ -54,9 +54,9 @@ pub struct ResistanceFunctions(pub(crate) [Pairwise; 11]);
 
 /// The mobility functions at one gap, `(U, Omega, S)` from `(F, T, E)`, in the hatted normalisation.
 ///
-/// With `s = a_i + a_j`, mobility times viscosity is a function `a` over `3 pi s`, `b` over `pi s²`, `c` over `pi s³`; the
-/// stresslet in a force- and torque-free pair is `g` times `s/2` times the force, `h` times the torque, and
-/// `m` times `5/6 pi s³` times viscosity and strain rate. A sphere alone has a11 = c11 = m11 = 1.
+/// With `s = a_i + a_j`, mobility times viscosity is a function `a` over `3 pi s`, `b` over `pi s²`, `c` over `pi s³`;
+/// the stresslet in a force- and torque-free pair is `g` times `s/2` times the force, `h` times the torque, and `m`
+/// times `5/6 pi s³` times viscosity and strain rate. A sphere alone has a11 = c11 = m11 = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MobilityFunctions(pub(crate) [Pairwise; 11]);
 

@@ -1,11 +1,12 @@
 //! Near-contact singularities of the resistance functions.
 //!
 //! With `xi = 2 gap/(a1 + a2)`, a function behaves like `g1/xi + g2 ln(1/xi) + regular + g3 xi ln(1/xi)`.
-//! Coefficients for `lambda = a2/a1`: Jeffrey & Onishi (1984) eqs. (3.17)-(3.23), (4.15)-(4.18), (5.6), (7.10), and section 6 for XC;
-//! Jeffrey (1992) eqs. (19b), (27b), (35b), (48b), (64b), (79b); with the corrections of Townsend (2023), Phys. Fluids 35, 127126.
+//! Coefficients for `lambda = a2/a1`: Jeffrey & Onishi (1984) eqs. (3.17)-(3.23), (4.15)-(4.18), (5.6), (7.10), and
+//! section 6 for XC; Jeffrey (1992) eqs. (19b), (27b), (35b), (48b), (64b), (79b); with the corrections of Townsend
+//! (2023), Phys. Fluids 35, 127126.
 //!
-//! In the last coefficient of YM12, 748 stands twice where the sources print 728: only then has the exact function, less these
-//! terms, no `xi ln xi` left (found at ratios 1, 2, 2.5 and 4, to 7 digits).
+//! In the last coefficient of YM12, 748 stands twice where the sources print 728: only then has the exact function,
+//! less these terms, no `xi ln xi` left (found at ratios 1, 2, 2.5 and 4, to 7 digits).
 
 use super::functions::Function;
 

@@ -21,9 +21,9 @@ const LARGEST_RATIO: f64 = 20.0;
 
 /// Two spheres whose radii have a given ratio: their exact resistance functions at any gap.
 ///
-/// From contact to 2e-3 of the smaller radius it evaluates the near-contact expansion, then Chebyshev series in the logarithm of
-/// the gap, and beyond a gap of the sum of the radii Chebyshev series in `((a1 + a2)/r)²`. All come
-/// from the solution in bispherical coordinates.
+/// From contact to 2e-3 of the smaller radius it evaluates the near-contact expansion, then Chebyshev series in the
+/// logarithm of the gap, and beyond a gap of the sum of the radii Chebyshev series in `((a1 + a2)/r)²`. All come from
+/// the solution in bispherical coordinates.
 #[derive(Debug, Clone)]
 pub struct TwoSphere {
     ratio: f64,
@@ -48,8 +48,8 @@ pub enum TwoSphereError {
 }
 
 impl TwoSphere {
-    /// Tables for radii 1 and `ratio`; computed at the first call for a ratio, then shared. Not to be called from a rayon task,
-    /// since the first call waits for rayon.
+    /// Tables for radii 1 and `ratio`; computed at the first call for a ratio, then shared. Not to be called from a
+    /// rayon task, since the first call waits for rayon.
     pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
         static TABLES: OnceLock<Mutex<HashMap<u64, Entry>>> = OnceLock::new();
         if !(1.0 / LARGEST_RATIO..=LARGEST_RATIO).contains(&ratio) {

@@ -7,8 +7,8 @@ use crate::Real;
 use crate::simd::{Vector, Work, prefetch};
 use num_complex::Complex;
 
-/// A plan for rows of `n` real values and their `n/2` coefficients `0 <= k < n/2`; the coefficient `n/2` is dropped, and
-/// taken as zero on the way back. Neither direction scales.
+/// A plan for rows of `n` real values and their `n/2` coefficients `0 <= k < n/2`; the coefficient `n/2` is dropped,
+/// and taken as zero on the way back. Neither direction scales.
 ///
 /// A row of coefficients is made of blocks: the real parts of [`Real::LANES`] neighbours, then their imaginary parts;
 /// the last block is filled up with zeros.

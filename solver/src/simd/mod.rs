@@ -86,8 +86,8 @@ pub trait Work<T: Real> {
     /// What it returns.
     type Output;
 
-    /// Does the work. Implementations, and all that they call, are `#[inline(always)]`: only then do the instructions of
-    /// the caller reach them.
+    /// Does the work. Implementations, and all that they call, are `#[inline(always)]`: only then do the instructions
+    /// of the caller reach them.
     fn run<V: Vector<T>>(self) -> Self::Output;
 }
 
@@ -131,9 +131,9 @@ pub(crate) fn prefetch<T>(address: *const T) {
     }
 }
 
-/// Runs `work` compiled for the widest vectors of this machine. Its loops are vectorised like any others, but with wider
-/// registers and fused `mul_add`; it is written `vectorised(#[inline(always)] || ...)`, and what it calls is inlined as
-/// well, or it stays as it was.
+/// Runs `work` compiled for the widest vectors of this machine. Its loops are vectorised like any others, but with
+/// wider registers and fused `mul_add`; it is written `vectorised(#[inline(always)] || ...)`, and what it calls is
+/// inlined as well, or it stays as it was.
 pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
     match Level::detect() {
         Level::Portable => work(),

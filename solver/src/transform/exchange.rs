@@ -11,8 +11,8 @@ use std::ops::Range;
 pub(super) struct Exchange<T> {
     group: Comm,
     packing: Packing<T>,
-    /// Whole columns of each rank. What arrives stands by the ranks it came from, since the split index is the slowest in
-    /// memory.
+    /// Whole columns of each rank. What arrives stands by the ranks it came from, since the split index is the slowest
+    /// in memory.
     columns: Window,
     /// What is sent elsewhere.
     outbox: Window,

@@ -23,8 +23,8 @@ use share::{Share, Task};
 /// Rows along x are whole on a rank. Columns along y and then along z are made whole by one exchange each, of all three
 /// components at once, among the ranks that split them; a table of ranks with a single row or column saves that
 /// exchange, and a rank on its own copies nothing. Between ranks on one machine rows go straight from where they are to
-/// where they are needed, in memory that both reach. In the exchange along y the ranks share out blocks of 8 (`f64`) or 16 (`f32`) columns of `nx/2`: beyond as many ranks
-/// along y as there are blocks, some wait.
+/// where they are needed, in memory that both reach. In the exchange along y the ranks share out blocks of 8 (`f64`) or
+/// 16 (`f32`) columns of `nx/2`: beyond as many ranks along y as there are blocks, some wait.
 ///
 /// Threads of the pool in which a method is called work side by side; results are the same bits for any number of
 /// threads and ranks.

@@ -26,8 +26,8 @@ impl Slack {
     }
 
     /// Two disks that touch now, `|d| < R`, were at `d_0 = S^-1 (d - e)` with a shear `S` of at most `strain` and
-    /// `|e| <= 2 drift`, so that `|d_0| < |S^-1| (R + 2 drift)`. The list is used up if that can exceed the cutoff; both
-    /// are linear in `R`.
+    /// `|e| <= 2 drift`, so that `|d_0| < |S^-1| (R + 2 drift)`. The list is used up if that can exceed the cutoff;
+    /// both are linear in `R`.
     pub(crate) fn is_used_up(&self, strain: f64, drift: f64) -> bool {
         self.reaches.iter().any(|reach| norm(strain) * (reach + 2.0 * drift) > self.cutoff(*reach))
     }

@@ -3,8 +3,8 @@
 use crate::disks::Model;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// The viscous length `zeta = mu (1 + r_b / r_s) rate / (6 pi viscosity)` of eq. (A6): how far the smallest disk is thrown
-/// through the liquid by a collision with the largest, `mu` their reduced mass. Infinite without viscosity.
+/// The viscous length `zeta = mu (1 + r_b / r_s) rate / (6 pi viscosity)` of eq. (A6): how far the smallest disk is
+/// thrown through the liquid by a collision with the largest, `mu` their reduced mass. Infinite without viscosity.
 pub fn viscous_length(model: &Model) -> f64 {
     let (small, big) = (model.smallest(), model.largest());
     let reduced = 1.0 / (1.0 / model.mass(small) + 1.0 / model.mass(big));

@@ -8,8 +8,8 @@ const ROOM: usize = 8;
 /// Most grains that are looked at together.
 pub const NEAR: usize = 512;
 
-/// A grid of cells over the box. A walled axis begins and ends at its walls; the last cell along y reaches up to the top
-/// wall wherever that is.
+/// A grid of cells over the box. A walled axis begins and ends at its walls; the last cell along y reaches up to the
+/// top wall wherever that is.
 pub struct Cells {
     pub counts: [usize; 3],
     pub edges: Vector,
@@ -115,8 +115,8 @@ impl Cells {
         self.room *= 2;
     }
 
-    /// Lists the grains in the cells that are `reach` away from `home` along each axis: across periodic faces, not across
-    /// walls.
+    /// Lists the grains in the cells that are `reach` away from `home` along each axis: across periodic faces, not
+    /// across walls.
     #[inline]
     pub fn near(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut Near) {
         // The usual room as a constant: the copies become two moves.

@@ -91,9 +91,10 @@ impl Approach {
     }
 }
 
-/// The same with a relative acceleration, when the squared distance is a quartic `f(t)`. From where it stands, `f` stays
-/// above the parabola `f + f' t + m t^2/2` with `m` the least `f''` in the window; the first root of that is reached
-/// without passing a contact, and the next parabola starts there. Without acceleration the first parabola is exact.
+/// The same with a relative acceleration, when the squared distance is a quartic `f(t)`. From where it stands, `f`
+/// stays above the parabola `f + f' t + m t^2/2` with `m` the least `f''` in the window; the first root of that is
+/// reached without passing a contact, and the next parabola starts there. Without acceleration the first parabola is
+/// exact.
 pub fn curved(start: &Approach, diameter: f64, window: f64) -> Option<f64> {
     let mut elapsed = 0.0;
     // Each parabola squares the error; sixty are for grazing contacts, where the roots are nearly double.
@@ -157,7 +158,8 @@ mod tests {
     #[test]
     fn planes_are_reached_where_the_parabola_says() {
         assert!((reach(1.0, 2.0, 0.0) - 0.5).abs() < 1e-15);
-        // Thrown up at 3 under gravity 10: the plane 0.4 up is reached at 0.2, the one 1 up never, the start again at 0.6.
+        // Thrown up at 3 under gravity 10: the plane 0.4 up is reached at 0.2, the one 1 up never, the start again at
+        // 0.6.
         assert!((reach(0.4, 3.0, -10.0) - 0.2).abs() < 1e-15);
         assert!(reach(1.0, 3.0, -10.0).is_infinite());
         assert!((reach(0.0, -3.0, 10.0) - 0.6).abs() < 1e-15);

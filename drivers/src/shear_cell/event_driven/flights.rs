@@ -1,4 +1,5 @@
-//! Which of the grains near one may meet it, all in straight flight: worked out side by side in the processor's vectors.
+//! Which of the grains near one may meet it, all in straight flight: worked out side by side in the processor's
+//! vectors.
 
 use super::cells::NEAR;
 use super::contact_time::Straight;

@@ -2,8 +2,8 @@
 
 use domain::Vector;
 
-/// A grain on its way: the state at its own `time`, from which it follows `x + v t + a t^2/2`. All that a neighbour reads
-/// to predict a contact without acceleration, in one cache line.
+/// A grain on its way: the state at its own `time`, from which it follows `x + v t + a t^2/2`. All that a neighbour
+/// reads to predict a contact without acceleration, in one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Grain {

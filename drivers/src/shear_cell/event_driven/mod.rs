@@ -6,9 +6,9 @@
 //! from grain to grain: each keeps the one that it had at its last hit, renewed after a short time, and the relative
 //! motion of two grains is an exact quartic in time.
 //!
-//! Two hits of a grain within the contact time count as one: the second is elastic (Luding and `McNamara` 1998). A grain
-//! pressed onto another or a wall by its acceleration rebounds fast enough to be away for the contact time. Both keep
-//! the number of events in any time finite.
+//! Two hits of a grain within the contact time count as one: the second is elastic (Luding and `McNamara` 1998). A
+//! grain pressed onto another or a wall by its acceleration rebounds fast enough to be away for the contact time. Both
+//! keep the number of events in any time finite.
 
 mod cells;
 mod contact_time;
@@ -158,8 +158,8 @@ impl EventDriven {
         false
     }
 
-    /// Whether the grains have jammed: rigid grains without room rattle against each other ever faster, until time stands
-    /// still. They count as jammed when a grain's hits are less than the contact time apart on average.
+    /// Whether the grains have jammed: rigid grains without room rattle against each other ever faster, until time
+    /// stands still. They count as jammed when a grain's hits are less than the contact time apart on average.
     pub fn is_jammed(&self) -> bool {
         self.jammed
     }

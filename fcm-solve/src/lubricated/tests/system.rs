@@ -16,7 +16,8 @@ fn orthonormal() -> [Traceless; 5] {
     ]
 }
 
-/// Unknowns as numbers: amplitudes of modes, then moments in an orthonormal basis, over the roots of single spheres' resistance.
+/// Unknowns as numbers: amplitudes of modes, then moments in an orthonormal basis, over the roots of single spheres'
+/// resistance.
 struct Basis<'a> {
     pairs: usize,
     strain_resistance: &'a [f64],

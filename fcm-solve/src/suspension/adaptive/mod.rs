@@ -23,24 +23,24 @@ const GAP_ERROR: f64 = 0.01;
 /// A substep shorter than this part of the clock's step is none.
 const SHORTEST: f64 = 1e-9;
 
-/// Takes one step of the clock in as many substeps as are needed, each by the Adams-Bashforth method of order 3 for steps of any
-/// length,
+/// Takes one step of the clock in as many substeps as are needed, each by the Adams-Bashforth method of order 3 for
+/// steps of any length,
 ///
 /// ```text
 /// x(t + h) = x(t) + integral from t to t + h of the parabola through v(t), v(t - h1), v(t - h1 - h2).
 /// ```
 ///
 /// The method of order 2, with a line in place of the parabola, differs from it by the error that it makes; `h` is such
-/// that this is at most `tolerance` radii for every sphere and a hundredth of `gap_fraction` of every gap, and that no gap loses
-/// more than `gap_fraction` of itself. All this is known before anything moves: no substep is ever taken back, and each takes one
-/// evaluation. The first substeps of a run have less of a past and are short for it.
+/// that this is at most `tolerance` radii for every sphere and a hundredth of `gap_fraction` of every gap, and that no
+/// gap loses more than `gap_fraction` of itself. All this is known before anything moves: no substep is ever taken
+/// back, and each takes one evaluation. The first substeps of a run have less of a past and are short for it.
 ///
-/// With lubrication a force closes a gap `g` at a rate in proportion to the gap, `g' = -k g`: gaps shrink exponentially and never
-/// close, and the limit on losses, `k h < gap_fraction`, is the same however small they are; it keeps the method stable too. But the
-/// error by which a turning pair misses its gap does not shrink with it, and substeps that kept it in proportion would become ever
-/// shorter while nothing changes faster. So there gaps below `tolerance` radii count as so large as far as errors go. Spheres that
-/// would come nearer than the closest gap that lubrication knows, by that error or since nothing resists more below it, are moved
-/// apart to that gap, within `tolerance` too.
+/// With lubrication a force closes a gap `g` at a rate in proportion to the gap, `g' = -k g`: gaps shrink exponentially
+/// and never close, and the limit on losses, `k h < gap_fraction`, is the same however small they are; it keeps the
+/// method stable too. But the error by which a turning pair misses its gap does not shrink with it, and substeps that
+/// kept it in proportion would become ever shorter while nothing changes faster. So there gaps below `tolerance` radii
+/// count as so large as far as errors go. Spheres that would come nearer than the closest gap that lubrication knows,
+/// by that error or since nothing resists more below it, are moved apart to that gap, within `tolerance` too.
 ///
 /// Collective; fails on every rank or on none.
 pub fn advance(
@@ -83,7 +83,8 @@ struct Chosen {
 }
 
 impl Substep<'_> {
-    /// The longest substep that is allowed, one of equal shares of `rest`, so that the last one is not a small remainder.
+    /// The longest substep that is allowed, one of equal shares of `rest`, so that the last one is not a small
+    /// remainder.
     fn choose(self, rest: f64, dynamics: &Dynamics) -> Result<Chosen, StepError> {
         let comm = dynamics.partition().comm();
         let approach = dynamics.approach(self.particles, USED);

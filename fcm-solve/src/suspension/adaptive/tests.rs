@@ -91,8 +91,8 @@ fn spheres_pressed_together_for_long_stay_apart() {
     assert!(failed.is_none(), "{}", failed.unwrap());
     for (i, j) in [(0, 2), (2, 1)] {
         let gap = gap(&particles, i, j);
-        // From a tenth below the closest gap, 1e-6 mean radii, the slack in which spheres are not moved apart, to a hundredth of the
-        // tolerance, the error that gaps have when they count as large as that.
+        // From a tenth below the closest gap, 1e-6 mean radii, the slack in which spheres are not moved apart, to a
+        // hundredth of the tolerance, the error that gaps have when they count as large as that.
         assert!(gap > 0.85e-6 && gap < 1e-5, "spheres {i} and {j}: {gap}");
     }
 }
@@ -174,8 +174,8 @@ count = 1
 force = [-20.0, 0.0, 0.0]
 "#;
 
-/// Substeps half as long have half the gap fraction and an eighth of the tolerance; all the while the gap, 1e-4 and less, is so small
-/// that it counts as large as the tolerance.
+/// Substeps half as long have half the gap fraction and an eighth of the tolerance; all the while the gap, 1e-4 and
+/// less, is so small that it counts as large as the tolerance.
 #[test]
 fn the_order_is_three_where_gaps_are_below_the_tolerance() {
     let at = |fraction: f64| {

@@ -91,12 +91,13 @@ pub struct Hydrodynamics {
     pub support: Option<usize>,
     /// Relative residual at which the stresslets are solved.
     pub iteration_tolerance: Option<f64>,
-    /// What parts of an evaluation cost on the machine that the scene is planned for: stencils, transforms and pairs, over what
-    /// they cost where the planner was made.
+    /// What parts of an evaluation cost on the machine that the scene is planned for: stencils, transforms and pairs,
+    /// over what they cost where the planner was made.
     pub costs: Option<[f64; 3]>,
     /// Whether near pairs feel lubrication.
     pub lubrication: bool,
-    /// The gap where lubrication ends over the larger radius of the two; the program's default where the scene has none.
+    /// The gap where lubrication ends over the larger radius of the two; the program's default where the scene has
+    /// none.
     pub lubrication_cutoff: Option<f64>,
     /// Whether the solve with lubrication is preconditioned.
     pub preconditioner: bool,
