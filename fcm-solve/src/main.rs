@@ -2,7 +2,6 @@
 
 mod args;
 mod bench;
-mod calibrate;
 mod check;
 mod clock;
 mod extrapolation;
@@ -10,6 +9,7 @@ mod granular;
 mod info;
 mod integrator;
 mod launch;
+mod least_repulsion;
 mod lubricated;
 mod machine;
 mod march;

@@ -1,6 +1,6 @@
 //! `fcm-solve run`: a scene from its start.
 
-use crate::calibrate::calibrated;
+use crate::least_repulsion::with_least_repulsion;
 use crate::machine::on_this_machine;
 use crate::march::march;
 use crate::output::{Folder, Recorder};
@@ -31,7 +31,7 @@ pub struct Args {
 /// Runs the scene. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let scene = on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
-    let scene = calibrated(scene, comm)?;
+    let scene = with_least_repulsion(scene, comm)?;
     let folder = args.out.clone().or_else(|| scene.kind().folder().map(Path::to_owned));
     let folder = folder.unwrap_or_else(|| default_folder(&args.scene));
     let folder = comm.agree(Folder::claim(&folder, comm, args.force).map_err(|e| in_full(&e)))?;

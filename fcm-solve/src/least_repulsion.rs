@@ -15,7 +15,7 @@ const FARTHEST: f64 = 1e6;
 /// The scene with the least `repulsion.strength`, to 10%, with which no spheres overlap in the first 200 steps, if it
 /// asks for that by `repulsion.calibrate`. The strength is doubled or halved until one fails and one suffices, then
 /// their geometric mean is tried again and again. Collective.
-pub fn calibrated(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
+pub fn with_least_repulsion(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
     let Kind::Suspension(checked) = scene.kind() else { return Ok(scene) };
     let Some(repulsion) = checked.repulsion.filter(|repulsion| repulsion.calibrate) else { return Ok(scene) };
     let with = |strength: f64| {
@@ -101,7 +101,7 @@ count = 1
 force = [-10.0, 0.0, 0.0]
 "#;
         let comm = Comm::alone();
-        let scene = calibrated(Scene::parse(text, "scene.toml", &[]).unwrap(), &comm).unwrap();
+        let scene = with_least_repulsion(Scene::parse(text, "scene.toml", &[]).unwrap(), &comm).unwrap();
         let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
         let repulsion = scene.repulsion.unwrap();
         assert!(!repulsion.calibrate && (9.9..11.1).contains(&repulsion.strength), "{}", repulsion.strength);
