@@ -33,8 +33,8 @@ impl Costs {
 /// Bytes of a grid that stay near a core: a few megabytes.
 const CACHE: f64 = 3.3e6;
 
-/// Seconds a byte that a rank sends to another on the same machine, through memory that they share.
-const SENT: f64 = 1e-9;
+/// Seconds a byte that a rank writes to another's memory on the same machine.
+const SENT: f64 = 0.5e-9;
 
 /// Seconds for one evaluation in a box of the given strain by one thread on each of some ranks together, as measured on
 /// a Zen 4 processor. `fcm-solve bench` prints what follows from them beside what it measures.
