@@ -26,6 +26,8 @@ FINUFFT_TOLERANCES = ["1e-2", "1e-3"]
 TOLERANCES = ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9", "1e-10"]
 SIZES = [100, 1000, 10_000, 100_000, 1_000_000]
 C, FINUFFT = "C and FFTW", "FINUFFT"
+# The tables that ratios are given for.
+FIRST, SHARED = "The paper's case", "100,000 spheres on two threads, on two ranks"
 
 
 class Case:
@@ -79,7 +81,7 @@ class Programs:
 def sections(programs, quick):
     """Titles of tables, and their cases. The first table is the paper's case: its grid, and an error of 1e-3."""
     solve, peer = programs.solve, programs.peer
-    yield "The paper's case", [
+    yield FIRST, [
         peer(*PAPER),
         solve("direct, 128^3", method="direct", grid=128),
         solve("auto"),
@@ -94,6 +96,12 @@ def sections(programs, quick):
         solve("direct, 128^3", method="direct", grid=128, ranks=2),
         solve("auto", threads=2),
         solve("auto", ranks=2),
+    ]
+    many = {"particles": 100_000, "no-error": True}
+    yield SHARED, [
+        solve("one thread", **many),
+        solve("two threads", threads=2, **many),
+        solve("two ranks", ranks=2, **many),
     ]
     yield "Error, one thread", [
         *(peer(*case) for case in DIRECT_PEER),
@@ -143,6 +151,13 @@ def verdicts(lines):
     for label, seconds in by_label.items():
         if label != "auto":
             yield f"- {label}: {seconds / ours:.1f} times as long as `auto`."
+
+
+def speedups(lines):
+    """How much faster it goes on more than one thread."""
+    alone, *others = [line["seconds"]["total"] for line in lines]
+    for line, seconds in zip(lines[1:], others):
+        yield f"- {line['label']}: {alone / seconds:.2f} times as fast as one thread."
 
 
 def size_table(lines):
@@ -214,8 +229,10 @@ def write_page(tables, by_size, rest, rounds):
     ]
     for title, lines in tables.items():
         page += [f"## {title}", "", *table(lines), ""]
-        if title == "The paper's case":
+        if title == FIRST:
             page += [*verdicts(lines), "", "![Error and time](figures/benchmarks.svg)", ""]
+        if title == SHARED:
+            page += [*speedups(lines), ""]
     page += ["## Number of spheres, two threads", "", *size_table(by_size), ""]
     page += ["![Number of spheres and time](figures/benchmark-sizes.svg)", "", *rest]
     (DOCS / "benchmarks.md").write_text("\n".join(page).rstrip() + "\n")
