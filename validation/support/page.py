@@ -2,19 +2,21 @@
 
 import pathlib
 import re
+import sys
 
 BOOK = pathlib.Path(__file__).resolve().parents[2] / "docs" / "src"
 FIGURES = BOOK / "figures"
 
 
 def write_section(page, name, title, lines):
-    """Puts a title and lines between the marks `<!-- name -->` and `<!-- /name -->` of a page."""
+    """Puts a title, the command and lines between the marks `<!-- name -->` and `<!-- /name -->` of a page."""
     path = BOOK / page
     text = path.read_text()
     pattern = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- /{re.escape(name)} -->)", re.S)
     if not pattern.search(text):
         raise SystemExit(f"{path} has no section <!-- {name} -->")
-    body = f"\n## {title}: `scripts/validate {name}`\n\n" + "\n".join(lines).strip() + "\n\n"
+    command = " ".join(["scripts/validate", name, *sys.argv[1:]])
+    body = f"\n## {title}: `{command}`\n\n" + "\n".join(lines).strip() + "\n\n"
     path.write_text(pattern.sub(lambda match: match[1] + body + match[2], text))
 
 
