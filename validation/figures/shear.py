@@ -9,8 +9,7 @@ from runs import Run, volume
 BARRIER, RANGE, RANGE_WITH_LUBRICATION = 80.0, 0.2, 0.05
 
 # Particles at each volume fraction or side of the box, strains of equal spheres and of two sizes, time step, seeds of equal
-# spheres, of those with lubrication, and of two sizes. Half the step changes
-# fluctuations and diffusivities at 20% by no more than their errors.
+# spheres, of those with lubrication, and of two sizes.
 SIZE = {
     "quick": {"particles": 150, "edge": 22.0, "strains": (80.0, 40.0), "step": 0.01, "seeds": 2, "lubricated": 1, "mixed": 2},
     "full": {"particles": None, "edge": 48.0, "strains": None, "step": 0.01, "seeds": 1, "lubricated": 1, "mixed": 1},
