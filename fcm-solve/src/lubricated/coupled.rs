@@ -149,6 +149,10 @@ impl System for Coupled<'_> {
         PairsAndMoments { modes, moments }
     }
 
+    fn sharpen(&mut self) -> bool {
+        self.matrix.as_mut().is_some_and(ParticleMatrix::sharpen)
+    }
+
     fn size(&self, x: &PairsAndMoments) -> f64 {
         let moved = |(load, single): (&Screw, &Screw)| -> f64 { (0..6).map(|k| load.0[k].powi(2) / single.0[k]).sum() };
         let strained = |(d, &resistance): (&Traceless, &f64)| d.contract(*d) / resistance;

@@ -19,13 +19,20 @@ pub struct ParticleMatrix<'a> {
     starts: Vec<usize>,
     /// Column and block off the diagonal.
     entries: Vec<(u32, Block)>,
+    /// Error left in a solve.
+    tolerance: f64,
 }
 
-/// Error left in a solve. The outer iteration does not know how exact it is, but the preconditioned modes of the nearest
-/// pairs are the small differences of large numbers: with an error of 1e-5 a suspension of 55%, with gaps of 1e-6, takes
-/// several times as many outer iterations, and now and then a residual has a product below zero with what it is
-/// preconditioned to, which ends the solve.
-const LIMITS: Limits = Limits { tolerance: 1e-7, iterations: 2000 };
+/// Error left in a solve at first, the least, and by what it is made smaller. The outer iteration does not know how exact
+/// a solve is, but the preconditioned modes of the nearest pairs are the small differences of large numbers: with an
+/// error of 1e-5 a suspension of 55%, with gaps of 1e-6, takes several times as many outer iterations, and now and then
+/// a residual has a product below zero with what it is preconditioned to.
+const TOLERANCE: f64 = 1e-7;
+const LEAST_TOLERANCE: f64 = 1e-13;
+const SHARPER: f64 = 1e-2;
+
+/// Most iterations of a solve.
+const MOST_ITERATIONS: usize = 2000;
 
 impl<'a> ParticleMatrix<'a> {
     /// For near pairs of particles with the given resistances alone. Collective.
@@ -56,7 +63,7 @@ impl<'a> ParticleMatrix<'a> {
             (0..6).for_each(|k| block.0[k][k] += single.0[k]);
         }
         let inverse = diagonal.iter().map(Block::inverse).collect();
-        Self { comm: comm.clone(), near, exchange, diagonal, inverse, starts, entries }
+        Self { comm: comm.clone(), near, exchange, diagonal, inverse, starts, entries, tolerance: TOLERANCE }
     }
 
     /// Takes from the amplitudes of stiff pairs what the motions by these alone do to them, `B^T (M_0^-1 + B B^T)^-1 B`
@@ -71,11 +78,19 @@ impl<'a> ParticleMatrix<'a> {
         motions
     }
 
+    /// Solves more exactly from now on, unless that is as exact as it can be.
+    pub fn sharpen(&mut self) -> bool {
+        let can = self.tolerance > LEAST_TOLERANCE;
+        self.tolerance = (self.tolerance * SHARPER).max(LEAST_TOLERANCE);
+        can
+    }
+
     /// The motions under the given loads, nearly. Collective.
     fn solve(&mut self, loads: Screws) -> Screws {
         let (mut motions, mut residual) = (Screws(vec![Screw::default(); loads.0.len()]), loads);
         let comm = self.comm.clone();
-        conjugate_gradients(&comm, self, (&mut motions, &mut residual), LIMITS);
+        let limits = Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS };
+        conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
         motions
     }
 }
