@@ -1,5 +1,7 @@
 """Any number of ranks gives the same answer."""
 
+import contextlib
+import resource
 import tempfile
 import unittest
 
@@ -60,6 +62,17 @@ def crowd():
     return crowd | {name: (0.87 * np.array(crowd[name])).tolist() for name in ("box", "positions")}
 
 
+@contextlib.contextmanager
+def no_file_beyond(size):
+    """Keeps the files and the nameless memory of new processes below a size in bytes."""
+    kind, limits = resource.RLIMIT_FSIZE, resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(kind, (size, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(kind, limits)
+
+
 class RanksAgree(unittest.TestCase):
     def agree_on(self, case, tolerance, allowed=None):
         with tempfile.TemporaryDirectory() as folder:
@@ -117,3 +130,17 @@ class RanksAgree(unittest.TestCase):
         sets = {"box.edges": "[10.0, 10.0, 10.0]", "hydrodynamics.lubrication": "true"}
         sets |= {"species[0].volume_fraction": 0.1, "species[1].volume_fraction": 0.1}
         self.agree_on_run("shear.toml", sets, LUBRICATED)
+
+    def test_where_no_memory_can_be_shared(self):
+        """Messages instead, and the same bits: half of this grid's columns are 18 MB, and Open MPI itself needs 4."""
+        sets = ["box.edges=[16.0, 16.0, 16.0]", "species[0].count=20", "time.steps=1", "output.trajectory_every=1"]
+        sets += ["hydrodynamics.method=direct", "hydrodynamics.grid=[144, 144, 144]"]
+        arguments = ["run", ROOT / "scenes/settling.toml", *[word for one in sets for word in ("--set", one)], "--out"]
+        with tempfile.TemporaryDirectory() as folder:
+            run([*arguments, f"{folder}/shared"], 2)
+            with no_file_beyond(16 << 20):
+                run([*arguments, f"{folder}/messages"], 2)
+            with h5py.File(f"{folder}/shared/trajectory.h5") as shared, h5py.File(f"{folder}/messages/trajectory.h5") as messages:
+                for name in ("position", "velocity", "stresslet"):
+                    ours, theirs = (file[f"particles/all/{name}/value"][-1] for file in (shared, messages))
+                    self.assertTrue(np.array_equal(ours, theirs), name)
