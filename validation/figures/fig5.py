@@ -3,10 +3,12 @@
 import numpy as np
 
 import shear
+from cost import spheres
 from report import Report, main
 from runs import make, over_seeds
 from theory import DilutePairs
 
+DENSEST = shear.FRACTIONS[-1]
 TERMS = (("xx", "$T_{11}$"), ("yy", "$T_{22}$"), ("zz", "$T_{33}$"))
 
 
@@ -34,7 +36,22 @@ def draw(mode):
     for fraction in (0.05, 0.15):
         over = growth[shear.FRACTIONS.index(fraction)]
         report.compare(f"T22 with lubrication over without, {fraction:.0%}", "without it 10% less (paper)", 1 / 0.9, over)
+    compare_in_plane(report, cases["barrier"][DENSEST], found)
     return report
+
+
+def compare_in_plane(report, runs, found):
+    """T11 over T22 for the most spheres: at the start, where places are random, and in the run."""
+    of_pairs = "pairs of any structure (Drazer et al.)"
+    report.compare(f"T11 / T22 at {DENSEST:.0%}, start, at random", of_pairs, 1.0, over_seeds(runs, at_start))
+    in_run = quotient(*(found["barrier", term][shear.FRACTIONS.index(DENSEST)] for term in ("xx", "yy")))
+    report.compare(f"T11 / T22 at {DENSEST:.0%}", of_pairs, 1.0, in_run)
+
+
+def at_start(run):
+    """Of a run: T11 over T22 at its start, with the error that a sample of so many spheres has."""
+    along, across = (run.series(f"velocity_variance_{axis}[sphere]")[1][0] for axis in "xy")
+    return along / across, 2 / spheres(run) ** 0.5
 
 
 def judge(report, name, at_five, pairs):
