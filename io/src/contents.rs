@@ -34,6 +34,9 @@ pub struct FrameSpan {
 impl Contents {
     /// Reads a file that this program wrote.
     pub fn read(path: &Path) -> Result<Self, FileError> {
+        if path.is_dir() {
+            return Err(FileError::read(path, &"it is a folder; name a file in it, such as trajectory.h5"));
+        }
         if !path.is_file() {
             return Err(FileError::read(path, &"there is no such file"));
         }

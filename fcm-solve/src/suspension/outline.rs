@@ -55,7 +55,7 @@ impl Display for Outline {
         writeln!(f, "particles  {}, {percent:.2}% by volume, smallest gap {gap:.4}", self.particles)?;
         write!(f, "{}", self.plan.describe())?;
         writeln!(f, "steps      {}, until time {}", self.steps, self.end)?;
-        writeln!(f, "memory     about {:.0} MB on each of {} rank(s)", self.bytes_per_rank() as f64 / 1e6, self.ranks)?;
+        writeln!(f, "memory     about {:.1} MB on each of {} rank(s)", self.bytes_per_rank() as f64 / 1e6, self.ranks)?;
         let seconds = self.plan.predicted_seconds;
         writeln!(
             f,
