@@ -16,6 +16,9 @@ const STAGES: [&str; 2] = ["stage velocity 2", "stage velocity 3"];
 /// leaves a sheared box on one side and enters it on the other.
 pub const VELOCITY_COLUMNS: [&str; 6] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1]];
 
+/// Steps of the method of four steps are stable for decay `x' = -rate x` up to this product of rate and step.
+pub const STABLE: f64 = 0.3;
+
 /// Takes one step of the explicit Adams-Bashforth method of order 4,
 ///
 /// ```text

@@ -64,6 +64,14 @@ impl Barrier {
         (radii[0] + radii[1]) * (1.0 + 0.5 * self.range)
     }
 
+    /// How fast the force falls with the gap, `-dF/dr`, at a gap within the range.
+    pub fn stiffness(&self, gap: f64, radii: [f64; 2]) -> f64 {
+        let (contact, reach_squared) = (radii[0] + radii[1], self.reach(radii).powi(2));
+        let (distance, width) = (contact + gap, reach_squared - contact * contact);
+        let depth = (reach_squared - distance * distance) / width;
+        self.strength / contact * depth * (4.0 * distance * distance / width - depth)
+    }
+
     /// Force on the first sphere; `separation` is `x_j - x_i`. The second sphere feels the opposite.
     pub fn force(&self, separation: Vector, radii: [f64; 2]) -> Vector {
         let reach_squared = self.reach(radii).powi(2);
@@ -108,6 +116,16 @@ mod tests {
     fn overlap_pushes_harder_than_contact() {
         let barrier = Barrier::new(1.0, 0.1).unwrap();
         assert!(barrier.force(Vector::new(1.9, 0.0, 0.0), [1.0, 1.0]).length() > 1.0);
+    }
+
+    #[test]
+    fn stiffness_is_the_slope_of_the_force() {
+        let (barrier, radii, step) = (Barrier::new(3.0, 0.1).unwrap(), [1.0, 1.5], 1e-6);
+        for gap in [0.0, 0.03, 0.1] {
+            let force = |gap: f64| barrier.force(Vector::new(2.5 + gap, 0.0, 0.0), radii).length();
+            let slope = (force(gap - step) - force(gap + step)) / (2.0 * step);
+            assert!((barrier.stiffness(gap, radii) - slope).abs() < 1e-6 * slope, "gap {gap}");
+        }
     }
 
     #[test]

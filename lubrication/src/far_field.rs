@@ -24,6 +24,13 @@ pub fn resistance(radii: [f64; 2], distance: f64) -> Blocks {
     }
 }
 
+/// Mobility times viscosity along the line of centres with forces alone.
+pub fn axial_mobility(radii: [f64; 2], distance: f64) -> Square<2> {
+    let [first, second] = radii.map(|radius| widths(radius)[0]);
+    let mutual = -2.0 * radial_derivatives(distance, first.hypot(second))[0];
+    symmetric(radii.map(|radius| 1.0 / (6.0 * PI * radius)), mutual)
+}
+
 type Derivatives = [[[f64; 4]; 2]; 2];
 
 fn axial(r: f64, f: &Derivatives, velocity: [f64; 2], strain: [f64; 2]) -> Square<4> {

@@ -8,6 +8,7 @@ mod far_field;
 #[cfg(test)]
 mod free_pair;
 mod gaussian;
+mod opening;
 mod pair_factor;
 mod pair_force;
 mod pair_motion;
@@ -18,6 +19,7 @@ mod root_table;
 pub mod two_sphere;
 
 pub use barrier::{Barrier, BarrierError};
+pub use opening::{Detail, opening_mobility};
 pub use pair_factor::PairFactor;
 pub use pair_force::{PairForce, PairForceError};
 pub use pair_motion::{PairLoads, PairMotion};

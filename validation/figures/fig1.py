@@ -14,7 +14,7 @@ def draw(mode):
     """Places that the flow has made, and random ones; compared is what the images in the box leave out."""
     fractions = settling.MONODISPERSE
     dynamic = {phi: settling.dynamic(settling.equal_spheres(phi), mode) for phi in fractions}
-    closer = {0.20: settling.closer(dynamic[0.20])}
+    closer = {0.20: settling.dynamic(settling.equal_spheres(0.20), mode, reach=settling.SHORT_RANGE)}
     static = {phi: settling.static(settling.equal_spheres(phi), mode) for phi in fractions}
     forces = {phi: settling.static(settling.equal_spheres(phi), mode, "monopole") for phi in fractions}
     make(sum([*dynamic.values(), *closer.values(), *static.values(), *forces.values()], []))

@@ -16,16 +16,23 @@ SIZE = {
     "quick": {"time": 30.0, "settled": 5.0, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 12},
     "full": {"time": 400.0, "settled": 20.0, "seeds": 1, "scarce": 100, "least": 48.0, "placings": 12},
 }
-STEP = 0.01
-# Force at contact over the weight of the lighter sphere and the squared ratio of radii, the gap where it starts, and a shorter one.
-BARRIER, RANGE, SHORT_RANGE = 2.0, 0.2, 0.05
+# Of equal spheres; among larger ones, whose barrier is as strong as their weight over their radius, it is shorter.
+STEP = 0.02
+# Force at contact over the weight of the lighter sphere and the squared ratio of radii, that between spheres that sink and spheres that
+# rise, the gap where it starts, and a shorter one.
+BARRIER, BARRIER_OF_STREAMS, RANGE, SHORT_RANGE = 2.0, 4.0, 0.2, 0.05
 
 
-def scene(species, edge, mode, seed, time=None):
-    """A settling suspension of species given as (name, radius, density difference, volume fraction or count)."""
+def scene(species, edge, mode, seed, time=None, reach=RANGE):
+    """A settling suspension of species given as (name, radius, density difference, volume fraction or count), whose barrier starts
+    at a gap of `reach`."""
     size = SIZE[mode]
     time = size["time"] if time is None else time
     largest = max(radius for _, radius, _, _ in species)
+    step = STEP * reach / RANGE / (1 if largest == 1 else 1 + round(largest**2))
+    every = round(0.1 / step)
+    streams = any(density < 0 for _, _, density, _ in species)
+    strength = (BARRIER_OF_STREAMS if streams else BARRIER) * WEIGHT * largest**2
 
     def kind(name, radius, density, amount):
         how_many = {"count": amount} if isinstance(amount, int) else {"volume_fraction": amount}
@@ -38,11 +45,11 @@ def scene(species, edge, mode, seed, time=None):
         "fluid": {"viscosity": 1.0},
         "species": [kind(*one) for one in species],
         "particles": {"initial": "random", "minimum_gap": 0.01},
-        "repulsion": {"strength": BARRIER * WEIGHT * largest**2, "range": RANGE},
+        "repulsion": {"strength": strength, "range": reach},
         "hydrodynamics": {"tolerance": 1e-2},
-        "time": {"step": STEP, "steps": round(time / STEP)},
-        "output": {"trajectory_every": 0, "observables_every": 10, "checkpoint_every": 500},
-        "statistics": {"every": 10, "from": min(size["settled"], time), "axis": "z"},
+        "time": {"step": step, "steps": round(time / step)},
+        "output": {"trajectory_every": 0, "observables_every": every, "checkpoint_every": 500},
+        "statistics": {"every": every, "from": min(size["settled"], time), "axis": "z"},
     }
 
 
@@ -58,18 +65,14 @@ def name_of(species):
     return "-".join(f"{radius:g}_{density:g}_{amount:g}" for _, radius, density, amount in species)
 
 
-def dynamic(species, mode, edge=None, time=None):
+def dynamic(species, mode, edge=None, time=None, reach=RANGE):
     """Runs that differ in their seeds."""
     edge = edge or edge_for(species, mode)
+    which = name_of(species) if reach == RANGE else f"{name_of(species)}-{reach:g}"
     return [
-        Run(f"settling/{mode}-{name_of(species)}-{edge:.3g}-{seed}", scene(species, edge, mode, seed, time))
+        Run(f"settling/{mode}-{which}-{edge:.3g}-{seed}", scene(species, edge, mode, seed, time, reach))
         for seed in range(1, SIZE[mode]["seeds"] + 1)
     ]
-
-
-def closer(runs):
-    """The same runs with a barrier that lets spheres come closer."""
-    return [Run(f"{run.name}-closer", run.scene | {"repulsion": run.scene["repulsion"] | {"range": SHORT_RANGE}}) for run in runs]
 
 
 def static(species, mode, multipoles="dipole"):

@@ -13,14 +13,18 @@ pub struct Forces {
     barrier: Option<(Barrier, f64)>,
 }
 
+/// The repulsion of a scene, if it has one.
+pub fn barrier(scene: &SuspensionScene) -> Result<Option<Barrier>, BarrierError> {
+    let lubricated = scene.hydrodynamics.lubrication;
+    let range = if lubricated { Barrier::RANGE_WITH_LUBRICATION } else { Barrier::RANGE_ALONE };
+    scene.repulsion.map(|r| Barrier::new(r.strength, r.range.unwrap_or(range))).transpose()
+}
+
 impl Forces {
     /// The forces of a scene whose largest particle has the given radius.
     pub fn new(scene: &SuspensionScene, largest_radius: f64) -> Result<Self, BarrierError> {
-        let lubricated = scene.hydrodynamics.lubrication;
-        let range = if lubricated { Barrier::RANGE_WITH_LUBRICATION } else { Barrier::RANGE_ALONE };
-        let barrier = scene.repulsion.map(|r| Barrier::new(r.strength, r.range.unwrap_or(range)));
         let with_reach = |barrier: Barrier| (barrier, barrier.reach([largest_radius; 2]));
-        let barrier = barrier.transpose()?.map(with_reach);
+        let barrier = barrier(scene)?.map(with_reach);
         Ok(Self { species: scene.species.clone(), gravity: scene.gravity, barrier })
     }
 

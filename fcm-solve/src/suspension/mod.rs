@@ -15,6 +15,7 @@ mod outline;
 mod plan;
 mod rheology;
 mod setup;
+mod steadiness;
 mod stress;
 mod warm_start;
 

@@ -15,6 +15,16 @@ pub struct Observer {
     /// Columns in which species may separate, if there is more than one.
     columns: Option<Columns>,
     last: (u64, Instant),
+    overlaps: Overlaps,
+    repels: bool,
+}
+
+/// How often spheres were seen to overlap.
+#[derive(Debug, Clone, Copy, Default)]
+struct Overlaps {
+    rows: u64,
+    with_overlap: u64,
+    largest: f64,
 }
 
 impl Observer {
@@ -22,7 +32,17 @@ impl Observer {
     pub fn new(scene: &SuspensionScene, step: u64) -> Self {
         let species = scene.species.iter().map(|s| s.name.clone()).collect();
         let columns = (scene.species.len() > 1).then(|| columns(scene));
-        Self { species, rheology: Rheology::of(scene), columns, last: (step, Instant::now()) }
+        let (last, repels) = ((step, Instant::now()), scene.repulsion.is_some());
+        Self { species, rheology: Rheology::of(scene), columns, last, overlaps: Overlaps::default(), repels }
+    }
+
+    /// What to say of overlaps in the rows so far, if there were any.
+    pub fn warning(&self) -> Option<String> {
+        let Overlaps { rows, with_overlap, largest } = self.overlaps;
+        let remedy = if self.repels { "a larger repulsion.strength or a shorter time.step" } else { "a [repulsion]" };
+        (with_overlap > 0).then(|| {
+            format!("spheres overlap in {with_overlap} of {rows} rows of the time series, by {largest:.1e} at most; try {remedy}")
+        })
     }
 
     /// What a row consists of. Velocities are relative to the background flow; their variance is component by
@@ -51,6 +71,7 @@ impl Observer {
         let report = suspension.report();
         let seconds = self.seconds_per_step(suspension.clock().step());
         let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
+        self.overlaps.see(smallest_gap);
         let mut row = vec![components(&means), components(&variances)];
         if let Some(rheology) = &self.rheology {
             row.extend(rheology.row(&suspension.stress(self.species.len())));
@@ -90,6 +111,14 @@ impl Observer {
         let (before, began) = std::mem::replace(&mut self.last, (step, Instant::now()));
         let steps = step.saturating_sub(before).max(1);
         began.elapsed().as_secs_f64() / steps as f64
+    }
+}
+
+impl Overlaps {
+    fn see(&mut self, smallest_gap: f64) {
+        self.rows += 1;
+        self.with_overlap += u64::from(smallest_gap < 0.0);
+        self.largest = self.largest.max(-smallest_gap);
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::averages::Averages;
 use super::observe::Observer;
-use super::{ANGULAR_VELOCITY, STRESSLET, Suspension};
+use super::plan::Radii;
+use super::{ANGULAR_VELOCITY, STRESSLET, Suspension, steadiness};
 use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::simulation::Simulation;
@@ -38,6 +39,10 @@ impl Observed {
     fn of(scene: &SuspensionScene, suspension: Suspension) -> Self {
         let observer = Observer::new(scene, suspension.clock().step());
         let frame = suspension.gathered(Some(&FRAME));
+        let comm = suspension.comm();
+        if let Some(caution) = steadiness::caution(scene, &Radii::shared(&frame, comm)).filter(|_| comm.is_first()) {
+            eprintln!("warning: {caution}");
+        }
         let averages = scene.statistics.map(|wanted| Averages::new(scene, wanted, &frame));
         Self { suspension, observer, averages }
     }
@@ -82,6 +87,10 @@ impl Simulation for Observed {
     fn checkpoint(&mut self) -> anyhow::Result<Checkpoint> {
         let statistics = self.averages.as_mut().map(Averages::state).unwrap_or_default();
         Ok(Checkpoint { statistics, ..self.suspension.checkpoint() })
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.observer.warning().into_iter().collect()
     }
 
     fn write_averages(&mut self, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {

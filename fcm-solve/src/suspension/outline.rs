@@ -2,6 +2,7 @@
 
 use super::plan::problem;
 use super::setup::Setup;
+use super::steadiness;
 use domain::Comm;
 use fcm::Plan;
 use io::SuspensionScene;
@@ -24,6 +25,7 @@ pub struct Outline {
     /// Other plans, the fastest first.
     others: Vec<Plan>,
     ranks: usize,
+    caution: Option<String>,
 }
 
 impl Outline {
@@ -32,6 +34,7 @@ impl Outline {
         let setup = Setup::start(scene, comm)?;
         let mut others = Plan::ranked(&problem(scene, &setup.radii))?;
         others.retain(|plan| *plan != setup.plan);
+        let caution = steadiness::caution(scene, &setup.radii);
         Ok(Self {
             particles: setup.radii.count(),
             fraction: setup.radii.volume() / scene.cell.volume(),
@@ -41,6 +44,7 @@ impl Outline {
             plan: setup.plan,
             others,
             ranks: comm.size(),
+            caution,
         })
     }
 
@@ -65,6 +69,6 @@ impl Display for Outline {
             let label = if number == 0 { "instead" } else { "" };
             writeln!(f, "{label:<10} {:.2e} s: {}", plan.predicted_seconds, plan.in_short())?;
         }
-        Ok(())
+        self.caution.iter().try_for_each(|caution| writeln!(f, "warning: {caution}"))
     }
 }

@@ -27,6 +27,12 @@ impl Radii {
         self.0.iter().map(|(radius, count)| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * *count as f64).sum()
     }
 
+    /// The two smallest, if there are as many.
+    pub fn smallest_two(&self) -> Option<[f64; 2]> {
+        let mut smallest = self.0.iter().flat_map(|&(radius, count)| std::iter::repeat_n(radius, count.min(2)));
+        Some([smallest.next()?, smallest.next()?])
+    }
+
     /// The largest.
     pub fn largest(&self) -> f64 {
         self.0.last().map_or(0.0, |(radius, _)| *radius)

@@ -199,3 +199,59 @@ fn spheres_that_overlap_are_named_where_no_flow_is_found() {
         assert!(format!("{error:#}").starts_with(said), "{error:#}");
     }
 }
+
+/// Two spheres, apart by 0.04, that forces press together, with the repulsion at contact.
+const PRESSED: [&str; 5] = [
+    r#"species=[{ name = "left", radius = 1.0, count = 1, force = [20.0, 0.0, 0.0] },
+                { name = "right", radius = 1.0, count = 1, force = [-20.0, 0.0, 0.0] }]"#,
+    r#"flow={ kind = "none" }"#,
+    "hydrodynamics={ tolerance = 1e-3 }",
+    "particles.initial=positions",
+    "particles.positions=[[5, 7, 7], [7.04, 7, 7]]",
+];
+
+/// For steps that are a fraction of the longest, the last change of the gap of the two.
+fn last_change(fraction: f64, more: &[&str]) -> f64 {
+    let scene_with = |step: f64| scene(&[&PRESSED, more, &[&format!("time.step={step}")]].concat());
+    let radii = |scene: &SuspensionScene| plan::Radii::shared(&initial::particles(scene).unwrap(), &Comm::alone());
+    let longest = {
+        let scene = scene_with(1e-3);
+        let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+        assert_eq!(steadiness::caution(scene, &radii(scene)), None);
+        steadiness::longest_step(scene, &radii(scene)).unwrap()
+    };
+    let scene = scene_with(fraction * longest);
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    assert_eq!(steadiness::caution(scene, &radii(scene)).is_some(), fraction > 1.0);
+    let mut suspension = Suspension::start(scene, &Comm::alone()).unwrap();
+    let mut gaps = [0.0; 2];
+    for _ in 0..80 {
+        suspension.step().unwrap();
+        gaps = [gaps[1], suspension.report().smallest_gap];
+    }
+    (gaps[1] - gaps[0]).abs()
+}
+
+/// The box takes a tenth off the mobility in unbounded fluid by which the longest step is found.
+#[test]
+fn pairs_that_repulsion_holds_are_steady_up_to_the_longest_step() {
+    for more in [&[][..], &["hydrodynamics.multipoles=monopole"]] {
+        assert!(last_change(0.8, more) < 1e-6, "{more:?}");
+        assert!(last_change(1.5, more) > 1e-3, "{more:?}");
+    }
+}
+
+#[test]
+fn overlaps_are_told_with_what_helps() {
+    let scene = scene(&[&PRESSED[..], &["repulsion.strength=0", "time.step=0.1"]].concat());
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    let mut suspension = Suspension::start(scene, &Comm::alone()).unwrap();
+    let mut observer = observe::Observer::new(scene, 0);
+    observer.observe(&mut suspension);
+    assert_eq!(observer.warning(), None);
+    suspension.step().unwrap();
+    observer.observe(&mut suspension);
+    let warning = observer.warning().unwrap();
+    assert!(warning.starts_with("spheres overlap in 1 of 2 rows of the time series, by "), "{warning}");
+    assert!(warning.ends_with("at most; try a larger repulsion.strength or a shorter time.step"), "{warning}");
+}

@@ -1,0 +1,48 @@
+//! How long fixed steps may be where repulsion holds spheres apart.
+
+use super::forces::barrier;
+use super::plan::Radii;
+use crate::integrator;
+use io::{Multipoles, SuspensionScene};
+use lubrication::{Detail, opening_mobility};
+
+/// Gaps within the range of repulsion at which a pair is looked at.
+const GAPS: u32 = 16;
+
+/// What to say of a time step that is too long for the repulsion of the scene, if it is.
+pub fn caution(scene: &SuspensionScene, radii: &Radii) -> Option<String> {
+    let (step, longest) = (scene.time.step, longest_step(scene, radii)?);
+    (step > longest).then(|| {
+        format!(
+            "time.step = {step} is longer than the {longest:.1e} with which pairs are steady that repulsion holds apart: \
+             near spheres may jitter; take a shorter time.step, a weaker or wider [repulsion], or time.integrator = \
+             \"adaptive\""
+        )
+    })
+}
+
+/// The longest fixed step with which two spheres come to rest that are pushed together and held apart by repulsion: a
+/// small change of their gap decays with the rate `-dF/dr m` at the stiffness `-dF/dr` of the barrier and the mobility
+/// `m` of the pair along its line of centres, and the method is stable up to a product of that and the step. The worst
+/// gap counts, and the two smallest spheres, which are the stiffest pair. None if steps are divided as need be, or
+/// there is no repulsion.
+pub fn longest_step(scene: &SuspensionScene, radii: &Radii) -> Option<f64> {
+    let barrier = barrier(scene).ok()?.filter(|_| scene.adaptive.is_none())?;
+    let pair = radii.smallest_two()?;
+    let range = barrier.reach(pair) - pair[0] - pair[1];
+    let rate = |k: u32| {
+        let gap = range * (f64::from(k) + 0.5) / f64::from(GAPS);
+        let mobility = opening_mobility(pair, gap, detail(scene)).ok()?;
+        Some(barrier.stiffness(gap, pair) * mobility / scene.viscosity)
+    };
+    let fastest = (0..GAPS).map(rate).try_fold(0.0, |fastest: f64, rate| Some(fastest.max(rate?)))?;
+    (fastest > 0.0).then(|| integrator::STABLE / fastest)
+}
+
+fn detail(scene: &SuspensionScene) -> Detail {
+    match scene.hydrodynamics.multipoles {
+        Multipoles::Monopole => Detail::Forces,
+        Multipoles::Dipole if scene.hydrodynamics.lubrication => Detail::Exact,
+        Multipoles::Dipole => Detail::Rigid,
+    }
+}
