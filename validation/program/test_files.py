@@ -11,9 +11,11 @@ import numpy as np
 
 from program import ROOT, mobility, run
 
+STEP = 0.025
 SETS = {
     "box.edges": "[16.0, 16.0, 16.0]",
     "species[0].count": 40,
+    "time.step": STEP,
     "time.steps": 6,
     "output.trajectory_every": 2,
     "output.fields_every": 3,
@@ -54,7 +56,7 @@ class Files(unittest.TestCase):
             particles = file["particles/all"]
             self.assertEqual(particles["box"].attrs["dimension"], 3)
             np.testing.assert_array_equal(particles["position/step"], [0, 2, 4, 6])
-            np.testing.assert_allclose(particles["position/time"], 0.05 * np.arange(0, 7, 2), rtol=1e-15)
+            np.testing.assert_allclose(particles["position/time"], STEP * np.arange(0, 7, 2), rtol=1e-15)
             shapes = {"position": 3, "image": 3, "velocity": 3, "angular_velocity": 3, "stresslet": 5}
             for name, width in shapes.items():
                 self.assertEqual(particles[name]["value"].shape, (4, 40, width))
