@@ -16,7 +16,8 @@ SIZE = {
     "quick": {"time": 30.0, "settled": 5.0, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 12},
     "full": {"time": 400.0, "settled": 20.0, "seeds": 1, "scarce": 100, "least": 48.0, "placings": 12},
 }
-# Of equal spheres; among larger ones, whose barrier is as strong as their weight over their radius, it is shorter.
+# Of equal spheres; it is shorter among larger ones, whose barrier is as strong as their weight over their radius, and where spheres
+# that sink press upon others that rise.
 STEP = 0.02
 # Force at contact over the weight of the lighter sphere and the squared ratio of radii, that between spheres that sink and spheres that
 # rise, the gap where it starts, and a shorter one.
@@ -29,10 +30,10 @@ def scene(species, edge, mode, seed, time=None, reach=RANGE):
     size = SIZE[mode]
     time = size["time"] if time is None else time
     largest = max(radius for _, radius, _, _ in species)
-    step = STEP * reach / RANGE / (1 if largest == 1 else 1 + round(largest**2))
-    every = round(0.1 / step)
     streams = any(density < 0 for _, _, density, _ in species)
     strength = (BARRIER_OF_STREAMS if streams else BARRIER) * WEIGHT * largest**2
+    step = STEP * reach / RANGE / (2 if streams else 1 if largest == 1 else 1 + round(largest**2))
+    every = round(0.1 / step)
 
     def kind(name, radius, density, amount):
         how_many = {"count": amount} if isinstance(amount, int) else {"volume_fraction": amount}
