@@ -5,7 +5,7 @@ use crate::dense::inverse;
 use crate::far_field;
 use crate::two_sphere::{TwoSphere, TwoSphereError};
 
-/// What the flow around a near pair is known to.
+/// How much is known of the flow around a near pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
     /// Forces alone: spheres that need not be rigid.

@@ -23,10 +23,10 @@ pub struct ParticleMatrix<'a> {
     tolerance: f64,
 }
 
-/// Error left in a solve at first, the least, and by what it is made smaller. The outer iteration does not know how exact
-/// a solve is, but the preconditioned modes of the nearest pairs are the small differences of large numbers: with an
-/// error of 1e-5 a suspension of 55%, with gaps of 1e-6, takes several times as many outer iterations, and now and then
-/// a residual has a product below zero with what it is preconditioned to.
+/// Error left in a solve at first, the least, and by what it is made smaller. The outer iteration does not know how
+/// exact a solve is, but the preconditioned modes of the nearest pairs are the small differences of large numbers: with
+/// an error of 1e-5 a suspension of 55%, with gaps of 1e-6, takes several times as many outer iterations, and now and
+/// then a residual has a product below zero with what it is preconditioned to.
 const TOLERANCE: f64 = 1e-7;
 const LEAST_TOLERANCE: f64 = 1e-13;
 const SHARPER: f64 = 1e-2;

@@ -41,7 +41,10 @@ impl Observer {
         let Overlaps { rows, with_overlap, largest } = self.overlaps;
         let remedy = if self.repels { "a larger repulsion.strength or a shorter time.step" } else { "a [repulsion]" };
         (with_overlap > 0).then(|| {
-            format!("spheres overlap in {with_overlap} of {rows} rows of the time series, by {largest:.1e} at most; try {remedy}")
+            format!(
+                "spheres overlap in {with_overlap} of {rows} rows of the time series, by {largest:.1e} at most; try \
+                 {remedy}"
+            )
         })
     }
 

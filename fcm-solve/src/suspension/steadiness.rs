@@ -14,9 +14,9 @@ pub fn caution(scene: &SuspensionScene, radii: &Radii) -> Option<String> {
     let (step, longest) = (scene.time.step, longest_step(scene, radii)?);
     (step > longest).then(|| {
         format!(
-            "time.step = {step} is longer than the {longest:.1e} with which pairs are steady that repulsion holds apart: \
-             near spheres may jitter; take a shorter time.step, a weaker or wider [repulsion], or time.integrator = \
-             \"adaptive\""
+            "time.step = {step} is longer than the {longest:.1e} with which pairs are steady that repulsion holds \
+             apart: near spheres may jitter; take a shorter time.step, a weaker or wider [repulsion], or \
+             time.integrator = \"adaptive\""
         )
     })
 }
