@@ -10,15 +10,25 @@ use thiserror::Error;
 /// `R = c + range (a_i + a_j)/2` the distance where the barrier starts, the force on sphere `i` is
 ///
 /// ```text
-/// F_i = -(strength / c) [(R² - r²) / (R² - c²)]² (x_j - x_i)     for r < R,     0 beyond,
+/// F_i = -(F_ref / c) [(R² - r²) / (R² - c²)]² (x_j - x_i)     for r < R,     0 beyond,
 /// ```
 ///
-/// and sphere `j` feels the opposite. Its magnitude is `strength` at contact; the formula continues
+/// and sphere `j` feels the opposite. Its magnitude is `F_ref` at contact; the formula continues
 /// into overlap, where the force grows further until `r = R/√5`.
+///
+/// `F_ref` is `strength` for every pair, or grows with a power of the harmonic mean radius:
+///
+/// ```text
+/// F_ref = strength [2 a_i a_j / (a_i + a_j)]^n
+/// ```
+///
+/// Surface forces have `n = 1` (Derjaguin), and `n = 2` is how the forces grow with which shear, or spheres of one density
+/// that settle at their own Stokes velocities, press a pair together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Barrier {
     strength: f64,
     range: f64,
+    radius_power: u8,
 }
 
 /// A parameter of the barrier that makes no sense.
@@ -38,7 +48,7 @@ impl Barrier {
     /// Activation gap over the mean radius where lubrication helps.
     pub const RANGE_WITH_LUBRICATION: f64 = 0.025;
 
-    /// A barrier with force `strength` at contact that starts at a gap of `range` mean radii.
+    /// A barrier with force `strength` at contact, for every pair, that starts at a gap of `range` mean radii.
     pub fn new(strength: f64, range: f64) -> Result<Self, BarrierError> {
         if !(strength.is_finite() && strength >= 0.0) {
             return Err(BarrierError::Strength(strength));
@@ -46,12 +56,19 @@ impl Barrier {
         if !(range > 0.0 && range <= 1.0) {
             return Err(BarrierError::Range(range));
         }
-        Ok(Self { strength, range })
+        Ok(Self { strength, range, radius_power: 0 })
     }
 
-    /// Force at contact, `F_ref`.
-    pub fn strength(&self) -> f64 {
-        self.strength
+    /// The same with a force at contact that grows with a power of the harmonic mean radius; `strength` is that at a mean
+    /// of 1.
+    pub fn growing(self, radius_power: u8) -> Self {
+        Self { radius_power, ..self }
+    }
+
+    /// Force at contact of two spheres, `F_ref`.
+    pub fn strength(&self, radii: [f64; 2]) -> f64 {
+        let mean = 2.0 * radii[0] * radii[1] / (radii[0] + radii[1]);
+        self.strength * mean.powi(self.radius_power.into())
     }
 
     /// Activation gap over the mean radius.
@@ -69,7 +86,7 @@ impl Barrier {
         let (contact, reach_squared) = (radii[0] + radii[1], self.reach(radii).powi(2));
         let (distance, width) = (contact + gap, reach_squared - contact * contact);
         let depth = (reach_squared - distance * distance) / width;
-        self.strength / contact * depth * (4.0 * distance * distance / width - depth)
+        self.strength(radii) / contact * depth * (4.0 * distance * distance / width - depth)
     }
 
     /// Force on the first sphere; `separation` is `x_j - x_i`. The second sphere feels the opposite.
@@ -81,7 +98,7 @@ impl Barrier {
         }
         let contact = radii[0] + radii[1];
         let depth = (reach_squared - distance_squared) / (reach_squared - contact * contact);
-        -self.strength / contact * depth * depth * separation
+        -self.strength(radii) / contact * depth * depth * separation
     }
 }
 
@@ -119,8 +136,17 @@ mod tests {
     }
 
     #[test]
+    fn strength_grows_with_a_power_of_the_harmonic_mean_radius() {
+        let barrier = Barrier::new(5.0, 0.1).unwrap();
+        for (power, expected) in [(0, 5.0), (1, 7.5), (2, 11.25)] {
+            let force = barrier.growing(power).force(Vector::new(0.0, 4.0, 0.0), [1.0, 3.0]);
+            assert!((force - Vector::new(0.0, -expected, 0.0)).length() < 1e-13, "power {power}: {force}");
+        }
+    }
+
+    #[test]
     fn stiffness_is_the_slope_of_the_force() {
-        let (barrier, radii, step) = (Barrier::new(3.0, 0.1).unwrap(), [1.0, 1.5], 1e-6);
+        let (barrier, radii, step) = (Barrier::new(3.0, 0.1).unwrap().growing(2), [1.0, 1.5], 1e-6);
         for gap in [0.0, 0.03, 0.1] {
             let force = |gap: f64| barrier.force(Vector::new(2.5 + gap, 0.0, 0.0), radii).length();
             let slope = (force(gap - step) - force(gap + step)) / (2.0 * step);

@@ -39,14 +39,35 @@ def lattice(count, edge, random):
 
 def sweep(centres, edge, reach, random):
     """Tries to move each sphere once."""
+    others = candidates(centres, edge, 2 + 2 * np.sqrt(3) * reach)
     for i in random.permutation(len(centres)):
         trial = centres[i] + random.uniform(-reach, reach, 3)
-        apart = centres - trial
+        near = others[i]
+        apart = centres[near] - trial
         apart -= edge * np.round(apart / edge)
         squares = np.einsum("ij,ij->i", apart, apart)
-        squares[i] = np.inf
+        squares[near == i] = np.inf
         if squares.min() > 4:
             centres[i] = trial % edge
+
+
+def candidates(centres, edge, distance):
+    """By sphere the numbers of all that may be within a distance, those of its own and the next cells; free places of a row hold
+    the sphere's own number. Every sphere, where the box is too small for cells."""
+    count, cells = len(centres), int(edge / distance)
+    if cells < 4:
+        return np.broadcast_to(np.arange(count), (count, count))
+    at = (centres / edge * cells).astype(int) % cells
+    cell = np.ravel_multi_index(at.T, (cells,) * 3)
+    order = np.argsort(cell)
+    held = np.bincount(cell, minlength=cells**3)
+    place = np.arange(count) - np.repeat(np.cumsum(held) - held, held)
+    members = np.full((cells**3, held.max()), -1)
+    members[cell[order], place] = order
+    steps = np.stack(np.meshgrid(*[(-1, 0, 1)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    around = np.ravel_multi_index(np.moveaxis((at[:, None] + steps) % cells, -1, 0), (cells,) * 3)
+    near = members[around].reshape(count, -1)
+    return np.where(near < 0, np.arange(count)[:, None], near)
 
 
 def smallest_gap(centres, edge):

@@ -3,7 +3,7 @@
 use super::near::Near;
 use domain::{Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
-use io::{Species, SuspensionScene};
+use io::{Repulsion, Species, SuspensionScene};
 use lubrication::{Barrier, BarrierError};
 
 /// Steady forces and torques by species, weight, and the repulsion barrier.
@@ -17,7 +17,8 @@ pub struct Forces {
 pub fn barrier(scene: &SuspensionScene) -> Result<Option<Barrier>, BarrierError> {
     let lubricated = scene.hydrodynamics.lubrication;
     let range = if lubricated { Barrier::RANGE_WITH_LUBRICATION } else { Barrier::RANGE_ALONE };
-    scene.repulsion.map(|r| Barrier::new(r.strength, r.range.unwrap_or(range))).transpose()
+    let barrier = |r: Repulsion| Ok(Barrier::new(r.strength, r.range.unwrap_or(range))?.growing(r.radius_power));
+    scene.repulsion.map(barrier).transpose()
 }
 
 impl Forces {

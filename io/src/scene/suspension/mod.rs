@@ -67,8 +67,10 @@ pub enum Flow {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Repulsion {
-    /// Force at contact.
+    /// Force at contact, over the `radius_power`-th power of the harmonic mean radius of the two.
     pub strength: f64,
+    /// The power, 0, 1 or 2, of the harmonic mean radius with which the force grows.
+    pub radius_power: u8,
     /// The gap where it starts over the mean radius of the two; the program's default where the scene has none.
     pub range: Option<f64>,
     /// Whether the strength is only where the search for the least sufficient one starts.
@@ -190,11 +192,20 @@ fn repulsion(raw: &raw::Repulsion) -> Result<Repulsion, Fault> {
         let message = format!("is {range}; the gap where the barrier starts needs 0 < range <= 1, in mean radii");
         return Err(Fault::new("repulsion.range", message));
     }
+    if raw.radius_power > 2 {
+        let message = format!(
+            "is {}; the force at contact grows with the 0th (the same for all, the default), 1st or 2nd power of the \
+             harmonic mean radius of the two spheres",
+            raw.radius_power
+        );
+        return Err(Fault::new("repulsion.radius_power", message));
+    }
     if raw.calibrate && raw.strength == 0.0 {
         let message = "is 0, but repulsion.calibrate is true; give the strength where the search starts";
         return Err(Fault::new("repulsion.strength", message));
     }
-    Ok(Repulsion { strength: raw.strength, range: raw.range, calibrate: raw.calibrate })
+    let raw::Repulsion { strength, range, radius_power, calibrate } = *raw;
+    Ok(Repulsion { strength, radius_power, range, calibrate })
 }
 
 fn hydrodynamics(raw: &raw::Hydrodynamics) -> Result<Hydrodynamics, Fault> {

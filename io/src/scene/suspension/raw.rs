@@ -103,6 +103,8 @@ pub(super) struct Repulsion {
     pub(super) strength: f64,
     pub(super) range: Option<f64>,
     #[serde(default)]
+    pub(super) radius_power: u8,
+    #[serde(default)]
     pub(super) calibrate: bool,
 }
 
