@@ -16,16 +16,72 @@ const STAGES: [&str; 2] = ["stage velocity 2", "stage velocity 3"];
 /// leaves a sheared box on one side and enters it on the other.
 pub const VELOCITY_COLUMNS: [&str; 6] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1]];
 
-/// Steps of the method of four steps are stable for decay `x' = -rate x` up to this product of rate and step.
-pub const STABLE: f64 = 0.3;
-
-/// Takes one step of the explicit Adams-Bashforth method of order 4,
+/// The explicit Adams-Bashforth method of order `p`,
 ///
 /// ```text
-/// x_{n+1} = x_n + dt/24 (55 v_n - 59 v_{n-1} + 37 v_{n-2} - 9 v_{n-3}),
+/// x_{n+1} = x_n + dt/2 (3 v_n - v_{n-1})                                       p = 2
+/// x_{n+1} = x_n + dt/12 (23 v_n - 16 v_{n-1} + 5 v_{n-2})                      p = 3
+/// x_{n+1} = x_n + dt/24 (55 v_n - 59 v_{n-1} + 37 v_{n-2} - 9 v_{n-3})         p = 4
 /// ```
 ///
-/// or, in the first three steps, of the classical Runge-Kutta method of the same order, which needs no past.
+/// and, in the first steps, which have no past, the classical Runge-Kutta method of order 4.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AdamsBashforth {
+    /// Order 2.
+    Two,
+    /// Order 3.
+    Three,
+    /// Order 4.
+    Four,
+}
+
+impl AdamsBashforth {
+    /// The method of an order, 2 to 4.
+    ///
+    /// # Panics
+    ///
+    /// If there is none of that order, which scenes are checked for.
+    pub fn of_order(order: u8) -> Self {
+        match order {
+            2 => Self::Two,
+            3 => Self::Three,
+            4 => Self::Four,
+            _ => panic!("no Adams-Bashforth method of order {order}"),
+        }
+    }
+
+    /// Steps are stable for decay `x' = -rate x` up to this product of rate and step.
+    pub fn stable(self) -> f64 {
+        match self {
+            Self::Two => 1.0,
+            Self::Three => 6.0 / 11.0,
+            Self::Four => 0.3,
+        }
+    }
+
+    /// Steps that have no past to go on from.
+    fn first_steps(self) -> u64 {
+        match self {
+            Self::Two => 1,
+            Self::Three => 2,
+            Self::Four => 3,
+        }
+    }
+
+    fn go(self, particles: &mut Particles, dt: f64) {
+        match self {
+            Self::Two => move_by(particles, [VELOCITY, PAST[0]], [3.0, -1.0].map(|w| w / 2.0 * dt)),
+            Self::Three => move_by(particles, [VELOCITY, PAST[0], PAST[1]], [23.0, -16.0, 5.0].map(|w| w / 12.0 * dt)),
+            Self::Four => {
+                let weights = [55.0, -59.0, 37.0, -9.0].map(|w| w / 24.0 * dt);
+                move_by(particles, [VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
+            }
+        }
+        remember(particles);
+    }
+}
+
+/// Takes one step.
 ///
 /// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step;
 /// it may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
@@ -33,20 +89,15 @@ pub const STABLE: f64 = 0.3;
 pub fn advance<E>(
     particles: &mut Particles,
     clock: &Clock,
+    method: AdamsBashforth,
     mut evaluate: impl FnMut(&mut Particles, f64) -> Result<(), E>,
 ) -> Result<(), E> {
-    if clock.step() < 3 {
+    if clock.step() < method.first_steps() {
         runge_kutta(particles, clock.dt(), &mut evaluate)?;
     } else {
-        adams_bashforth(particles, clock.dt());
+        method.go(particles, clock.dt());
     }
     evaluate(particles, 1.0)
-}
-
-fn adams_bashforth(particles: &mut Particles, dt: f64) {
-    let weights = [55.0, -59.0, 37.0, -9.0].map(|w| w / 24.0 * dt);
-    move_by(particles, [VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
-    remember(particles);
 }
 
 fn runge_kutta<E>(
@@ -107,7 +158,7 @@ mod tests {
     }
 
     /// The distance from the exact place `t = 2` after a number of steps.
-    fn error(steps: u64) -> f64 {
+    fn error(method: AdamsBashforth, steps: u64) -> f64 {
         let mut particles = Particles::default();
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
@@ -117,7 +168,7 @@ mod tests {
                 circle(particles, clock.time_at(fraction));
                 Ok::<(), ()>(())
             };
-            advance(&mut particles, &clock, go).unwrap();
+            advance(&mut particles, &clock, method, go).unwrap();
             clock.tick();
         }
         let angle = 2.0_f64 + 2.0;
@@ -125,10 +176,40 @@ mod tests {
     }
 
     #[test]
-    fn the_order_is_four() {
-        for steps in [100, 200, 400] {
-            let order = (error(steps) / error(2 * steps)).log2();
-            assert!((order - 4.0).abs() < 0.15, "order {order} from {steps} steps");
+    fn errors_fall_with_the_order_of_the_method() {
+        for expected in [2, 3, 4] {
+            let method = AdamsBashforth::of_order(expected);
+            for steps in [100, 200, 400] {
+                let order = (error(method, steps) / error(method, 2 * steps)).log2();
+                assert!((order - f64::from(expected)).abs() < 0.15, "order {order} of {method:?} from {steps} steps");
+            }
+        }
+    }
+
+    /// What is left after 4,000 steps of a displacement that decays at rate 1.
+    fn left_of_decay(method: AdamsBashforth, dt: f64) -> f64 {
+        let decay = |particles: &mut Particles, _: f64| {
+            let velocities: Vec<Vector> = particles.positions.iter().map(|&x| -x).collect();
+            particles.vectors(VELOCITY).copy_from_slice(&velocities);
+            Ok::<(), ()>(())
+        };
+        let mut particles = Particles::default();
+        particles.push(0, Vector::X, 1.0, 0);
+        decay(&mut particles, 0.0).unwrap();
+        let mut clock = Clock::at(0, dt);
+        for _ in 0..4000 {
+            advance(&mut particles, &clock, method, decay).unwrap();
+            clock.tick();
+        }
+        particles.positions[0].length()
+    }
+
+    #[test]
+    fn decay_is_stable_up_to_the_limit_of_each_method() {
+        for method in [AdamsBashforth::Two, AdamsBashforth::Three, AdamsBashforth::Four] {
+            let (within, beyond) = (0.99 * method.stable(), 1.01 * method.stable());
+            assert!(left_of_decay(method, within) < 1e-6, "{method:?} is unstable at {within}");
+            assert!(left_of_decay(method, beyond) > 1e6, "{method:?} is stable at {beyond}");
         }
     }
 
@@ -142,7 +223,7 @@ mod tests {
             let mut clock = Clock::at(0, dt);
             for _ in 0..3 {
                 let time = clock;
-                advance(&mut particles, &clock, |p, f| {
+                advance(&mut particles, &clock, AdamsBashforth::Four, |p, f| {
                     circle(p, time.time_at(f));
                     Ok::<(), ()>(())
                 })
@@ -157,7 +238,7 @@ mod tests {
         let mut particles = Particles::default();
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
-        advance(&mut particles, &Clock::at(0, 0.1), |_, _| Ok::<(), ()>(())).unwrap();
+        advance(&mut particles, &Clock::at(0, 0.1), AdamsBashforth::Four, |_, _| Ok::<(), ()>(())).unwrap();
         assert!(particles.columns.iter().all(|c| !STAGES.contains(&c.name.as_str())), "no stage outlives its step");
     }
 
@@ -166,6 +247,7 @@ mod tests {
         let mut particles = Particles::default();
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
-        assert_eq!(advance(&mut particles, &Clock::at(5, 0.1), |_, _| Err("no")), Err("no"));
+        let method = AdamsBashforth::Four;
+        assert_eq!(advance(&mut particles, &Clock::at(5, 0.1), method, |_, _| Err("no")), Err("no"));
     }
 }

@@ -16,12 +16,12 @@ SIZE = {
     "quick": {"time": 30.0, "settled": 5.0, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 12},
     "full": {"time": 400.0, "settled": 20.0, "seeds": 1, "scarce": 100, "least": 48.0, "placings": 12},
 }
-# Of equal spheres; it is shorter among larger ones, whose barrier is as strong as their weight over their radius, and where spheres
-# that sink press upon others that rise.
-STEP = 0.02
-# Force at contact over the weight of the lighter sphere and the squared ratio of radii, that between spheres that sink and spheres that
-# rise, the gap where it starts, and a shorter one.
-BARRIER, BARRIER_OF_STREAMS, RANGE, SHORT_RANGE = 2.0, 4.0, 0.2, 0.05
+# Of steps of order 2, which bear a stiffer barrier than those of order 4, about half of the longest with which pairs of equal
+# spheres are steady.
+STEP = 0.05
+# Force at contact over the weight of a small sphere and the squared harmonic mean radius, of equal spheres and of unlike ones, the gap
+# where it starts, and a shorter one.
+BARRIER, BARRIER_OF_UNLIKE, RANGE, SHORT_RANGE = 2.0, 4.0, 0.2, 0.05
 
 
 def scene(species, edge, mode, seed, time=None, reach=RANGE):
@@ -29,10 +29,9 @@ def scene(species, edge, mode, seed, time=None, reach=RANGE):
     at a gap of `reach`."""
     size = SIZE[mode]
     time = size["time"] if time is None else time
-    largest = max(radius for _, radius, _, _ in species)
-    streams = any(density < 0 for _, _, density, _ in species)
-    strength = (BARRIER_OF_STREAMS if streams else BARRIER) * WEIGHT * largest**2
-    step = STEP * reach / RANGE / (2 if streams else 1 if largest == 1 else 1 + round(largest**2))
+    alike = all(radius == 1 and density > 0 for _, radius, density, _ in species)
+    strength = BARRIER if alike else BARRIER_OF_UNLIKE
+    step = STEP * reach / RANGE * BARRIER / strength
     every = round(0.1 / step)
 
     def kind(name, radius, density, amount):
@@ -46,9 +45,9 @@ def scene(species, edge, mode, seed, time=None, reach=RANGE):
         "fluid": {"viscosity": 1.0},
         "species": [kind(*one) for one in species],
         "particles": {"initial": "random", "minimum_gap": 0.01},
-        "repulsion": {"strength": strength, "range": reach},
+        "repulsion": {"strength": strength * WEIGHT, "range": reach, "radius_power": 2},
         "hydrodynamics": {"tolerance": 1e-2},
-        "time": {"step": step, "steps": round(time / step)},
+        "time": {"step": step, "steps": round(time / step), "order": 2},
         "output": {"trajectory_every": 0, "observables_every": every, "checkpoint_every": 500},
         "statistics": {"every": every, "from": min(size["settled"], time), "axis": "z"},
     }

@@ -20,12 +20,12 @@ mod stress;
 mod warm_start;
 
 use crate::clock::Clock;
-use crate::integrator;
+use crate::integrator::{self, AdamsBashforth};
 use domain::{Column, Comm, Particles, PeriodicBox, Vector};
 pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
 use dynamics::{Dynamics, Moment, Outcome};
 use integrator::VELOCITY;
-use io::{Adaptive, Checkpoint, SuspensionScene};
+use io::{Checkpoint, Integrator, SuspensionScene};
 pub use observed::Observed;
 pub use outline::Outline;
 use setup::Setup;
@@ -37,7 +37,7 @@ pub struct Suspension {
     particles: Particles,
     dynamics: Dynamics,
     clock: Clock,
-    control: Option<Adaptive>,
+    integrator: Integrator,
     outcome: Outcome,
     /// Evaluations of the mobility in the last step.
     evaluations: u64,
@@ -65,8 +65,8 @@ impl Suspension {
         let (mut dynamics, mut particles) = Dynamics::new(scene, Setup::start(scene, comm)?)?;
         let clock = Clock::at(0, scene.time.step);
         let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0))?;
-        let (control, evaluations) = (scene.adaptive, dynamics.evaluations());
-        Ok(Self { particles, dynamics, clock, control, outcome, evaluations, comm: comm.clone() })
+        let (integrator, evaluations) = (scene.integrator, dynamics.evaluations());
+        Ok(Self { particles, dynamics, clock, integrator, outcome, evaluations, comm: comm.clone() })
     }
 
     /// A scene as a checkpoint has it, which the first rank brings. Collective.
@@ -78,8 +78,8 @@ impl Suspension {
         initial::share_columns(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(scene, Setup::at(scene, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], scene.time.step);
-        let (control, outcome) = (scene.adaptive, Outcome::default());
-        let mut resumed = Self { particles, dynamics, clock, control, outcome, evaluations: 0, comm: comm.clone() };
+        let (integrator, outcome) = (scene.integrator, Outcome::default());
+        let mut resumed = Self { particles, dynamics, clock, integrator, outcome, evaluations: 0, comm: comm.clone() };
         if then.is_some_and(|plan| plan != resumed.plan()) {
             eprintln!(
                 "warning: the fluid is computed in another way than before, so the run goes on, but not bit for bit"
@@ -90,11 +90,13 @@ impl Suspension {
 
     /// Takes one step. `Err` on every rank or on none.
     pub fn step(&mut self) -> Result<(), StepError> {
-        let Self { particles, dynamics, clock, outcome, control, .. } = self;
+        let Self { particles, dynamics, clock, outcome, integrator, .. } = self;
         let before = dynamics.evaluations();
-        *outcome = match control {
-            Some(control) => adaptive::advance(particles, clock, control, dynamics)?,
-            None => fixed_step(particles, clock, dynamics)?,
+        *outcome = match integrator {
+            Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
+            Integrator::AdamsBashforth { order } => {
+                fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
+            }
         };
         self.evaluations = dynamics.evaluations() - before;
         self.clock.tick();
@@ -173,10 +175,15 @@ impl Suspension {
 }
 
 /// One step of the method of fixed steps.
-fn fixed_step(particles: &mut Particles, clock: &Clock, dynamics: &mut Dynamics) -> Result<Outcome, StepError> {
+fn fixed_step(
+    particles: &mut Particles,
+    clock: &Clock,
+    method: AdamsBashforth,
+    dynamics: &mut Dynamics,
+) -> Result<Outcome, StepError> {
     let mut outcome = Outcome::default();
     dynamics.remember(particles);
-    integrator::advance(particles, clock, |particles, fraction| {
+    integrator::advance(particles, clock, method, |particles, fraction| {
         outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction))?;
         Ok(())
     })?;

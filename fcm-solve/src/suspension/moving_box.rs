@@ -76,7 +76,7 @@ impl MovingBox {
 mod tests {
     use super::*;
     use crate::clock::Clock;
-    use crate::integrator::{VELOCITY, advance};
+    use crate::integrator::{AdamsBashforth, VELOCITY, advance};
 
     /// Carried by the flow alone, a particle's place without periodicity is known: `x0 + rate y0 t + drift t`, and the
     /// integrator is exact for it, whatever images it passes through and however often the lattice turns back.
@@ -97,7 +97,7 @@ mod tests {
         let mut clock = Clock::at(0, 0.05);
         for _ in 0..400 {
             let now = clock;
-            advance(&mut particles, &clock, |particles, fraction| {
+            advance(&mut particles, &clock, AdamsBashforth::Four, |particles, fraction| {
                 moving.go_to(now.time_at(fraction), particles);
                 flow(particles);
                 Ok::<(), ()>(())

@@ -2,8 +2,8 @@
 
 use super::forces::barrier;
 use super::plan::Radii;
-use crate::integrator;
-use io::{Multipoles, SuspensionScene};
+use crate::integrator::AdamsBashforth;
+use io::{Integrator, Multipoles, SuspensionScene};
 use lubrication::{Detail, opening_mobility};
 
 /// Gaps within the range of repulsion at which a pair is looked at.
@@ -12,10 +12,11 @@ const GAPS: u32 = 16;
 /// What to say of a time step that is too long for the repulsion of the scene, if it is.
 pub fn caution(scene: &SuspensionScene, radii: &Radii) -> Option<String> {
     let (step, longest) = (scene.time.step, longest_step(scene, radii)?);
+    let lower = if scene.integrator == (Integrator::AdamsBashforth { order: 2 }) { "" } else { " time.order = 2," };
     (step > longest).then(|| {
         format!(
             "time.step = {step} is longer than the {longest:.1e} with which pairs are steady that repulsion holds \
-             apart: near spheres may jitter; take a shorter time.step, a weaker or wider [repulsion], or \
+             apart: near spheres may jitter; take a shorter time.step,{lower} a weaker or wider [repulsion], or \
              time.integrator = \"adaptive\""
         )
     })
@@ -27,7 +28,8 @@ pub fn caution(scene: &SuspensionScene, radii: &Radii) -> Option<String> {
 /// gap counts, and the two smallest spheres, which are the stiffest pair. None if steps are divided as need be, or
 /// there is no repulsion.
 pub fn longest_step(scene: &SuspensionScene, radii: &Radii) -> Option<f64> {
-    let barrier = barrier(scene).ok()?.filter(|_| scene.adaptive.is_none())?;
+    let Integrator::AdamsBashforth { order } = scene.integrator else { return None };
+    let barrier = barrier(scene).ok()??;
     let pair = radii.smallest_two()?;
     let range = barrier.reach(pair) - pair[0] - pair[1];
     let rate = |k: u32| {
@@ -36,7 +38,7 @@ pub fn longest_step(scene: &SuspensionScene, radii: &Radii) -> Option<f64> {
         Some(barrier.stiffness(gap, pair) * mobility / scene.viscosity)
     };
     let fastest = (0..GAPS).map(rate).try_fold(0.0, |fastest: f64, rate| Some(fastest.max(rate?)))?;
-    (fastest > 0.0).then(|| integrator::STABLE / fastest)
+    (fastest > 0.0).then(|| AdamsBashforth::of_order(order).stable() / fastest)
 }
 
 fn detail(scene: &SuspensionScene) -> Detail {

@@ -235,7 +235,7 @@ fn last_change(fraction: f64, more: &[&str]) -> f64 {
 /// The box takes a tenth off the mobility in unbounded fluid by which the longest step is found.
 #[test]
 fn pairs_that_repulsion_holds_are_steady_up_to_the_longest_step() {
-    for more in [&[][..], &["hydrodynamics.multipoles=monopole"]] {
+    for more in [&[][..], &["hydrodynamics.multipoles=monopole"], &["time.order=3"], &["time.order=2"]] {
         assert!(last_change(0.8, more) < 1e-6, "{more:?}");
         assert!(last_change(1.5, more) > 1e-3, "{more:?}");
     }

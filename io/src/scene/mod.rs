@@ -20,8 +20,8 @@ pub use shear_cell::ShearCellScene;
 pub use shear_cell_continuum::ContinuumScene;
 use std::path::Path;
 pub use suspension::{
-    Adaptive, Axis, Evaluation, Flow, Hydrodynamics, Lattice, Multipoles, Repulsion, Species, Start, Statistics,
-    SuspensionScene,
+    Adaptive, Axis, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, Multipoles, Repulsion, Species, Start,
+    Statistics, SuspensionScene,
 };
 
 /// A scene that has been checked: every number is in its range, and whatever the file left out has its default. Only

@@ -40,8 +40,8 @@ pub struct SuspensionScene {
     pub hydrodynamics: Hydrodynamics,
     /// Time step and number of steps.
     pub time: Time,
-    /// How steps are divided where that is needed; `None` for steps that are all alike.
-    pub adaptive: Option<Adaptive>,
+    /// How a step is taken.
+    pub integrator: Integrator,
     /// What is written, where and when.
     pub output: Output,
     /// What is averaged.
@@ -105,6 +105,18 @@ pub struct Hydrodynamics {
     pub preconditioner: bool,
 }
 
+/// How a step is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Integrator {
+    /// All steps are alike, by the Adams-Bashforth method of an order from 2 to 4.
+    AdamsBashforth {
+        /// Its order.
+        order: u8,
+    },
+    /// Each in as many parts as are needed.
+    Adaptive(Adaptive),
+}
+
 /// What limits the length of a substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -139,7 +151,7 @@ impl SuspensionScene {
             output: output(raw.output, time.steps),
             statistics: raw.statistics.as_ref().map(|s| Statistics::checked(s, &cell)).transpose()?,
             cell,
-            adaptive: adaptive(&raw.time)?,
+            integrator: integrator(&raw.time)?,
             gravity,
             species,
             time,
@@ -268,7 +280,19 @@ fn time(raw: &raw::Time) -> Result<Time, Fault> {
     Time::until(raw.step, raw.steps, raw.duration)
 }
 
-fn adaptive(raw: &raw::Time) -> Result<Option<Adaptive>, Fault> {
+fn integrator(raw: &raw::Time) -> Result<Integrator, Fault> {
+    let adaptive = raw.integrator == raw::Integrator::Adaptive;
+    let order = raw.order.unwrap_or(4);
+    if adaptive && raw.order.is_some() {
+        let message = "is set, but \"adaptive\" chooses its own; leave it out";
+        return Err(Fault::new("time.order", message));
+    }
+    if !(2..=4).contains(&order) {
+        return Err(Fault::new(
+            "time.order",
+            format!("is {order}; the Adams-Bashforth methods here have order 2, 3 or 4"),
+        ));
+    }
     let mut chosen = Adaptive::default();
     for (name, given, value) in [
         ("tolerance", raw.tolerance, &mut chosen.tolerance),
@@ -276,7 +300,7 @@ fn adaptive(raw: &raw::Time) -> Result<Option<Adaptive>, Fault> {
     ] {
         let key = format!("time.{name}");
         match given {
-            Some(_) if raw.integrator != raw::Integrator::Adaptive => {
+            Some(_) if !adaptive => {
                 let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or leave it out";
                 return Err(Fault::new(key, message));
             }
@@ -284,7 +308,7 @@ fn adaptive(raw: &raw::Time) -> Result<Option<Adaptive>, Fault> {
             None => {}
         }
     }
-    Ok((raw.integrator == raw::Integrator::Adaptive).then_some(chosen))
+    Ok(if adaptive { Integrator::Adaptive(chosen) } else { Integrator::AdamsBashforth { order } })
 }
 
 fn output(raw: raw::Output, steps: u64) -> Output {

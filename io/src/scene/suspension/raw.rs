@@ -178,6 +178,7 @@ pub(super) struct Time {
     pub(super) duration: Option<f64>,
     #[serde(default)]
     pub(super) integrator: Integrator,
+    pub(super) order: Option<u8>,
     pub(super) tolerance: Option<f64>,
     pub(super) gap_fraction: Option<f64>,
 }
