@@ -11,6 +11,8 @@ from runs import make, over_seeds
 
 # Means over parts of a run that show its course.
 BLOCKS = 20
+# Distance of the centres up to which two spheres count as near.
+NEAR = 2.3
 
 
 def draw(mode):
@@ -63,7 +65,20 @@ def streams(report, totals, dynamic, places):
     early, late = np.mean(blocks[: BLOCKS // 4], axis=0)[1], np.mean(blocks[-BLOCKS // 4 :], axis=0)[1]
     told = f"{early:.3f} in the first quarter, {late:.3f} in the last, {shown((at_places, error))} at equilibrium"
     report.state(f"first, γ = -1, {totals[-1]:.0%}, in the box", "larger in runs (paper)", told, late > at_places + 2 * error)
+    beside, above = (np.mean([near(run, *cosines) for run, *_ in dynamic]) for cosines in ((0.0, 0.25), (0.75, 1.0)))
+    told = f"{beside:.2f} beside each other, {above:.2f} one above the other"
+    quantity = f"g of two that differ, up to a gap of {NEAR - 2:.1g}, γ = -1"
+    report.state(quantity, "alike in all directions (equilibrium)", told, abs(beside - above) < 0.1 * above)
     report.label("Stokes times", "$U_1 / U_{o1}$ in the box, $\\gamma = -1$", 2)
+    report.panels[2].margins(y=0.4)
+    report.panels[2].legend(fontsize=7, ncols=4, loc="upper center")
+
+
+def near(run, least, most):
+    """The pair distribution of one of each species near contact, where the cosine of the angle to the vertical is between two
+    numbers."""
+    distances, cosines, values = run.columns("pairs_by_angle", "distance", "cosine", "g", first="first", second="second")
+    return np.mean([g for r, c, g in zip(distances, cosines, values) if 2 < r < NEAR and least < c < most])
 
 
 if __name__ == "__main__":
