@@ -19,17 +19,29 @@ pub(crate) struct Around {
     who: Vec<Neighbour>,
     positions: [Vec<f64>; 3],
     is_near: Vec<bool>,
+    found: Vec<u32>,
 }
 
 impl Around {
+    /// Calls `visit` with the row of each that is within a distance of `centre` and comes after `itself`, and the way to it.
+    pub fn each_later(&mut self, (centre, itself): (Vector, u32), distance: f64, mut visit: impl FnMut(u32, Vector)) {
+        self.mark_near(centre, distance);
+        self.found.resize(self.who.len(), 0);
+        let mut found = 0;
+        for (place, (who, &is_near)) in self.who.iter().zip(&self.is_near).enumerate() {
+            // Without a branch, which would be mispredicted all the time.
+            self.found[found] = place as u32;
+            found += usize::from(is_near) * usize::from(who.row > itself);
+        }
+        for place in self.found[..found].iter().map(|&place| place as usize) {
+            let [x, y, z] = &self.positions;
+            visit(self.who[place].row, Vector::new(x[place], y[place], z[place]) - centre);
+        }
+    }
+
     /// Appends those within a distance of `centre`, but not the particle `itself`.
     pub fn append_near(&mut self, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<Neighbour>) {
-        let [x, y, z] = &self.positions;
-        self.is_near.clear();
-        self.is_near.extend(x.iter().zip(y).zip(z).map(|((x, y), z)| {
-            let (dx, dy, dz) = (x - centre.x, y - centre.y, z - centre.z);
-            dx * dx + dy * dy + dz * dz < distance * distance
-        }));
+        self.mark_near(centre, distance);
         let itself = Neighbour { row: itself, steps: [0; 3] };
         let mut found = near.len();
         near.resize(found + self.who.len(), itself);
@@ -39,6 +51,16 @@ impl Around {
             found += usize::from(is_near) * usize::from(who != itself);
         }
         near.truncate(found);
+    }
+
+    /// Notes which are within a distance of `centre`.
+    fn mark_near(&mut self, centre: Vector, distance: f64) {
+        let [x, y, z] = &self.positions;
+        self.is_near.clear();
+        self.is_near.extend(x.iter().zip(y).zip(z).map(|((x, y), z)| {
+            let (dx, dy, dz) = (x - centre.x, y - centre.y, z - centre.z);
+            dx * dx + dy * dy + dz * dz < distance * distance
+        }));
     }
 }
 

@@ -18,7 +18,7 @@ pub use comm::{Comm, CommError, Failure, Window};
 pub use exchange::{Exchange, Reach};
 pub use neighbours::{Neighbour, Neighbours};
 pub use packing::{PackingError, random_packing};
-pub use pairs::{Pair, Pairs};
+pub use pairs::{Pair, Pairs, fold_pairs};
 pub use particles::{Column, ColumnError, Particles};
 pub use partition::{Partition, block, block_of};
 pub use periodic_box::{BoxError, PeriodicBox};

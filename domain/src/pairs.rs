@@ -1,5 +1,6 @@
 //! Near pairs.
 
+use crate::cells::{Around, Cells};
 use crate::{Neighbours, PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -53,6 +54,36 @@ impl Pairs {
     pub fn list(&self) -> &[Pair] {
         &self.list
     }
+}
+
+/// Folds over the pairs of different particles within a cutoff, all of which are on this rank, without a list of them: each
+/// once, in no particular order, by the rows of its particles, the lesser first, and the vector from that to the image of
+/// the other that is meant. Some values that `start` begins come out, each of which has seen a part of the pairs.
+pub fn fold_pairs<T: Send>(
+    cell: &PeriodicBox,
+    positions: &[Vector],
+    cutoff: f64,
+    start: impl Fn() -> T + Sync,
+    visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
+) -> Vec<T> {
+    let cells = Cells::sort(cell, positions, cutoff);
+    let share = cells.count().div_ceil(4 * rayon::current_num_threads());
+    (0..cells.count().div_ceil(share))
+        .into_par_iter()
+        .map(|part| {
+            let (mut seen, mut around) = (start(), Around::default());
+            for home in part * share..cells.count().min((part + 1) * share) {
+                if !cells.members(home).is_empty() {
+                    cells.collect_around(cell, home, &mut around);
+                }
+                for &i in cells.members(home) {
+                    let other = |j: u32, separation: Vector| visit(&mut seen, [i, j], separation);
+                    around.each_later((positions[i as usize], i), cutoff, other);
+                }
+            }
+            seen
+        })
+        .collect()
 }
 
 /// Of the two ways to write a pair, the one with the smaller id first is kept; of a particle and its own image, the one
@@ -121,6 +152,31 @@ mod tests {
             let ids: Vec<u64> = (0..count).collect();
             let pairs = Pairs::find(&cell, &positions, &ids, count as usize, cutoff);
             prop_assert!(close(&distances(&pairs, &cell, &positions), &brute_force(&cell, &positions, cutoff)));
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn folded_pairs_are_those_of_the_list(
+            seed in 1.0..100.0, strain in -0.6..0.6, cutoff in 0.2..3.5, count in 1_u64..60,
+        ) {
+            let cell = PeriodicBox::sheared(Vector::new(2.0, 1.7, 2.4), strain).unwrap();
+            let positions = random(count, &cell, seed);
+            let ids: Vec<u64> = (0..count).collect();
+            let pairs = Pairs::find(&cell, &positions, &ids, count as usize, cutoff);
+            let others = pairs.list().iter().filter(|pair| pair.i != pair.j);
+            let mut expected: Vec<_> = others.map(|p| ([p.i, p.j], p.separation(&cell, &positions))).collect();
+            let visit = |seen: &mut Vec<_>, pair: [u32; 2], separation| seen.push((pair, separation));
+            let mut found = fold_pairs(&cell, &positions, cutoff, Vec::new, visit).concat();
+            for list in [&mut expected, &mut found] {
+                // Images of a pair are told apart by more than round-off.
+                list.sort_by_key(|(pair, d)| (*pair, d.to_array().map(|x| (x * 1e6).round() as i64)));
+            }
+            prop_assert_eq!(found.len(), expected.len());
+            for (a, b) in found.iter().zip(&expected) {
+                prop_assert!(a.0 == b.0 && (a.1 - b.1).length() < 1e-12, "{:?} is not {:?}", a, b);
+            }
         }
     }
 

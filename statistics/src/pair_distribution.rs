@@ -1,7 +1,7 @@
 //! How likely particles are to be found near each other.
 
 use crate::{State, Store};
-use domain::{Pairs, PeriodicBox, Vector};
+use domain::{PeriodicBox, Vector, fold_pairs};
 use std::f64::consts::PI;
 
 /// The angle by which pairs are told apart. All angles are equally likely where there is no order.
@@ -67,14 +67,12 @@ impl PairDistribution {
 
     /// Adds the pairs of all particles at one time.
     pub fn add(&mut self, cell: &PeriodicBox, positions: &[Vector], species: &[u32]) {
-        let ids: Vec<u64> = (0..positions.len() as u64).collect();
-        for pair in Pairs::find(cell, positions, &ids, positions.len(), self.cutoff).list() {
-            if pair.i != pair.j {
-                let separation = pair.separation(cell, positions);
-                let kinds = [pair.i, pair.j].map(|row| species[row as usize] as usize);
-                let bin = self.bin(kinds, separation);
-                self.found[bin] += 1.0;
-            }
+        let count = |found: &mut Vec<u32>, pair: [u32; 2], separation| {
+            found[self.bin(pair.map(|row| species[row as usize] as usize), separation)] += 1;
+        };
+        let parts = fold_pairs(cell, positions, self.cutoff, || vec![0; self.found.len()], count);
+        for part in parts {
+            self.found.iter_mut().zip(part).for_each(|(found, more)| *found += f64::from(more));
         }
         self.samples += 1.0;
     }
