@@ -9,12 +9,15 @@ from runs import make, over_seeds
 SEPARATING = 0.2
 # Total concentration of the limit.
 LIMIT = 0.15
+# The barrier of a run that tells what it does, over that of the others.
+STRONGER = 4.0
 
 
 def draw(mode):
     """Which mixtures separate into streams."""
     cases = {pair: settling.segregation(*pair, mode) for pair in settling.PAIRS[mode]}
-    make(sum(cases.values(), []))
+    barriers = [settling.segregation(0.10, 0.10, "quick", stronger) for stronger in (1.0, STRONGER)]
+    make(sum([*cases.values(), *barriers], []))
     report = Report("fig25", mode, "Fig. 25: segregation of heavy and buoyant spheres", panels=2)
     axes = report.panels[0]
     for (first, second), runs in cases.items():
@@ -26,6 +29,9 @@ def draw(mode):
         expected = "separates" if first + second > LIMIT else "stays mixed"
         quantity = f"intensity at {first:.0%} + {second:.0%} after {settling.SEGREGATION_TIME:g} Stokes times"
         report.state(quantity, f"{expected} (paper)", shown(intensity), separates == (first + second > LIMIT))
+    usual, stronger = (over_seeds(runs, at_the_end) for runs in barriers)
+    quantity = f"intensity at 10% + 10% in a box of side 20, barrier {STRONGER:g} times as strong"
+    report.compare(quantity, "usual barrier", usual[0], stronger)
     axes.plot([0, LIMIT], [LIMIT, 0], "--", color="0.5", label="15% in total")
     report.label(r"$\phi_1$", r"$\phi_2$", xlim=(0, 0.2), ylim=(0, 0.2))
     report.label("Stokes times", "intensity of segregation", 1)

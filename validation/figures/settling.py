@@ -24,13 +24,13 @@ STEP = 0.05
 BARRIER, BARRIER_OF_UNLIKE, RANGE, SHORT_RANGE = 2.0, 4.0, 0.2, 0.05
 
 
-def scene(species, edge, mode, seed, time=None, reach=RANGE):
+def scene(species, edge, mode, seed, time=None, reach=RANGE, stronger=1.0):
     """A settling suspension of species given as (name, radius, density difference, volume fraction or count), whose barrier starts
-    at a gap of `reach`."""
+    at a gap of `reach` and is `stronger` times as strong as otherwise."""
     size = SIZE[mode]
     time = size["time"] if time is None else time
     alike = all(radius == 1 and density > 0 for _, radius, density, _ in species)
-    strength = BARRIER if alike else BARRIER_OF_UNLIKE
+    strength = stronger * (BARRIER if alike else BARRIER_OF_UNLIKE)
     step = STEP * reach / RANGE * BARRIER / strength
     every = round(0.1 / step)
 
@@ -65,12 +65,12 @@ def name_of(species):
     return "-".join(f"{radius:g}_{density:g}_{amount:g}" for _, radius, density, amount in species)
 
 
-def dynamic(species, mode, edge=None, time=None, reach=RANGE):
+def dynamic(species, mode, edge=None, time=None, reach=RANGE, stronger=1.0):
     """Runs that differ in their seeds."""
     edge = edge or edge_for(species, mode)
-    which = name_of(species) if reach == RANGE else f"{name_of(species)}-{reach:g}"
+    which = name_of(species) + (f"-{reach:g}" if reach != RANGE else "") + (f"-barrier-{stronger:g}" if stronger != 1 else "")
     return [
-        Run(f"settling/{mode}-{which}-{edge:.3g}-{seed}", scene(species, edge, mode, seed, time, reach))
+        Run(f"settling/{mode}-{which}-{edge:.3g}-{seed}", scene(species, edge, mode, seed, time, reach, stronger))
         for seed in range(1, SIZE[mode]["seeds"] + 1)
     ]
 
@@ -151,9 +151,9 @@ def two_densities(density_ratio, second, first=0.02):
     return [("first", 1.0, 1.0, first), ("second", 1.0, density_ratio, second)]
 
 
-def segregation(first, second, mode):
-    """As many sink as rise; those that figure 24 has are the same runs."""
-    return dynamic(two_densities(-1.0, second, first), mode, time=SEGREGATION_TIME)
+def segregation(first, second, mode, stronger=1.0):
+    """Spheres that sink and spheres that rise; what figure 24 has are the same runs."""
+    return dynamic(two_densities(-1.0, second, first), mode, time=SEGREGATION_TIME, stronger=stronger)
 
 
 def test_sphere(stokes_ratio, mode):
