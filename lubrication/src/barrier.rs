@@ -61,6 +61,7 @@ impl Barrier {
 
     /// The same with a force at contact that grows with a power of the harmonic mean radius; `strength` is that at a mean
     /// of 1.
+    #[must_use]
     pub fn growing(self, radius_power: u8) -> Self {
         Self { radius_power, ..self }
     }

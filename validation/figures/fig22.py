@@ -42,7 +42,7 @@ def draw(mode):
                     for said, expected in ((source, formula), ("pairs at random", at_random)):
                         value = expected((phi / 2, phi / 2), radii)[place]
                         report.compare(f"{name}, λ = {ratio:g}, {phi:.0%}", said, value, point, 0.15)
-        report.label(r"$\phi$", "$U_i / U_{oi}$", panel, ylim=(0, 1.05))
+        report.label(r"$\phi$", "$U_i / U_{oi}$", panel, ylim=(-0.15, 1.05))
         report.panels[panel].legend(fontsize=6, loc="upper right")
     return report
 
