@@ -7,7 +7,7 @@ import numpy as np
 import settling
 import theory
 from report import Report, main, shown
-from runs import make, over_seeds
+from runs import make, over_seeds, volume
 
 # Means over parts of a run that show its course.
 BLOCKS = 20
@@ -49,6 +49,7 @@ def draw(mode):
                 told = ", ".join(f"{value:.3f}" for value in values)
                 report.state("first, γ = -1, runs", "grows with the total (paper)", told, values[-1] > values[0])
                 streams(report, totals, dynamic.values(), static[seconds[-1]])
+                arrangement(report, dynamic)
         report.label(r"$\phi$", "$U_i / U_{oi}$", panel)
     return report
 
@@ -65,20 +66,42 @@ def streams(report, totals, dynamic, places):
     early, late = np.mean(blocks[: BLOCKS // 4], axis=0)[1], np.mean(blocks[-BLOCKS // 4 :], axis=0)[1]
     told = f"{early:.3f} in the first quarter, {late:.3f} in the last, {shown((at_places, error))} at equilibrium"
     report.state(f"first, γ = -1, {totals[-1]:.0%}, in the box", "larger in runs (paper)", told, late > at_places + 2 * error)
-    beside, above = (np.mean([near(run, *cosines) for run, *_ in dynamic]) for cosines in ((0.0, 0.25), (0.75, 1.0)))
-    told = f"{beside:.2f} beside each other, {above:.2f} one above the other"
-    quantity = f"g of two that differ, up to a gap of {NEAR - 2:.1g}, γ = -1"
-    report.state(quantity, "alike in all directions (equilibrium)", told, abs(beside - above) < 0.1 * above)
     report.label("Stokes times", "$U_1 / U_{o1}$ in the box, $\\gamma = -1$", 2)
     report.panels[2].margins(y=0.4)
     report.panels[2].legend(fontsize=7, ncols=4, loc="upper center")
 
 
-def near(run, least, most):
-    """The pair distribution of one of each species near contact, where the cosine of the angle to the vertical is between two
-    numbers."""
-    distances, cosines, values = run.columns("pairs_by_angle", "distance", "cosine", "g", first="first", second="second")
-    return np.mean([g for r, c, g in zip(distances, cosines, values) if 2 < r < NEAR and least < c < most])
+def arrangement(report, dynamic):
+    """How spheres of the two species stand to each other where the second rises, and what that makes of the velocity of the
+    first."""
+    distributions = {phi: unlike(run) for phi, (run, *_) in dynamic.items()}
+    near = [g[(distance > 2) & (distance < NEAR)] for distance, _, g in distributions.values()]
+    cosine = next(iter(distributions.values()))[1]
+    beside, above = (np.mean([g[:, chosen].mean() for g in near]) for chosen in (cosine < 0.25, cosine > 0.75))
+    told = f"{beside:.2f} beside each other, {above:.2f} one above the other"
+    quantity = f"g of two that differ, up to a gap of {NEAR - 2:.1g}, γ = -1"
+    report.state(quantity, "alike in all directions (equilibrium)", told, abs(beside - above) < 0.1 * above)
+    taken = [taken_off(phi, *distribution) for phi, distribution in distributions.items()]
+    told = ", ".join(f"{value:.2f}" for value in taken)
+    report.state("what that takes off, leading order", "0 (random)", told, max(taken) < 0.02)
+
+
+def unlike(run):
+    """Distances, cosines of the angle to the vertical, and the pair distribution of one of each species by both."""
+    columns = run.columns("pairs_by_angle", "distance", "cosine", "g", first="first", second="second")
+    distances, cosines, values = map(np.array, columns)
+    shape = len(np.unique(distances)), -1
+    return distances.reshape(shape)[:, 0], cosines.reshape(shape)[0], values.reshape(shape)
+
+
+def taken_off(phi, distance, cosine, g):
+    """What spheres of the second species take off the velocity of one of the first by where they are, compared with random
+    places outside it, over the Stokes velocity: by the mobility of Rotne & Prager, `3/(4 r) [1 + 2/(3 r²) + (1 - 2/r²) cos²]`."""
+    outside = distance > 2
+    r, g = distance[outside, None], g[outside]
+    mobility = 0.75 / r * (1 + 2 / (3 * r**2) + (1 - 2 / r**2) * cosine**2)
+    shells = 4 * np.pi * r**2 * (distance[1] - distance[0]) / len(cosine)
+    return phi / volume(1) * np.sum((g - 1) * mobility * shells)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ from runs import make, over_seeds
 
 # Danckwerts' intensity of segregation beyond which species count as separating.
 SEPARATING = 0.2
+# Of so many rows of a time series one is drawn.
+THIN = 10
 # Total concentration of the limit.
 LIMIT = 0.15
 # The barrier of a run that tells what it does, over that of the others.
@@ -23,11 +25,12 @@ def draw(mode):
     for (first, second), runs in cases.items():
         intensity = over_seeds(runs, at_the_end)
         separates = intensity[0] > SEPARATING
-        report.curve(f"{first:.0%} + {second:.0%}", *runs[0].series("segregation"), 1)
+        report.curve(f"{first:.0%} + {second:.0%}", *(column[::THIN] for column in runs[0].series("segregation")), 1)
         for pair in {(first, second), (second, first)}:
             axes.plot(*pair, "o", color="k" if separates else "0.7", markersize=10)
         expected = "separates" if first + second > LIMIT else "stays mixed"
-        quantity = f"intensity at {first:.0%} + {second:.0%} after {settling.SEGREGATION_TIME:g} Stokes times"
+        time = settling.segregation_time(first, second)
+        quantity = f"intensity at {first:.0%} + {second:.0%} after {time:g} Stokes times"
         report.state(quantity, f"{expected} (paper)", shown(intensity), separates == (first + second > LIMIT))
     usual, stronger = (over_seeds(runs, at_the_end) for runs in barriers)
     quantity = f"intensity at 10% + 10% in a box of side 20, barrier {STRONGER:g} times as strong"
