@@ -22,8 +22,7 @@ use thiserror::Error;
 /// F_ref = strength [2 a_i a_j / (a_i + a_j)]^n
 /// ```
 ///
-/// Surface forces have `n = 1` (Derjaguin), and `n = 2` is how the forces grow with which shear, or spheres of one density
-/// that settle at their own Stokes velocities, press a pair together.
+/// Surface forces have `n = 1` (Derjaguin); those with which shear presses a pair together grow with `n = 2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Barrier {
     strength: f64,

@@ -32,6 +32,7 @@ def draw(mode):
         time = settling.segregation_time(first, second)
         quantity = f"intensity at {first:.0%} + {second:.0%} after {time:g} Stokes times"
         report.state(quantity, f"{expected} (paper)", shown(intensity), separates == (first + second > LIMIT))
+    report.state("mean velocity at most, in Stokes velocities, of what separates", "grows suddenly (paper)", *speeds(cases))
     usual, stronger = (over_seeds(runs, at_the_end) for runs in barriers)
     quantity = f"intensity at 10% + 10% in a box of side 20, barrier {STRONGER:g} times as strong"
     report.compare(quantity, "usual barrier", usual[0], stronger)
@@ -39,6 +40,15 @@ def draw(mode):
     report.label(r"$\phi_1$", r"$\phi_2$", xlim=(0, 0.2), ylim=(0, 0.2))
     report.label("Stokes times", "intensity of segregation", 1)
     return report
+
+
+def speeds(cases):
+    """The largest mean velocity, and overlap, of each mixture that has separated, and whether all are faster than a sphere alone."""
+    separated = {pair: run for pair, (run, *_) in cases.items() if at_the_end(run)[0] > SEPARATING}
+    fastest = {pair: max(map(abs, run.series("mean_velocity_z[first]")[1])) for pair, run in separated.items()}
+    overlaps = {pair: max(0.0, -min(run.series("smallest_gap")[1])) for pair, run in separated.items()}
+    told = ", ".join(f"{a:.0%} + {b:.0%}: {fastest[a, b]:.0f} (overlap {overlaps[a, b]:.2f} a)" for a, b in separated)
+    return told or "none", bool(separated) and min(fastest.values()) > 1
 
 
 def at_the_end(run):
