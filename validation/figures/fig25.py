@@ -43,7 +43,7 @@ def draw(mode):
 
 
 def speeds(cases):
-    """The largest mean velocity, and overlap, of each mixture that has separated, and whether all are faster than a sphere alone."""
+    """The largest mean velocity and overlap of each mixture that has separated; whether all are faster than a sphere alone."""
     separated = {pair: run for pair, (run, *_) in cases.items() if at_the_end(run)[0] > SEPARATING}
     fastest = {pair: max(map(abs, run.series("mean_velocity_z[first]")[1])) for pair, run in separated.items()}
     overlaps = {pair: max(0.0, -min(run.series("smallest_gap")[1])) for pair, run in separated.items()}
