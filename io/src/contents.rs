@@ -16,7 +16,7 @@ pub struct Contents {
     pub plan: String,
     /// Steps and times of the first and the last frame and the number of frames, where the file has frames.
     pub frames: Option<FrameSpan>,
-    /// Names and shapes of the datasets, with their units.
+    /// Names and shapes of the datasets, with their physical dimensions.
     pub datasets: Vec<String>,
 }
 
@@ -88,9 +88,8 @@ fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
 
 fn describe(dataset: &Dataset) -> String {
     let shape: Vec<String> = dataset.shape().iter().map(ToString::to_string).collect();
-    let unit = dataset.attr("unit").and_then(|a| a.read_scalar::<hdf5::types::VarLenUnicode>());
-    let unit = unit.map(|u| u.to_string()).unwrap_or_default();
-    format!("{:<46} {:<16} {unit}", dataset.name(), shape.join(" x ")).trim_end().to_owned()
+    let dimensions = text::read_dimensions(dataset);
+    format!("{:<46} {:<16} {dimensions}", dataset.name(), shape.join(" x ")).trim_end().to_owned()
 }
 
 impl Display for Contents {

@@ -41,7 +41,7 @@ impl VelocityField<'_> {
         let [nx, ny, nz] = self.points;
         let dataset = file.new_dataset::<f64>().shape((nz, ny, nx, 3)).create("velocity")?;
         dataset.write_raw(bytemuck::cast_slice::<_, f64>(self.values))?;
-        text::write_attribute(&dataset, "unit", "length/time")?;
+        text::write_dimensions(&dataset, "length/time")?;
         text::write_attribute(&dataset, "note", self.note)?;
         let root = file.as_group()?;
         root.new_attr::<u64>().create("step")?.write_scalar(&self.step)?;

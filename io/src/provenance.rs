@@ -1,6 +1,7 @@
 //! Where results come from: kept in every file that holds some.
 
 use crate::text;
+use hdf5::types::FixedAscii;
 use hdf5::{File, Group};
 
 /// The version of the layout of our files.
@@ -28,12 +29,9 @@ impl Provenance {
         h5md.new_attr::<i32>().shape(2).create("version")?.write(&ndarray::arr1(&[1, 1]))?;
         let (name, version) = self.program.split_once(' ').unwrap_or((&self.program, ""));
         let creator = h5md.create_group("creator")?;
-        text::write_attribute(&creator, "name", name)?;
-        text::write_attribute(&creator, "version", version)?;
-        let author = h5md.create_group("author")?;
-        text::write_attribute(&author, "name", "unknown")?;
-        let units = h5md.create_group("modules")?.create_group("units")?;
-        units.new_attr::<i32>().shape(2).create("version")?.write(&ndarray::arr1(&[1, 0]))?;
+        write_fixed(&creator, "name", name)?;
+        write_fixed(&creator, "version", version)?;
+        write_fixed(&h5md.create_group("author")?, "name", "unknown")?;
         self.write_parameters(&file.create_group("parameters")?)
     }
 
@@ -46,4 +44,9 @@ impl Provenance {
         group.new_attr::<u64>().create("ranks")?.write_scalar(&(self.ranks as u64))?;
         group.new_attr::<u64>().create("seed")?.write_scalar(&self.seed)
     }
+}
+
+/// H5MD's attributes are of a fixed length; readers in C and Fortran count on it.
+fn write_fixed(group: &Group, name: &str, text: &str) -> hdf5::Result<()> {
+    group.new_attr::<FixedAscii<64>>().create(name)?.write_scalar(&text::fixed(text)?)
 }

@@ -69,7 +69,7 @@ impl Table {
         for (place, (name, unit)) in self.columns.iter().enumerate() {
             let numbers: Vec<f64> = self.rows.iter().map(|(_, numbers)| numbers[place]).collect();
             let dataset = group.new_dataset_builder().with_data(&numbers).create(name.as_str())?;
-            text::write_attribute(&dataset, "unit", unit)?;
+            text::write_dimensions(&dataset, unit)?;
         }
         Ok(())
     }

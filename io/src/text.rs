@@ -1,7 +1,7 @@
 //! Text in HDF5 files.
 
-use hdf5::types::VarLenUnicode;
-use hdf5::{Group, Location};
+use hdf5::types::{FixedAscii, VarLenUnicode};
+use hdf5::{Dataset, Group, Location};
 use std::str::FromStr;
 
 /// Text as HDF5 stores it.
@@ -20,4 +20,44 @@ pub(crate) fn write_dataset(group: &Group, name: &str, text: &str) -> hdf5::Resu
 
 pub(crate) fn read_dataset(group: &Group, name: &str) -> hdf5::Result<String> {
     Ok(group.dataset(name)?.read_scalar::<VarLenUnicode>()?.as_str().to_owned())
+}
+
+/// Text of at most 64 bytes in ASCII as H5MD asks for it in its own attributes: of a fixed length.
+pub(crate) fn fixed(text: &str) -> hdf5::Result<FixedAscii<64>> {
+    FixedAscii::from_ascii(text).map_err(|e| format!("`{text}`: {e}").into())
+}
+
+/// Notes the physical dimensions of a dataset's numbers, in terms of length, time and force. H5MD's `unit` would not
+/// do: it is for names of units, by which readers convert, and a scene's units are the user's choice.
+pub(crate) fn write_dimensions(dataset: &Dataset, dimensions: &str) -> hdf5::Result<()> {
+    write_attribute(dataset, "dimensions", dimensions)
+}
+
+/// The physical dimensions of a dataset's numbers; files of before have them as `unit`.
+pub(crate) fn read_dimensions(dataset: &Dataset) -> String {
+    let attribute = dataset.attr("dimensions").or_else(|_| dataset.attr("unit"));
+    let text = attribute.and_then(|a| a.read_scalar::<VarLenUnicode>());
+    text.map(|text| text.to_string()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dimensions_are_read_by_their_name_of_today_and_of_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = hdf5::File::create(folder.path().join("file.h5")).unwrap();
+        let [new, old, none] = ["new", "old", "none"].map(|name| file.new_dataset::<f64>().create(name).unwrap());
+        write_dimensions(&new, "length/time").unwrap();
+        write_attribute(&old, "unit", "length").unwrap();
+        assert_eq!([&new, &old, &none].map(read_dimensions), ["length/time", "length", ""]);
+        assert!(new.attr("unit").is_err());
+    }
+
+    #[test]
+    fn text_of_a_fixed_length_is_refused_if_it_does_not_fit() {
+        assert_eq!(fixed("fcm-solve").unwrap().as_str(), "fcm-solve");
+        assert!(fixed(&"a".repeat(65)).is_err() && fixed("\u{b5}m").is_err());
+    }
 }

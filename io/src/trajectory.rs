@@ -1,8 +1,9 @@
 //! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
 use crate::frames::{Element, Frames, Values};
-use crate::{FileError, Provenance};
+use crate::{FileError, Provenance, text};
 use domain::{Particles, PeriodicBox};
+use hdf5::types::FixedAscii;
 use std::path::Path;
 
 /// All particles at a moment, in the order of their ids, and the box that they are in.
@@ -104,9 +105,10 @@ fn write_fixed(file: &hdf5::File, Frame { particles, periodic, .. }: &Frame) -> 
     group.new_dataset_builder().with_data(&particles.ids).create("id")?;
     group.new_dataset_builder().with_data(&particles.species).create("species")?;
     let radii = group.new_dataset_builder().with_data(&particles.radii).create("radius")?;
-    crate::text::write_attribute(&radii, "unit", "length")?;
+    text::write_dimensions(&radii, "length")?;
     let cell = group.group("box")?;
     cell.new_attr::<i32>().create("dimension")?.write_scalar(&3)?;
-    let boundary = periodic.map(|yes| crate::text::scalar(if yes { "periodic" } else { "none" }));
-    cell.new_attr::<hdf5::types::VarLenUnicode>().shape(3).create("boundary")?.write(&ndarray::arr1(&boundary))
+    let boundary = periodic.map(|yes| text::fixed(if yes { "periodic" } else { "none" }));
+    let boundary = boundary.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
+    cell.new_attr::<FixedAscii<64>>().shape(3).create("boundary")?.write(&boundary)
 }

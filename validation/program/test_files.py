@@ -55,6 +55,7 @@ class Files(unittest.TestCase):
             self.assertEqual(list(file["h5md"].attrs["version"]), [1, 1])
             particles = file["particles/all"]
             self.assertEqual(particles["box"].attrs["dimension"], 3)
+            self.assertEqual(list(particles["box"].attrs["boundary"]), [b"periodic"] * 3)
             np.testing.assert_array_equal(particles["position/step"], [0, 2, 4, 6])
             np.testing.assert_allclose(particles["position/time"], STEP * np.arange(0, 7, 2), rtol=1e-15)
             shapes = {"position": 3, "image": 3, "velocity": 3, "angular_velocity": 3, "stresslet": 5}
@@ -65,6 +66,25 @@ class Files(unittest.TestCase):
             positions = particles["position/value"][:]
             self.assertTrue(np.all((positions >= 0) & (positions < 16)))
             np.testing.assert_allclose(particles["box/edges/value"][-1], 16 * np.eye(3))
+
+    def test_the_trajectory_keeps_the_rules_of_h5md(self):
+        """Specification 1.1: texts of a fixed length, one clock for all elements of a group; and no `unit`, which would
+        be the name of one, such as nm, by the module `units`."""
+        with h5py.File(self.out / "trajectory.h5") as file:
+            self.assertNotIn("modules", file["h5md"])
+            texts = {"h5md/creator": "name", "h5md/author": "name", "particles/all/box": "boundary"}
+            for group, name in texts.items():
+                kind = h5py.check_string_dtype(file[group].attrs.get_id(name).dtype)
+                self.assertIsNotNone(kind.length, f"{group}: {name}")
+            self.assertEqual(file["h5md/creator"].attrs["name"], b"fcm-solve")
+            clock = [file["particles/all/position"][name] for name in ("step", "time")]
+            objects = []
+            file["particles"].visititems(lambda path, item: objects.append(item))
+            for item in objects:
+                self.assertNotIn("unit", item.attrs, item.name)
+                if isinstance(item, h5py.Group) and "value" in item:
+                    self.assertEqual([item["step"], item["time"]], clock, item.name)
+            self.assertEqual(file["particles/all/velocity/value"].attrs["dimensions"], "length/time")
 
     def test_velocities_are_the_rate_of_change_of_unwrapped_positions(self):
         with h5py.File(self.out / "trajectory.h5") as file:

@@ -163,7 +163,7 @@ class Grains(unittest.TestCase):
         self.run_scene("shear-cell", {"grains.solid_fraction": 0.6, "time.steps": 0})
         with h5py.File(self.out / "trajectory.h5") as file:
             self.assertEqual(file["particles/all/position/value"].shape, (1, 602, 3))
-            self.assertEqual(list(file["particles/all/box"].attrs["boundary"]), ["periodic", "none", "none"])
+            self.assertEqual(list(file["particles/all/box"].attrs["boundary"]), [b"periodic", b"none", b"none"])
         said = self.run_scene("shear-cell", {"grains.solid_fraction": 0.63}, self.out.with_name("dense"), expect=1)
         self.assertIn("grains.solid_fraction is 0.63; it needs 0 < solid_fraction <= 0.62", said)
 

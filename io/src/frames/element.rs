@@ -2,7 +2,6 @@
 
 use crate::text;
 use hdf5::plist::dataset_create::{AllocTime, FillTime};
-use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
 use ndarray::{ArrayViewD, IxDyn};
 use std::borrow::Cow;
@@ -61,7 +60,7 @@ impl Stored {
         } else {
             reserve::<f64>(&group, "value", element.shape, capacity)?
         };
-        values.new_attr::<VarLenUnicode>().create("unit")?.write_scalar(&text::scalar(element.unit))?;
+        text::write_dimensions(&values, element.unit)?;
         if element.path != clock {
             for name in ["step", "time"] {
                 file.link_hard(&format!("/{clock}/{name}"), &format!("/{}/{name}", element.path))?;

@@ -42,7 +42,7 @@ impl Frames {
         let first = element::group(&file, &elements[0].path)?;
         let steps = element::reserve::<i64>(&first, "step", None, capacity)?;
         let times = element::reserve::<f64>(&first, "time", None, capacity)?;
-        times.new_attr::<hdf5::types::VarLenUnicode>().create("unit")?.write_scalar(&crate::text::scalar("time"))?;
+        crate::text::write_dimensions(&times, "time")?;
         let mut stored = Vec::with_capacity(elements.len());
         for element in elements {
             stored.push(Stored::create(&file, element, (&elements[0].path, capacity))?);
