@@ -1,0 +1,120 @@
+//! Velocity fields on the grid, and the XDMF file by which `ParaView` opens them.
+
+mod repeated;
+#[cfg(test)]
+mod tests;
+mod xdmf;
+
+use crate::{FileError, Provenance, durable, text};
+use domain::{PeriodicBox, Vector};
+use hdf5::File;
+use std::path::{Path, PathBuf};
+
+/// The velocity on a grid at one time.
+#[derive(Debug)]
+pub struct VelocityField<'a> {
+    /// Steps taken.
+    pub step: u64,
+    /// The time.
+    pub time: f64,
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Grid points along x, y and z.
+    pub points: [usize; 3],
+    /// Velocities in the order `[z][y][x]`, x fastest.
+    pub values: &'a [Vector],
+    /// What kind of velocity it is, in words.
+    pub note: &'a str,
+}
+
+impl VelocityField<'_> {
+    /// Writes the field to `fields/` in a folder, and makes `fields.xdmf` there name it with those of the steps before.
+    pub fn write(&self, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
+        let fields = folder.join("fields");
+        std::fs::create_dir_all(&fields).map_err(|e| FileError::write(&fields, &e))?;
+        let path = fields.join(format!("velocity-{:010}.h5", self.step));
+        let temporary = path.with_extension("tmp");
+        self.write_file(&temporary, provenance).map_err(|e| FileError::write(&path, &e))?;
+        std::fs::rename(&temporary, &path).map_err(|e| FileError::write(&path, &e))?;
+        index_fields(folder)
+    }
+
+    fn write_file(&self, path: &Path, provenance: &Provenance) -> hdf5::Result<()> {
+        let file = File::create(path)?;
+        provenance.write(&file)?;
+        let [nx, ny, nz] = self.points;
+        let dataset = file.new_dataset::<f64>().shape((nz, ny, nx, 3)).create("velocity")?;
+        dataset.write_raw(bytemuck::cast_slice::<_, f64>(self.values))?;
+        text::write_dimensions(&dataset, "length/time")?;
+        text::write_attribute(&dataset, "note", self.note)?;
+        let root = file.as_group()?;
+        root.new_attr::<u64>().create("step")?.write_scalar(&self.step)?;
+        root.new_attr::<f64>().create("time")?.write_scalar(&self.time)?;
+        root.new_attr::<f64>().create("strain")?.write_scalar(&self.cell.strain())?;
+        let edges = ndarray::arr1(&self.cell.edges().to_array());
+        root.new_attr::<f64>().shape(3).create("edges")?.write(&edges)?;
+        repeated::add_velocity(&file)?;
+        if self.cell.strain() != 0.0 {
+            repeated::add_position(&file)?;
+        }
+        file.flush()
+    }
+}
+
+/// Drops the fields of a former run after step `last`.
+pub fn drop_fields_after(folder: &Path, last: u64) -> Result<(), FileError> {
+    let late = format!("velocity-{last:010}.h5");
+    for path in field_files(folder)? {
+        if path.file_name().is_some_and(|name| *name > *late) {
+            std::fs::remove_file(&path).map_err(|e| FileError::write(&path, &e))?;
+        }
+    }
+    if folder.join("fields.xdmf").exists() { index_fields(folder) } else { Ok(()) }
+}
+
+/// The files of fields, oldest first.
+fn field_files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let fields = folder.join("fields");
+    if !fields.is_dir() {
+        return Ok(Vec::new());
+    }
+    let entries = std::fs::read_dir(&fields).map_err(|e| FileError::read(&fields, &e))?;
+    let is_field = |path: &PathBuf| path.extension().is_some_and(|e| e == "h5");
+    let mut files: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).filter(is_field).collect();
+    files.sort();
+    Ok(files)
+}
+
+/// Readers take all frames of a series for the kind of mesh that the first one is. So where one frame is of a sheared
+/// box, all are given as curved meshes, those of a straight box too.
+fn index_fields(folder: &Path) -> Result<(), FileError> {
+    let files = field_files(folder)?;
+    let mut frames = Vec::with_capacity(files.len());
+    for path in &files {
+        frames.push(xdmf::Frame::read(path).map_err(|e| FileError::damaged(path, &e))?);
+    }
+    let curved = frames.iter().any(|frame| frame.strain != 0.0);
+    for (frame, path) in frames.iter().zip(&files) {
+        if !frame.has_velocity || (curved && !frame.has_position) {
+            complete(path, curved)?;
+        }
+    }
+    durable::replace(&folder.join("fields.xdmf"), xdmf::series(&frames, curved).as_bytes())
+}
+
+/// Adds to a file what the series needs of it: places to the frames of a straight box before the first sheared one, and
+/// repeated planes to files that this program wrote before it knew them.
+fn complete(path: &Path, curved: bool) -> Result<(), FileError> {
+    let temporary = path.with_extension("tmp");
+    std::fs::copy(path, &temporary).map_err(|e| FileError::write(&temporary, &e))?;
+    let add = || {
+        let file = File::open_rw(&temporary)?;
+        repeated::add_velocity(&file)?;
+        if curved {
+            repeated::add_position(&file)?;
+        }
+        file.flush()
+    };
+    add().map_err(|e| FileError::write(&temporary, &e))?;
+    std::fs::rename(&temporary, path).map_err(|e| FileError::write(path, &e))
+}

@@ -1,0 +1,93 @@
+//! A field with the first plane of each axis repeated at the far end of the box, as programs that draw it need it: they
+//! know nothing of periodicity, and would leave a gap of one grid spacing.
+//!
+//! `repeated/velocity` (nz + 1, ny + 1, nx + 1, 3) is a virtual dataset: it shows the numbers of `velocity` again, and
+//! takes no room. `repeated/position` has the places of its points in a sheared box,
+//! `x = i Lx / nx + s y`, `y = j Ly / ny`, `z = k Lz / nz`. It is stored by rows of x for all z, one component each, in
+//! which the same numbers come again and again, so that compression leaves about a hundredth.
+
+use crate::text;
+use domain::Vector;
+use hdf5::{Dataset, File, Group};
+use ndarray::Array4;
+use std::ops::Range;
+
+/// The group of the repeated field.
+pub(super) const GROUP: &str = "repeated";
+
+/// Adds the velocity with repeated planes, where it is not there yet.
+pub(super) fn add_velocity(file: &File) -> hdf5::Result<()> {
+    let group = group(file)?;
+    if group.link_exists("velocity") {
+        return Ok(());
+    }
+    let points = points(file)?;
+    let shape = |[nz, ny, nx]: [usize; 3]| (nz, ny, nx, 3);
+    let mut new = group.new_dataset::<f64>().shape(shape(points.map(|n| n + 1)));
+    for corner in 0..8 {
+        let [from, to] = blocks(points, [corner & 4, corner & 2, corner & 1].map(|bit| bit != 0));
+        let block = |[z, y, x]: [Range<usize>; 3]| hdf5::Hyperslab::from((z, y, x, ..));
+        new = new.virtual_map(".", "/velocity", shape(points), block(from), shape(points.map(|n| n + 1)), block(to));
+    }
+    text::write_dimensions(&new.create("velocity")?, "length/time")
+}
+
+/// Where a part of the repeated field comes from and where it goes: all points, or along the axes marked the first
+/// plane, which goes behind the last.
+fn blocks(points: [usize; 3], again: [bool; 3]) -> [[Range<usize>; 3]; 2] {
+    let along = |axis: usize| {
+        if again[axis] { [0..1, points[axis]..points[axis] + 1] } else { [0..points[axis], 0..points[axis]] }
+    };
+    let [z, y, x] = [along(0), along(1), along(2)];
+    [[z[0].clone(), y[0].clone(), x[0].clone()], [z[1].clone(), y[1].clone(), x[1].clone()]]
+}
+
+/// Adds the places of the points of a sheared box, where they are not there yet: with repeated planes and, under the
+/// name `position`, of the points of `velocity`.
+pub(super) fn add_position(file: &File) -> hdf5::Result<()> {
+    let group = group(file)?;
+    if group.link_exists("position") {
+        return Ok(());
+    }
+    let points = points(file)?;
+    let dataset = reserve(&group, points.map(|n| n + 1))?;
+    let edges: Vec<f64> = file.attr("edges")?.read_raw()?;
+    let strain: f64 = file.attr("strain")?.read_scalar()?;
+    let spacing = Vector::from_slice(&edges) / Vector::from_array([2, 1, 0].map(|axis| points[axis] as f64));
+    for j in 0..=points[1] {
+        let place = |(k, _, i, component)| {
+            let lattice = Vector::new(i as f64, j as f64, k as f64) * spacing;
+            (lattice + Vector::X * (strain * lattice.y))[component]
+        };
+        let row = Array4::from_shape_fn((points[0] + 1, 1, points[2] + 1, 3), place);
+        dataset.write_slice(&row, (.., j..=j, .., ..))?;
+    }
+    text::write_dimensions(&dataset, "length")?;
+    if file.link_exists("position") { Ok(()) } else { show_without_repeats(file, points) }
+}
+
+fn reserve(group: &Group, [nz, ny, nx]: [usize; 3]) -> hdf5::Result<Dataset> {
+    let new = group.new_dataset::<f64>().shape((nz, ny, nx, 3)).chunk((nz, 1, nx, 1));
+    let new = if hdf5::filters::deflate_available() { new.deflate(1) } else { new };
+    new.create("position")
+}
+
+fn show_without_repeats(file: &File, [nz, ny, nx]: [usize; 3]) -> hdf5::Result<()> {
+    let all = || hdf5::Hyperslab::from((0..nz, 0..ny, 0..nx, ..));
+    let from = format!("/{GROUP}/position");
+    let new = file.new_dataset::<f64>().shape((nz, ny, nx, 3));
+    let new = new.virtual_map(".", from, (nz + 1, ny + 1, nx + 1, 3), all(), (nz, ny, nx, 3), all());
+    text::write_dimensions(&new.create("position")?, "length")
+}
+
+/// Points along z, y and x.
+fn points(file: &File) -> hdf5::Result<[usize; 3]> {
+    match file.dataset("velocity")?.shape()[..] {
+        [nz, ny, nx, 3] => Ok([nz, ny, nx]),
+        ref shape => Err(format!("`velocity` is of the shape {shape:?}; it needs to be nz, ny, nx, 3").into()),
+    }
+}
+
+fn group(file: &File) -> hdf5::Result<Group> {
+    if file.link_exists(GROUP) { file.group(GROUP) } else { file.create_group(GROUP) }
+}

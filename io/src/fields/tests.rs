@@ -1,0 +1,119 @@
+#![allow(clippy::float_cmp, reason = "what was written is read, to the bit")]
+
+use super::*;
+use ndarray::Array4;
+
+/// Writes fields of 4 x 3 x 2 points, at the times 0.1 STEP, whose velocities are the numbers of the points.
+fn write(folder: &Path, steps_and_strains: &[(u64, f64)]) {
+    let provenance =
+        Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 };
+    let values: Vec<Vector> = (0..24).map(|i| Vector::splat(f64::from(i))).collect();
+    for &(step, strain) in steps_and_strains {
+        let cell = PeriodicBox::sheared(Vector::new(4.0, 6.0, 1.0), strain).unwrap();
+        let time = 0.1 * step as f64;
+        let field = VelocityField { step, time, cell, points: [4, 3, 2], values: &values, note: "" };
+        field.write(folder, &provenance).unwrap();
+    }
+}
+
+fn index(folder: &Path) -> String {
+    std::fs::read_to_string(folder.join("fields.xdmf")).unwrap()
+}
+
+fn read(folder: &Path, step: u64, dataset: &str) -> Array4<f64> {
+    File::open(folder.join(format!("fields/velocity-{step:010}.h5"))).unwrap().dataset(dataset).unwrap().read().unwrap()
+}
+
+#[test]
+fn straight_boxes_are_straight_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(5, 0.0), (10, 0.0)]);
+    let xdmf = index(folder.path());
+    assert_eq!(xdmf.matches("TopologyType=\"3DCoRectMesh\" Dimensions=\"3 4 5\"").count(), 2);
+    assert_eq!(xdmf.matches(">0.5 2.0 1.0<").count(), 2, "spacings along z, y and x: {xdmf}");
+    assert!(xdmf.contains("<Time Value=\"0.5\"/>") && xdmf.contains("<Time Value=\"1.0\"/>"));
+    assert!(xdmf.contains("Dimensions=\"3 4 5 3\">fields/velocity-0000000005.h5:/repeated/velocity"));
+    assert!(!xdmf.contains("3DSMesh"));
+}
+
+#[test]
+fn one_sheared_frame_makes_all_of_them_curved_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    // The strain returns to zero where the lattice does, in the middle of a run.
+    write(folder.path(), &[(0, 0.0), (10, 0.2), (20, 0.0)]);
+    let xdmf = index(folder.path());
+    assert_eq!(xdmf.matches("3DSMesh").count(), 3);
+    assert!(!xdmf.contains("3DCoRectMesh"));
+    for step in [0, 10, 20] {
+        assert!(xdmf.contains(&format!("fields/velocity-{step:010}.h5:/repeated/position")));
+        assert_eq!(read(folder.path(), step, "repeated/position").dim(), (3, 4, 5, 3));
+    }
+    let names = std::fs::read_dir(folder.path().join("fields")).unwrap();
+    assert_eq!(names.count(), 3, "nothing temporary is left");
+}
+
+#[test]
+fn places_shear_with_the_box() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(10, 0.125)]);
+    let places = read(folder.path(), 10, "repeated/position");
+    for ((k, j, i, component), &place) in places.indexed_iter() {
+        let y = 2.0 * j as f64;
+        // All of these are short binary fractions.
+        assert_eq!(place, [i as f64 + 0.125 * y, y, 0.5 * k as f64][component]);
+    }
+    let shown = read(folder.path(), 10, "position");
+    assert_eq!(shown, places.slice(ndarray::s![..2, ..3, ..4, ..]));
+}
+
+#[test]
+fn the_first_planes_come_again_at_the_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(0, 0.0)]);
+    let (velocity, repeated) = (read(folder.path(), 0, "velocity"), read(folder.path(), 0, "repeated/velocity"));
+    assert_eq!((velocity.dim(), repeated.dim()), ((2, 3, 4, 3), (3, 4, 5, 3)));
+    for ((k, j, i, component), &value) in repeated.indexed_iter() {
+        assert_eq!(value, velocity[[k % 2, j % 3, i % 4, component]]);
+    }
+}
+
+#[test]
+fn files_of_before_are_completed() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(0, 0.0), (10, 0.2)]);
+    for step in [0, 10] {
+        let file = File::open_rw(folder.path().join(format!("fields/velocity-{step:010}.h5"))).unwrap();
+        file.unlink("repeated").unwrap();
+        file.unlink("position").unwrap();
+    }
+    write(folder.path(), &[(20, 0.3)]);
+    for step in [0, 10, 20] {
+        let places = read(folder.path(), step, "repeated/position");
+        assert_eq!(places[[0, 3, 0, 0]], 6.0 * [0.0, 0.2, 0.3][step as usize / 10]);
+        assert_eq!(read(folder.path(), step, "repeated/velocity")[[2, 3, 4, 0]], 0.0);
+    }
+}
+
+#[test]
+fn late_fields_are_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(5, 0.0), (10, 0.2)]);
+    drop_fields_after(folder.path(), 5).unwrap();
+    let xdmf = index(folder.path());
+    assert_eq!(xdmf.matches("<Time").count(), 1);
+    assert!(xdmf.contains("velocity-0000000005.h5"));
+}
+
+#[test]
+fn places_take_little_room() {
+    let folder = tempfile::tempdir().unwrap();
+    let provenance =
+        Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 };
+    let values = vec![Vector::ZERO; 48 * 48 * 48];
+    let cell = PeriodicBox::sheared(Vector::new(17.0, 19.0, 23.0), 0.1234567).unwrap();
+    let field = VelocityField { step: 0, time: 0.0, cell, points: [48; 3], values: &values, note: "" };
+    field.write(folder.path(), &provenance).unwrap();
+    let size = std::fs::metadata(folder.path().join("fields/velocity-0000000000.h5")).unwrap().len();
+    let velocities = 48 * 48 * 48 * 24;
+    assert!(size < velocities * 11 / 10, "{size} bytes for {velocities} of velocities");
+}
