@@ -1,12 +1,12 @@
-"""Runs the tests of this folder and counts them in the last line."""
+"""Runs the tests of this folder, or of those named, and counts them in the last line."""
 
 import pathlib
 import sys
 import unittest
 
 if __name__ == "__main__":
-    here = str(pathlib.Path(__file__).parent)
-    suite = unittest.defaultTestLoader.discover(here)
+    folders = sys.argv[1:] or [str(pathlib.Path(__file__).parent)]
+    suite = unittest.TestSuite(unittest.TestLoader().discover(folder) for folder in folders)
     result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
     bad = len(result.failures) + len(result.errors)
     print(f"{result.testsRun - bad} passed, {bad} failed")

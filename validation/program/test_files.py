@@ -109,14 +109,39 @@ class Files(unittest.TestCase):
         self.assertAlmostEqual(mean[2] / table["mean_velocity_z[heavy]"][-1], 1, delta=1e-13)
 
     def test_the_field_is_named_by_its_xdmf_file_and_has_no_mean(self):
-        tree = xml.etree.ElementTree.parse(self.out / "fields.xdmf")
-        names = [item.text.strip().split(":")[0] for item in tree.iter("DataItem") if ".h5" in (item.text or "")]
-        self.assertEqual(len(names), 3)
-        for name in names:
-            with h5py.File(self.out / name) as file:
-                velocity = file["velocity"][:]
+        frames = list(self.named_by_xdmf(self.out))
+        self.assertEqual([time for time, *_ in frames], [STEP * step for step in (0, 3, 6)])
+        self.assertEqual([kind for _, kind, _ in frames], ["3DCoRectMesh"] * 3)
+        for _, _, places in frames:
+            (velocity,) = places
+            with h5py.File(self.out / velocity) as file:
+                velocity, repeated = file["velocity"][:], file["repeated/velocity"][:]
+            np.testing.assert_array_equal(repeated, np.pad(velocity, [(0, 1)] * 3 + [(0, 0)], mode="wrap"))
             # The wavevector 0 is absent; f32 rounds the rest.
             self.assertLess(np.abs(velocity.mean(axis=(0, 1, 2))).max(), 1e-6 * np.abs(velocity).max())
+
+    def test_fields_of_a_sheared_run_are_curved_meshes_of_the_same_size(self):
+        """Readers take all frames for what the first is. The lattice turns back at a strain of 1/2."""
+        out = self.out.with_name("sheared")
+        sets = SETS | {"species[0].count": 20, "flow": '{ kind = "shear", rate = 8.0, lees_edwards = true }'}
+        words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+        run(["run", ROOT / "scenes" / "settling.toml", "--out", out, *words])
+        frames = list(self.named_by_xdmf(out))
+        self.assertEqual([kind for _, kind, _ in frames], ["3DSMesh"] * 3)
+        shapes = set()
+        for (time, _, places), strain in zip(frames, [0, -0.4, 0.2]):
+            with h5py.File(out / places[0]) as file:
+                self.assertAlmostEqual(file.attrs["strain"], strain, delta=1e-12)
+                place = file["repeated/position"][-1, -1, -1]
+                shapes |= {file["repeated/position"].shape, file["repeated/velocity"].shape}
+            np.testing.assert_allclose(place, [16 + 16 * strain, 16, 16], rtol=1e-14)
+        self.assertEqual(len(shapes), 1)
+
+    def named_by_xdmf(self, folder):
+        """Time, kind of mesh and files of each frame."""
+        for grid in xml.etree.ElementTree.parse(folder / "fields.xdmf").iterfind(".//Grid/Grid"):
+            files = [item.text.split(":")[0] for item in grid.iter("DataItem") if ".h5" in item.text]
+            yield float(grid.find("Time").get("Value")), grid.find("Topology").get("TopologyType"), files
 
     def test_a_case_in_hdf5_is_one_in_json(self):
         case = {

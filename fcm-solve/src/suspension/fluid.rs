@@ -5,18 +5,17 @@ use domain::{Comm, Particles, Partition, PeriodicBox, Vector};
 use fcm::{Evaluation, Loads, Mobility, Plan};
 
 /// The velocity of the fluid relative to the background flow, on all grid points in the order `[z][y][x]`, x fastest;
-/// on the first rank. It is computed on a grid that carries every particle's own envelopes, whatever way the particles'
-/// motions are found. Collective.
+/// on the first rank. The plan is of a grid that carries every particle's own envelopes, whatever way the particles'
+/// motions are found: [`Plan::on_the_grid_alone`]. Collective.
 pub fn velocity(
     plan: &Plan,
     cell: &PeriodicBox,
     (particles, loads): (&Particles, &Loads),
     comm: &Comm,
 ) -> ([usize; 3], Vec<Vector>) {
-    let plan = plan.on_the_grid_alone(cell.strain());
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
     let (particles, loads) = moved(particles, loads, (&partition, cell));
-    let mut mobility = Mobility::new(&plan, &partition);
+    let mut mobility = Mobility::new(plan, &partition);
     mobility.arrange(cell, &particles);
     mobility.apply(&loads, Evaluation::Velocities);
     (plan.grid, gather(&partition, plan.grid, &mobility.velocity_field()))

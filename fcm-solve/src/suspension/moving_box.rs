@@ -29,6 +29,12 @@ impl MovingBox {
         &self.cell
     }
 
+    /// The largest strain that the lattice ever has.
+    pub fn largest_strain(&self) -> f64 {
+        let edges = self.start.edges();
+        if self.shear_rate == 0.0 { self.start.strain().abs() } else { 0.5 * edges.x / edges.y }
+    }
+
     /// The velocity of the image that is `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
         if self.shear_rate == 0.0 { Vector::ZERO } else { self.gradient * self.cell.lattice(steps) }

@@ -85,8 +85,9 @@ fn field_files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     Ok(files)
 }
 
-/// Readers take all frames of a series for the kind of mesh that the first one is. So where one frame is of a sheared
-/// box, all are given as curved meshes, those of a straight box too.
+/// Readers take all frames of a series for the kind of mesh that the first one is, and for as large. So where one frame
+/// is of a sheared box, all are given as curved meshes, those of a straight box too; and frames of another grid than the
+/// last one's, as former versions computed them in sheared boxes, are left out.
 fn index_fields(folder: &Path) -> Result<(), FileError> {
     let files = field_files(folder)?;
     let mut frames = Vec::with_capacity(files.len());
@@ -99,7 +100,7 @@ fn index_fields(folder: &Path) -> Result<(), FileError> {
             complete(path, curved)?;
         }
     }
-    durable::replace(&folder.join("fields.xdmf"), xdmf::series(&frames, curved).as_bytes())
+    durable::replace(&folder.join("fields.xdmf"), xdmf::series(frames, curved).as_bytes())
 }
 
 /// Adds to a file what the series needs of it: places to the frames of a straight box before the first sheared one, and

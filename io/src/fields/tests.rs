@@ -95,6 +95,22 @@ fn files_of_before_are_completed() {
 }
 
 #[test]
+fn frames_of_another_grid_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(0, 0.0), (10, 0.0)]);
+    let old = File::open_rw(folder.path().join("fields/velocity-0000000000.h5")).unwrap();
+    for name in ["velocity", "repeated"] {
+        old.unlink(name).unwrap();
+    }
+    old.new_dataset::<f64>().shape((2, 5, 4, 3)).create("velocity").unwrap();
+    drop(old);
+    write(folder.path(), &[(20, 0.0)]);
+    let xdmf = index(folder.path());
+    assert_eq!(xdmf.matches("<Time").count(), 2);
+    assert!(xdmf.contains("<!-- left out, of another grid: velocity-0000000000.h5 -->"));
+}
+
+#[test]
 fn late_fields_are_dropped() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[(5, 0.0), (10, 0.2)]);

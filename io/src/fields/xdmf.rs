@@ -58,7 +58,9 @@ impl Frame {
 
     fn straight(&self) -> String {
         let numbers = |[z, y, x]: [f64; 3]| {
-            format!("<DataItem Format=\"XML\" Precision=\"8\" Dimensions=\"3\">{z:?} {y:?} {x:?}</DataItem>")
+            format!(
+                "<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{z:?} {y:?} {x:?}</DataItem>"
+            )
         };
         let spacing = numbers([0, 1, 2].map(|axis| self.edges[axis] / self.points[axis] as f64));
         let (counts, origin) = (self.counts(), numbers([0.0; 3]));
@@ -82,9 +84,12 @@ impl Frame {
     }
 }
 
-/// The whole file.
-pub(super) fn series(frames: &[Frame], curved: bool) -> String {
-    let grids: String = frames.iter().map(|frame| frame.grid(curved)).collect();
+/// The whole file: the frames of the same grid as the last one, and in a comment the names of the others.
+pub(super) fn series(frames: Vec<Frame>, curved: bool) -> String {
+    let points = frames.last().map(|frame| frame.points);
+    let (alike, others): (Vec<_>, Vec<_>) = frames.into_iter().partition(|frame| Some(frame.points) == points);
+    let left_out = others.iter().map(|frame| format!("<!-- left out, of another grid: {} -->\n", frame.name));
+    let grids: String = alike.iter().map(|frame| frame.grid(curved)).chain(left_out).collect();
     format!(
         "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"velocity\" GridType=\"Collection\" \
          CollectionType=\"Temporal\">\n{grids}</Grid>\n</Domain>\n</Xdmf>\n"

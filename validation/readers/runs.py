@@ -1,0 +1,54 @@
+"""Short runs of every kind that writes frames, made once."""
+
+import functools
+import pathlib
+import tempfile
+
+from program import ROOT, run
+
+PLACE = tempfile.TemporaryDirectory()
+
+# Edges differ, so that no reader can mix up the axes. The sheared box passes the strain where its lattice turns back.
+SCENES = {
+    "straight": (
+        "settling",
+        {
+            "box.edges": "[16.0, 12.0, 10.0]",
+            "species[0].count": 25,
+            "time.steps": 6,
+            "output.trajectory_every": 1,
+            "output.fields_every": 3,
+            "statistics.every": 1,
+        },
+    ),
+    "sheared": (
+        "shear",
+        {
+            "box.edges": "[16.0, 12.0, 14.0]",
+            "species[0].volume_fraction": 0.03,
+            "species[1].volume_fraction": 0.03,
+            "repulsion.strength": 1200.0,
+            "flow.rate": 10.0,
+            "time.step": 0.01,
+            "time.duration": 0.1,
+            "output.trajectory_every": 1,
+            "output.fields_every": 2,
+        },
+    ),
+    "disks": ("poiseuille-disks", {"box.edges": "[20.0, 25.0]", "time.strain": 0.3}),
+    "cell": (
+        "shear-cell",
+        {"cell.length": 0.004, "cell.width": 0.005, "time.settle": 0.0, "time.steps": 10, "output.trajectory_every": 2},
+    ),
+}
+WITH_FIELDS = ["straight", "sheared"]
+
+
+@functools.cache
+def folder(name):
+    """The folder of a run."""
+    scene, sets = SCENES[name]
+    out = pathlib.Path(PLACE.name) / name
+    words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+    run(["run", ROOT / "scenes" / f"{scene}.toml", "--out", out, *words])
+    return out

@@ -1,0 +1,82 @@
+"""ParaView and pyvista read the velocity fields: every frame, every point, to the end of the box."""
+
+import pathlib
+import pickle
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+import pyvista
+
+from runs import WITH_FIELDS, folder
+
+HERE = pathlib.Path(__file__).parent
+# Spacings times counts and areas are sums of rounded numbers.
+ROUNDING = 1e-12
+
+
+def stored(run):
+    """Time, edges, places and values with repeated planes of each frame, made here from what the program computed."""
+    for path in sorted((run / "fields").glob("*.h5")):
+        with h5py.File(path) as file:
+            time, strain, edges = (file.attrs[name] for name in ("time", "strain", "edges"))
+            values = np.pad(file["velocity"][:], [(0, 1)] * 3 + [(0, 0)], mode="wrap")
+        z, y, x = np.meshgrid(*(np.linspace(0, edges[2 - d], values.shape[d]) for d in range(3)), indexing="ij")
+        yield time, edges, np.stack([x + strain * y, y, z], axis=-1).reshape(-1, 3), values.reshape(-1, 3)
+
+
+def read_by_pyvista(path):
+    """The series as the readers of ParaView give it."""
+    reader = pyvista.get_reader(str(path))
+    for time in reader.time_values:
+        reader.set_active_time_value(time)
+        mesh = reader.read()
+        areas = [mesh.slice(normal=normal, origin=mesh.center).area for normal in np.eye(3)]
+        yield {"time": time, "points": mesh.points, "velocity": mesh["velocity"], "areas": areas}
+
+
+class Fields(unittest.TestCase):
+    def compare(self, run, frames):
+        expected = list(stored(run))
+        self.assertGreater(len(expected), 2)
+        self.assertEqual([frame["time"] for frame in frames], [time for time, *_ in expected])
+        for frame, (_, edges, places, values) in zip(frames, expected):
+            np.testing.assert_allclose(frame["points"], places, rtol=0, atol=ROUNDING * edges.max())
+            np.testing.assert_array_equal(frame["velocity"], values)
+            x, y, z = edges
+            # Cuts at right angles to x and z through the middle: a tilted box is as high and long as a straight one.
+            np.testing.assert_allclose(frame["areas"][1:], [x * z, x * y], rtol=ROUNDING)
+
+    def test_pyvista(self):
+        for name in WITH_FIELDS:
+            with self.subTest(name):
+                run = folder(name)
+                self.compare(run, list(read_by_pyvista(run / "fields.xdmf")))
+
+    def test_each_reader_of_paraview(self):
+        with tempfile.TemporaryDirectory() as place:
+            out = pathlib.Path(place) / "read.pickle"
+            files = [str(folder(name) / "fields.xdmf") for name in WITH_FIELDS]
+            pvbatch(HERE / "paraview_reads.py", out, *files)
+            read = pickle.loads(out.read_bytes())
+        self.assertEqual(len(read), 3)
+        for reader, series in read.items():
+            for name, frames in zip(WITH_FIELDS, series, strict=True):
+                with self.subTest(f"{reader}, {name}"):
+                    self.compare(folder(name), frames)
+
+    def test_a_run_can_be_moved(self):
+        with tempfile.TemporaryDirectory() as place:
+            moved = pathlib.Path(place) / "elsewhere"
+            subprocess.run(["cp", "-r", folder("sheared"), moved], check=True)
+            self.compare(moved, list(read_by_pyvista(moved / "fields.xdmf")))
+
+
+def pvbatch(script, *arguments, cwd=None):
+    """Runs a script in ParaView on a screen that nobody sees."""
+    command = ["xvfb-run", "-a", "pvbatch", script, *arguments]
+    ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300, cwd=cwd)
+    if ended.returncode != 0:
+        raise AssertionError(f"{script}: {ended.stdout}{ended.stderr}")
