@@ -1,6 +1,7 @@
 """Every scene that comes with the program runs, at a small size."""
 
 import pathlib
+import re
 import tempfile
 import unittest
 
@@ -45,3 +46,11 @@ class Scenes(unittest.TestCase):
         np.testing.assert_allclose(velocity[0], velocity[1] * [-1, -1, 1], atol=2e-3)
         expected = 1 + 0.75 / 3 + 0.5 / 27 - 2 * 2.8373 / 32
         self.assertAlmostEqual(-velocity[0, 2], expected, delta=0.01)
+
+
+class Documentation(unittest.TestCase):
+    def test_the_page_on_the_command_line_has_every_command(self):
+        commands = re.search(r"^Commands:\n(.*?)^\n", run(["--help"]), re.DOTALL | re.MULTILINE)[1]
+        existing = set(re.findall(r"^  ([a-z-]+)", commands, re.MULTILINE)) - {"help"}
+        page = (ROOT / "docs" / "src" / "command-line.md").read_text()
+        self.assertEqual(set(re.findall(r"^\| `fcm-solve ([a-z-]+)", page, re.MULTILINE)), existing)
