@@ -168,7 +168,7 @@ class Files(unittest.TestCase):
         page = (ROOT / "docs" / "src" / "file-formats.md").read_text()
         case = json.loads(re.search(r"```json\n(.*?)```", page, re.DOTALL)[1])
         velocities = np.array(mobility(case, self.place.name, tolerance=1e-4)["velocities"]) * 6 * np.pi
-        # Four radii apart on the line of centres: 1 + 3/2 / r - 1 / r^3 - 15/4 / r^4 in free space; the images of the box
+        # Four radii apart on the line of centres: 1 + 3/2 / r - 1 / r^3 - 15/4 / r^4 in free space; images of the box
         # take 2.8373 / L for each of the two. What this leaves out is below a hundredth.
         expected = 1 + 3 / 8 - 1 / 64 - 15 / 1024 - 2 * 2.8373 / 40
         np.testing.assert_allclose(velocities, [[0, 0, -expected]] * 2, atol=0.01)
