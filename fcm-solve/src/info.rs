@@ -1,5 +1,6 @@
 //! `fcm-solve info`: what a result file holds.
 
+use anyhow::ensure;
 use domain::Comm;
 use io::Contents;
 use std::path::PathBuf;
@@ -23,6 +24,12 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
         } else {
             print!("{contents}");
         }
+        let path = args.file.display();
+        ensure!(
+            contents.damage.is_empty(),
+            "{path} is damaged: {}; restore it from a copy, or go on without that: stats leaves damaged frames out",
+            contents.damage.join("; ")
+        );
     }
     Ok(())
 }

@@ -48,12 +48,18 @@ fn take(args: &Args) -> anyhow::Result<()> {
     let meant = frames.into_iter().filter(|(_, time)| (wanted.from..=until).contains(time));
     let mut statistics: Option<Statistics> = None;
     for (frame, time) in meant {
-        let (cell, particles) = recorded.frame(frame)?;
+        let (cell, particles) = match recorded.frame(frame) {
+            Ok(frame) => frame,
+            Err(error) => {
+                eprintln!("warning: {error}; the statistics are without this frame");
+                continue;
+            }
+        };
         let statistics = statistics.get_or_insert_with(|| Statistics::new(suspension, wanted, &particles));
         statistics.sample(time, &cell, &particles);
     }
     let Some(statistics) = statistics else {
-        bail!("the trajectory has no frame in that span; change --from and --to")
+        bail!("the trajectory has no whole frame in that span; change --from and --to")
     };
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("stats"));
     ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());

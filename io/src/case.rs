@@ -1,6 +1,6 @@
 //! One configuration that a user brings, and its answer: JSON, or HDF5 with the same names.
 
-use crate::FileError;
+use crate::{FileError, durable, whole};
 use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, Group};
 use serde::{Deserialize, Serialize};
@@ -200,9 +200,9 @@ impl Answer {
     /// Writes the answer to a file, HDF5 if its name ends in `.h5` or `.hdf5`, else JSON.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
         if is_hdf5(path) {
-            return self.write_hdf5(path).map_err(|e| FileError::write(path, &e));
+            return whole::write(path, |file| self.fill(file));
         }
-        std::fs::write(path, self.to_json()).map_err(|e| FileError::write(path, &e))
+        durable::replace(path, self.to_json().as_bytes())
     }
 
     /// The answer as JSON.
@@ -212,8 +212,7 @@ impl Answer {
         text
     }
 
-    fn write_hdf5(&self, path: &Path) -> hdf5::Result<()> {
-        let file = File::create(path)?;
+    fn fill(&self, file: &File) -> hdf5::Result<()> {
         let table = |name: &str, width: usize, values: Vec<f64>| -> hdf5::Result<()> {
             let rows = values.len() / width;
             let values = ndarray::Array2::from_shape_vec((rows, width), values).expect("whole rows");

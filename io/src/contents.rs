@@ -1,6 +1,7 @@
 //! What a result file holds, in words.
 
-use crate::{FileError, text};
+use crate::frames::Sums;
+use crate::{FileError, checksum, text};
 use hdf5::{Dataset, File, Group};
 use std::fmt::{Display, Formatter};
 use std::path::Path;
@@ -18,6 +19,8 @@ pub struct Contents {
     pub frames: Option<FrameSpan>,
     /// Names and shapes of the datasets, with their physical dimensions.
     pub datasets: Vec<String>,
+    /// What is not as it was written, by its checksums.
+    pub damage: Vec<String>,
 }
 
 /// The frames of a file.
@@ -59,8 +62,13 @@ impl Contents {
             plan: text::read_dataset(&parameters, "plan")?,
             frames: None,
             datasets: Vec::new(),
+            damage: Vec::new(),
         };
         contents.walk(&file.as_group()?)?;
+        let frames = contents.frames.map_or(0, |frames| frames.count);
+        if let Some(sums) = Sums::open(file)? {
+            contents.damage.extend((0..frames).filter_map(|frame| Some(sums.damage(frame)?.to_string())));
+        }
         Ok(contents)
     }
 
@@ -73,17 +81,20 @@ impl Contents {
             if !name.ends_with("/step") && !name.ends_with("/time") && !name.starts_with("/parameters") {
                 self.datasets.push(describe(&dataset));
             }
+            self.damage.extend(checksum::verify(&dataset).err().map(|e| e.to_string()));
         }
         group.groups()?.iter().try_for_each(|group| self.walk(group))
     }
 }
 
 fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
+    let times_name = times.name();
     let (steps, times): (Vec<u64>, Vec<f64>) = (steps.read_raw()?, times.read_raw()?);
     let count = steps.len();
     // Times are written before steps: there may be one more.
-    let ends = |last: usize| FrameSpan { count, steps: [steps[0], steps[last]], times: [times[0], times[last]] };
-    Ok(count.checked_sub(1).map(ends))
+    let Some(last) = count.checked_sub(1) else { return Ok(None) };
+    let Some(&end) = times.get(last) else { return Err(format!("{times_name} has fewer frames than the steps").into()) };
+    Ok(Some(FrameSpan { count, steps: [steps[0], steps[last]], times: [times[0], end] }))
 }
 
 fn describe(dataset: &Dataset) -> String {

@@ -2,6 +2,7 @@
 
 mod case;
 mod checkpoint;
+mod checksum;
 mod contents;
 mod durable;
 mod error;
@@ -16,12 +17,14 @@ mod series;
 mod tables;
 mod text;
 mod trajectory;
+mod whole;
 
 pub use case::{Answer, Background, Case, OneOrAll, Terms};
 pub use checkpoint::Checkpoint;
 pub use contents::{Contents, FrameSpan};
 pub use durable::replace as replace_file;
 pub use error::FileError;
+pub use frames::Damage;
 pub use fields::{VelocityField, drop_fields_after};
 pub use placed::Placed;
 pub use provenance::Provenance;

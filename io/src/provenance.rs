@@ -1,6 +1,6 @@
 //! Where results come from: kept in every file that holds some.
 
-use crate::text;
+use crate::{frames, text};
 use hdf5::types::FixedAscii;
 use hdf5::{File, Group};
 
@@ -32,7 +32,7 @@ impl Provenance {
         write_fixed(&creator, "name", name)?;
         write_fixed(&creator, "version", version)?;
         write_fixed(&h5md.create_group("author")?, "name", "unknown")?;
-        self.write_parameters(&file.create_group("parameters")?)
+        self.write_parameters(&frames::group(file, "parameters")?)
     }
 
     fn write_parameters(&self, group: &Group) -> hdf5::Result<()> {

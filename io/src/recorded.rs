@@ -1,6 +1,7 @@
 //! Trajectories that were written before.
 
-use crate::{FileError, text};
+use crate::frames::Sums;
+use crate::{FileError, checksum, text};
 use domain::{Column, Particles, PeriodicBox, Vector};
 use hdf5::{File, Group, H5Type, Hyperslab};
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ pub struct Recorded {
     group: Group,
     fixed: Particles,
     times: Vec<f64>,
+    sums: Option<Sums>,
     scene: String,
     plan: String,
 }
@@ -33,14 +35,14 @@ impl Recorded {
     fn try_open(path: &Path) -> hdf5::Result<Self> {
         let file = File::open(path)?;
         let group = file.group("particles/all")?;
-        let ids: Vec<u64> = group.dataset("id")?.read_raw()?;
+        let ids: Vec<u64> = checksum::read(&group.dataset("id")?)?;
         let count = ids.len();
         let fixed = Particles {
             ids,
             positions: vec![Vector::ZERO; count],
             steps: vec![[0; 3]; count],
-            radii: group.dataset("radius")?.read_raw()?,
-            species: group.dataset("species")?.read_raw()?,
+            radii: checksum::read(&group.dataset("radius")?)?,
+            species: checksum::read(&group.dataset("species")?)?,
             columns: Vec::new(),
         };
         let mut times: Vec<f64> = group.dataset("position/time")?.read_raw()?;
@@ -48,7 +50,8 @@ impl Recorded {
         times.truncate(group.dataset("position/step")?.size());
         let parameters = file.group("parameters")?;
         let (scene, plan) = (text::read_dataset(&parameters, "scene")?, text::read_dataset(&parameters, "plan")?);
-        Ok(Self { path: path.to_owned(), group, fixed, times, scene, plan })
+        let sums = Sums::open(&file)?;
+        Ok(Self { path: path.to_owned(), group, fixed, times, sums, scene, plan })
     }
 
     /// The scene of the run.
@@ -66,12 +69,16 @@ impl Recorded {
         &self.times
     }
 
-    /// A frame: the box, and all particles in the order of their ids with the columns that the file has.
+    /// A frame: the box, and all particles in the order of their ids with the columns that the file has. `Err` if it is
+    /// not as it was written.
     pub fn frame(&self, frame: usize) -> Result<(PeriodicBox, Particles), FileError> {
         self.try_frame(frame).map_err(|e| FileError::damaged(&self.path, &e))
     }
 
     fn try_frame(&self, frame: usize) -> hdf5::Result<(PeriodicBox, Particles)> {
+        if let Some(damage) = self.sums.as_ref().and_then(|sums| sums.damage(frame)) {
+            return Err(damage.to_string().into());
+        }
         let edges: Vec<f64> = self.value("box/edges", frame)?;
         let strains: Vec<f64> = self.group.dataset("box/strain/value")?.read_raw()?;
         let cell = PeriodicBox::sheared(Vector::new(edges[0], edges[4], edges[8]), strains[frame]);
@@ -111,7 +118,7 @@ mod tests {
         let frame = |k: u32| {
             let mut particles = Particles::default();
             particles.push(0, Vector::new(0.1, 0.2, 0.3) * f64::from(k), 1.0, 0);
-            particles.push(1, Vector::new(1.1, 1.2, 1.3), 2.0, 1);
+            particles.push(1, Vector::new(1.1, 1.2, 1.3), 7.125, 1);
             particles.steps[1] = [k as i32, -1, 0];
             particles.vectors("velocity")[0] = Vector::X * f64::from(k);
             let cell = PeriodicBox::sheared(Vector::new(3.0, 4.0, 5.0), 0.1 * f64::from(k)).unwrap();
@@ -129,5 +136,23 @@ mod tests {
             assert_eq!(recorded.frame(k).unwrap(), (cell, particles));
         }
         assert!(Recorded::open(&folder.path().join("none.h5")).is_err());
+        flip(&path, 2.0_f64 * 0.3);
+        assert!(recorded.frame(1).is_ok());
+        let error = recorded.frame(2).unwrap_err().to_string();
+        assert!(error.contains("trajectory.h5 is damaged: frame 2 does not fit its checksums: particles/all/position"));
+        let contents = crate::Contents::read(&path).unwrap();
+        assert_eq!(contents.damage, ["frame 2 does not fit its checksums: particles/all/position"]);
+        drop(recorded);
+        flip(&path, 7.125);
+        let error = Recorded::open(&path).err().unwrap().to_string();
+        assert!(error.contains("trajectory.h5 is damaged: particles/all/radius does not fit its checksum"), "{error}");
+    }
+
+    /// Changes a bit of the first number of this value in a file.
+    fn flip(path: &Path, number: f64) {
+        let mut bytes = std::fs::read(path).unwrap();
+        let place = bytes.windows(8).position(|b| b == number.to_le_bytes()).unwrap();
+        bytes[place] ^= 1;
+        std::fs::write(path, bytes).unwrap();
     }
 }

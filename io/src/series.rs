@@ -1,7 +1,7 @@
 //! Time series of what a run observes, as CSV for reading and as HDF5 for programs.
 
 use crate::durable;
-use crate::frames::{Element, Frames};
+use crate::frames::{Damage, Element, Frames, Kind, Values};
 use crate::{FileError, Provenance};
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
@@ -56,28 +56,40 @@ impl Series {
         quantities: &[Quantity],
         rows: u64,
     ) -> Result<Self, FileError> {
-        let csv_path = folder.join("observables.csv");
-        durable::replace(&csv_path, header(quantities).as_bytes())?;
-        let frames = new_frames(&folder.join("observables.h5"), provenance, quantities, rows)?;
-        Ok(Self { csv: for_appending(&csv_path)?, csv_path, frames })
+        let elements: Vec<Element> = quantities.iter().map(Quantity::element).collect();
+        let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
+        let kind = Kind { elements: &elements, capacity: rows, fixed: &fixed };
+        let frames = Frames::create(&folder.join("observables.h5"), &kind)?;
+        Self::with_table(folder, &header(quantities), frames)
     }
 
     /// Goes on with the series of a former run after step `last`: later rows are dropped. `rows` is the number of rows
-    /// at the end of the run.
+    /// at the end of the run. The table is written anew from the HDF5 file, or that from the table where there is none.
     pub fn resume(
         folder: &Path,
         provenance: &Provenance,
         quantities: &[Quantity],
         (last, rows): (u64, u64),
     ) -> Result<Self, FileError> {
-        let csv_path = folder.join("observables.csv");
-        let text = std::fs::read_to_string(&csv_path).map_err(|e| FileError::read(&csv_path, &e))?;
-        let is_kept = |line: &&str| line.split(',').next().and_then(|s| s.parse().ok()).is_none_or(|s: u64| s <= last);
-        let kept: String = text.split_inclusive('\n').filter(|l| l.ends_with('\n')).filter(is_kept).collect();
-        durable::replace(&csv_path, kept.as_bytes())?;
+        let former = Former::read(&folder.join("observables.csv"), quantities, last)?;
+        let path = folder.join("observables.h5");
+        if !path.exists() {
+            let mut series = Self::create(folder, provenance, quantities, rows)?;
+            for (clock, values) in &former.rows {
+                series.append(*clock, values)?;
+            }
+            return Ok(series);
+        }
         let elements: Vec<Element> = quantities.iter().map(Quantity::element).collect();
-        let anew = |path: &Path| new_frames(path, provenance, quantities, rows);
-        let frames = Frames::resume(&folder.join("observables.h5"), &elements, (last, rows), anew)?;
+        let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
+        let frames = Frames::resume(&path, &Kind { elements: &elements, capacity: rows, fixed: &fixed }, last)?;
+        let table = table(&frames, quantities, &former)?;
+        Self::with_table(folder, &table, frames)
+    }
+
+    fn with_table(folder: &Path, table: &str, frames: Frames) -> Result<Self, FileError> {
+        let csv_path = folder.join("observables.csv");
+        durable::replace(&csv_path, table.as_bytes())?;
         Ok(Self { csv: for_appending(&csv_path)?, csv_path, frames })
     }
 
@@ -86,16 +98,23 @@ impl Series {
         Ok(self.frames.steps_written()?.last().copied())
     }
 
+    /// The rows of the former run that are not as they were written.
+    pub fn damage(&self) -> &[Damage] {
+        self.frames.damage()
+    }
+
     /// Adds a row with the numbers of each quantity in turn.
-    pub fn append(&mut self, (step, time): (u64, f64), values: &[Vec<f64>]) -> Result<(), FileError> {
-        let mut line = format!("{step},{time:?}");
-        for value in values.iter().flatten() {
-            write!(line, ",{value:?}").expect("text grows");
-        }
-        line.push('\n');
+    pub fn append(&mut self, clock: (u64, f64), values: &[Vec<f64>]) -> Result<(), FileError> {
+        let line = line(clock, values.iter().flatten());
         self.csv.write_all(line.as_bytes()).map_err(|e| FileError::write(&self.csv_path, &e))?;
         let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
-        self.frames.append((step, time), &values)
+        self.frames.append(clock, &values)
+    }
+
+    /// Waits until all rows so far are on the disk.
+    pub fn sync(&self) -> Result<(), FileError> {
+        self.csv.sync_all().map_err(|e| FileError::write(&self.csv_path, &e))?;
+        self.frames.sync()
     }
 }
 
@@ -109,21 +128,70 @@ fn for_appending(path: &Path) -> Result<File, FileError> {
     OpenOptions::new().append(true).open(path).map_err(|e| FileError::write(path, &e))
 }
 
-fn new_frames(path: &Path, provenance: &Provenance, quantities: &[Quantity], rows: u64) -> Result<Frames, FileError> {
-    let elements: Vec<Element> = quantities.iter().map(Quantity::element).collect();
-    let frames = Frames::create(path, &elements, rows)?;
-    let write = || {
-        provenance.write(frames.file())?;
-        for quantity in quantities {
-            let Some((rows, columns)) = &quantity.table else { continue };
-            let group = frames.file().group(&format!("observables/{}", quantity.name))?;
-            crate::text::write_attribute(&group, "rows", &rows.join(","))?;
-            crate::text::write_attribute(&group, "columns", &columns.join(","))?;
+fn line<'a>((step, time): (u64, f64), values: impl IntoIterator<Item = &'a f64>) -> String {
+    let mut line = format!("{step},{time:?}");
+    for value in values {
+        write!(line, ",{value:?}").expect("text grows");
+    }
+    line + "\n"
+}
+
+fn write_fixed(file: &hdf5::File, provenance: &Provenance, quantities: &[Quantity]) -> hdf5::Result<()> {
+    provenance.write(file)?;
+    for quantity in quantities {
+        let Some((rows, columns)) = &quantity.table else { continue };
+        let group = file.group(&format!("observables/{}", quantity.name))?;
+        crate::text::write_attribute(&group, "rows", &rows.join(","))?;
+        crate::text::write_attribute(&group, "columns", &columns.join(","))?;
+    }
+    Ok(())
+}
+
+/// The table of the rows in the HDF5 file. Where a row is damaged there, it is as the former table had it, if it did.
+fn table(frames: &Frames, quantities: &[Quantity], former: &Former) -> Result<String, FileError> {
+    let mut table = header(quantities);
+    for (frame, step) in frames.steps_written()?.into_iter().enumerate() {
+        if !frames.damage().iter().any(|damage| damage.frame == frame) {
+            let (clock, values) = frames.frame(frame)?;
+            table += &line(clock, values.iter().flat_map(Values::reals));
+        } else if let Some((clock, values)) = former.rows.iter().find(|(clock, _)| clock.0 == step) {
+            table += &line(*clock, values.iter().flatten());
         }
-        frames.file().flush()
-    };
-    write().map_err(|e| FileError::write(path, &e))?;
-    Ok(frames)
+    }
+    Ok(table)
+}
+
+/// What the table of a former run has: whole rows until a step.
+#[derive(Default)]
+struct Former {
+    rows: Vec<Row>,
+}
+
+/// Step, time, and the numbers of each quantity in turn.
+type Row = ((u64, f64), Vec<Vec<f64>>);
+
+impl Former {
+    /// Reads what there is.
+    fn read(path: &Path, quantities: &[Quantity], last: u64) -> Result<Self, FileError> {
+        if !path.exists() {
+            return Ok(Self::default());
+        }
+        let bytes = std::fs::read(path).map_err(|e| FileError::read(path, &e))?;
+        let text = String::from_utf8_lossy(&bytes);
+        let Some(rows) = text.strip_prefix(&header(quantities)) else { return Ok(Self::default()) };
+        let whole = rows.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
+        let rows = whole.filter_map(|line| row(line, quantities)).filter(|(clock, _)| clock.0 <= last).collect();
+        Ok(Self { rows })
+    }
+}
+
+fn row(line: &str, quantities: &[Quantity]) -> Option<Row> {
+    let mut words = line.split(',');
+    let clock = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
+    let mut number = || words.next()?.parse().ok();
+    let mut values = |quantity: &Quantity| (0..quantity.columns().len()).map(|_| number()).collect::<Option<Vec<f64>>>();
+    let values = quantities.iter().map(&mut values).collect::<Option<Vec<_>>>()?;
+    words.next().is_none().then_some((clock, values))
 }
 
 #[cfg(test)]
@@ -157,5 +225,41 @@ mod tests {
         let file = hdf5::File::open(folder.path().join("observables.h5")).unwrap();
         let means: Vec<f64> = file.dataset("observables/mean/value").unwrap().read_raw().unwrap();
         assert_eq!(means, (0..4).flat_map(|step| row(step)[1].clone()).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn each_of_the_two_files_is_mended_from_the_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let provenance =
+            Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+        let quantities = [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["a".into()])];
+        let row = |step: u64| vec![vec![1.0 / (3.0 + step as f64)], vec![f64::NAN, -0.0, 1e300 * step as f64]];
+        let mut series = Series::create(folder.path(), &provenance, &quantities, 4).unwrap();
+        for step in 0..4 {
+            series.append((step, 0.1 * step as f64), &row(step)).unwrap();
+        }
+        drop(series);
+        let (csv, h5) = (folder.path().join("observables.csv"), folder.path().join("observables.h5"));
+        let (whole, frames) = (std::fs::read_to_string(&csv).unwrap(), std::fs::read(&h5).unwrap());
+        let resume = || Series::resume(folder.path(), &provenance, &quantities, (3, 4)).unwrap();
+        let second = whole.lines().nth(2).unwrap();
+        for damaged in ["", "step,time\n", &whole[..50], &whole.replace(second, "?"), &whole.replace("0.1", "0.7")] {
+            std::fs::write(&csv, damaged).unwrap();
+            assert!(resume().damage().is_empty());
+            assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
+        }
+        std::fs::remove_file(&csv).unwrap();
+        resume();
+        assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
+        std::fs::remove_file(&h5).unwrap();
+        assert_eq!(resume().last_step().unwrap(), Some(3));
+        assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
+        let number = 0.25_f64.to_le_bytes();
+        let place = frames.windows(8).position(|bytes| bytes == number).unwrap();
+        let mut damaged = frames;
+        damaged[place + 3] ^= 8;
+        std::fs::write(&h5, damaged).unwrap();
+        assert_eq!(resume().damage()[0].elements, ["observables/gap"]);
+        assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
     }
 }

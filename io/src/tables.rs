@@ -1,6 +1,6 @@
 //! Tables of results, as CSV for reading and as HDF5 for programs.
 
-use crate::{FileError, Provenance, durable, text};
+use crate::{FileError, Provenance, durable, text, whole};
 use hdf5::File;
 use hdf5::types::VarLenUnicode;
 use std::fmt::Write as _;
@@ -82,15 +82,10 @@ pub fn write_tables(folder: &Path, name: &str, provenance: &Provenance, tables: 
     for table in tables {
         durable::replace(&folder.join(table.name).with_extension("csv"), table.to_csv().as_bytes())?;
     }
-    let path = folder.join(name).with_extension("h5");
-    let temporary = path.with_extension("tmp");
-    let write = || {
-        let file = File::create(&temporary)?;
-        provenance.write(&file)?;
-        tables.iter().try_for_each(|table| table.write(&file))
-    };
-    write().map_err(|e: hdf5::Error| FileError::write(&temporary, &e))?;
-    std::fs::rename(&temporary, &path).map_err(|e| FileError::write(&path, &e))
+    whole::write(&folder.join(name).with_extension("h5"), |file| {
+        provenance.write(file)?;
+        tables.iter().try_for_each(|table| table.write(file))
+    })
 }
 
 fn quoted(word: &str) -> String {

@@ -1,5 +1,6 @@
 //! Text in HDF5 files.
 
+use crate::checksum;
 use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{Dataset, Group, Location};
 use std::str::FromStr;
@@ -14,12 +15,23 @@ pub(crate) fn write_attribute(place: &Location, name: &str, text: &str) -> hdf5:
     place.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&scalar(text))
 }
 
+/// Stores a text with its checksum.
 pub(crate) fn write_dataset(group: &Group, name: &str, text: &str) -> hdf5::Result<()> {
-    group.new_dataset::<VarLenUnicode>().create(name)?.write_scalar(&scalar(text))
+    let (dataset, text) = (group.new_dataset::<VarLenUnicode>().create(name)?, scalar(text));
+    dataset.write_scalar(&text)?;
+    checksum::attach(&dataset, checksum::of(text.as_bytes()))
 }
 
+/// Reads a text; `Err` if it does not fit its checksum, where it has one.
 pub(crate) fn read_dataset(group: &Group, name: &str) -> hdf5::Result<String> {
-    Ok(group.dataset(name)?.read_scalar::<VarLenUnicode>()?.as_str().to_owned())
+    read(&group.dataset(name)?)
+}
+
+/// The same of a dataset that is open.
+pub(crate) fn read(dataset: &Dataset) -> hdf5::Result<String> {
+    let text = dataset.read_scalar::<VarLenUnicode>()?;
+    checksum::compare(dataset, || checksum::of(text.as_bytes()))?;
+    Ok(text.as_str().to_owned())
 }
 
 /// Text of at most 64 bytes in ASCII as H5MD asks for it in its own attributes: of a fixed length.

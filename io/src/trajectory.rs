@@ -1,7 +1,7 @@
 //! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
-use crate::frames::{Element, Frames, Values};
-use crate::{FileError, Provenance, text};
+use crate::frames::{Damage, Element, Frames, Kind, Values};
+use crate::{FileError, Provenance, checksum, text};
 use domain::{Particles, PeriodicBox};
 use hdf5::types::FixedAscii;
 use std::path::Path;
@@ -36,14 +36,7 @@ impl Trajectory {
     /// A trajectory of up to `frames` frames, like the first frame given: radii, species and periodic axes are those
     /// that it has, and the columns are those that it has.
     pub fn create(path: &Path, provenance: &Provenance, first: &Frame, frames: u64) -> Result<Self, FileError> {
-        let elements = elements(&first.particles);
-        let frames = Frames::create(path, &elements, frames)?;
-        let write = || {
-            provenance.write(frames.file())?;
-            write_fixed(frames.file(), first)
-        };
-        write().and_then(|()| frames.file().flush()).map_err(|e: hdf5::Error| FileError::write(path, &e))?;
-        Ok(Self { frames, elements })
+        Self::open(provenance, first, frames, |kind| Frames::create(path, kind))
     }
 
     /// Goes on with the trajectory of a former run after step `last`: later frames are dropped. `frames` is the number
@@ -54,14 +47,31 @@ impl Trajectory {
         first: &Frame,
         (last, frames): (u64, u64),
     ) -> Result<Self, FileError> {
-        let elements = elements(&first.particles);
-        let anew = |path: &Path| Ok(Self::create(path, provenance, first, frames)?.frames);
-        Ok(Self { frames: Frames::resume(path, &elements, (last, frames), anew)?, elements })
+        Self::open(provenance, first, frames, |kind| Frames::resume(path, kind, last))
     }
 
-    /// The step of the last frame.
-    pub fn last_step(&self) -> Result<Option<u64>, FileError> {
-        Ok(self.frames.steps_written()?.last().copied())
+    fn open(
+        provenance: &Provenance,
+        first: &Frame,
+        capacity: u64,
+        open: impl FnOnce(&Kind) -> Result<Frames, FileError>,
+    ) -> Result<Self, FileError> {
+        let elements = elements(&first.particles);
+        let fixed = |file: &hdf5::File| {
+            provenance.write(file)?;
+            write_fixed(file, first)
+        };
+        Ok(Self { frames: open(&Kind { elements: &elements, capacity, fixed: &fixed })?, elements })
+    }
+
+    /// The frames of the former run that are not as they were written.
+    pub fn damage(&self) -> &[Damage] {
+        self.frames.damage()
+    }
+
+    /// Waits until all frames so far are on the disk.
+    pub fn sync(&self) -> Result<(), FileError> {
+        self.frames.sync()
     }
 
     /// Adds a frame.
@@ -102,9 +112,9 @@ fn elements(particles: &Particles) -> Vec<Element> {
 /// What no frame changes.
 fn write_fixed(file: &hdf5::File, Frame { particles, periodic, .. }: &Frame) -> hdf5::Result<()> {
     let group = file.group("particles/all")?;
-    group.new_dataset_builder().with_data(&particles.ids).create("id")?;
-    group.new_dataset_builder().with_data(&particles.species).create("species")?;
-    let radii = group.new_dataset_builder().with_data(&particles.radii).create("radius")?;
+    checksum::write(&group, "id", &particles.ids)?;
+    checksum::write(&group, "species", &particles.species)?;
+    let radii = checksum::write(&group, "radius", &particles.radii)?;
     text::write_dimensions(&radii, "length")?;
     let cell = group.group("box")?;
     cell.new_attr::<i32>().create("dimension")?.write_scalar(&3)?;

@@ -29,6 +29,23 @@ struct Files {
     series: Option<Series>,
 }
 
+impl Files {
+    /// Waits until all that was written is on the disk.
+    fn sync(&self) -> Result<(), FileError> {
+        self.trajectory.as_ref().map_or(Ok(()), Trajectory::sync)?;
+        self.series.as_ref().map_or(Ok(()), Series::sync)
+    }
+
+    /// Names what is damaged of what a former run wrote, which the run does not need.
+    fn warn_of_damage(&self) {
+        let trajectory = self.trajectory.iter().flat_map(|file| file.damage()).map(|damage| ("trajectory.h5", damage));
+        let series = self.series.iter().flat_map(|file| file.damage()).map(|damage| ("observables.h5", damage));
+        for (name, damage) in trajectory.chain(series) {
+            eprintln!("warning: {name} is damaged: {damage}; the run goes on without it");
+        }
+    }
+}
+
 impl Recorder {
     /// A recorder for a run from its start, in place of any former run in the folder.
     pub fn create(folder: Folder, scene: &Scene, simulation: &mut dyn Simulation) -> anyhow::Result<Self> {
@@ -52,6 +69,7 @@ impl Recorder {
         let open = Open { path: folder.path(), provenance: &provenance, last, steps: scene.kind().steps() };
         let files = if comm.is_first() { open.files(&output, &frame, &quantities) } else { Ok(Files::default()) };
         let files = comm.agree(files)?;
+        files.warn_of_damage();
         let from = last.map_or(0, |step| step + 1);
         Ok(Self { folder, output, provenance, files, comm, from, saved: last })
     }
@@ -111,7 +129,8 @@ impl Recorder {
             return Ok(());
         }
         let checkpoint = simulation.checkpoint()?;
-        let write = || checkpoint.write(self.folder.path()).map(drop);
+        // What a checkpoint follows on must be on the disk when it is.
+        let write = || self.files.sync().and_then(|()| checkpoint.write(self.folder.path()).map(drop));
         let written = if self.comm.is_first() { write() } else { Ok(()) };
         self.comm.agree(written)?;
         self.saved = Some(step);
@@ -161,10 +180,8 @@ impl Open<'_> {
 
     fn series(&self, quantities: &[Quantity], rows: u64) -> Result<Series, FileError> {
         match self.last {
-            Some(last) if self.path.join("observables.h5").exists() => {
-                Series::resume(self.path, self.provenance, quantities, (last, rows))
-            }
-            _ => Series::create(self.path, self.provenance, quantities, rows),
+            Some(last) => Series::resume(self.path, self.provenance, quantities, (last, rows)),
+            None => Series::create(self.path, self.provenance, quantities, rows),
         }
     }
 }

@@ -68,7 +68,7 @@ impl Checkpoint {
             columns: Vec::new(),
         };
         for (name, width) in header.columns {
-            particles.columns.push(Column { name, width, values: rest.take(width * count)? });
+            particles.columns.push(Column { name, width, values: rest.take(width.saturating_mul(count))? });
         }
         let (step, strain, plan) = (header.step, f64::from_bits(header.strain), header.plan);
         Ok(Self { step, strain, plan, particles, statistics: rest.take(header.statistics)? })
@@ -79,7 +79,7 @@ struct Rest<'a>(&'a [u8]);
 
 impl Rest<'_> {
     fn take<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, String> {
-        let (values, rest) = self.0.split_at_checked(count * size_of::<T>()).ok_or("it is cut short")?;
+        let (values, rest) = self.0.split_at_checked(count.saturating_mul(size_of::<T>())).ok_or("it is cut short")?;
         self.0 = rest;
         Ok(bytemuck::allocation::pod_collect_to_vec(values))
     }

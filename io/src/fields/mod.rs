@@ -5,7 +5,7 @@ mod repeated;
 mod tests;
 mod xdmf;
 
-use crate::{FileError, Provenance, durable, text};
+use crate::{FileError, Provenance, checksum, durable, text, whole};
 use domain::{PeriodicBox, Vector};
 use hdf5::File;
 use std::path::{Path, PathBuf};
@@ -33,18 +33,16 @@ impl VelocityField<'_> {
         let fields = folder.join("fields");
         std::fs::create_dir_all(&fields).map_err(|e| FileError::write(&fields, &e))?;
         let path = fields.join(format!("velocity-{:010}.h5", self.step));
-        let temporary = path.with_extension("tmp");
-        self.write_file(&temporary, provenance).map_err(|e| FileError::write(&path, &e))?;
-        std::fs::rename(&temporary, &path).map_err(|e| FileError::write(&path, &e))?;
+        whole::write(&path, |file| self.fill(file, provenance))?;
         index_fields(folder)
     }
 
-    fn write_file(&self, path: &Path, provenance: &Provenance) -> hdf5::Result<()> {
-        let file = File::create(path)?;
-        provenance.write(&file)?;
+    fn fill(&self, file: &File, provenance: &Provenance) -> hdf5::Result<()> {
+        provenance.write(file)?;
         let [nx, ny, nz] = self.points;
         let dataset = file.new_dataset::<f64>().shape((nz, ny, nx, 3)).create("velocity")?;
         dataset.write_raw(bytemuck::cast_slice::<_, f64>(self.values))?;
+        checksum::attach(&dataset, checksum::of(self.values))?;
         text::write_dimensions(&dataset, "length/time")?;
         text::write_attribute(&dataset, "note", self.note)?;
         let root = file.as_group()?;
@@ -53,11 +51,8 @@ impl VelocityField<'_> {
         root.new_attr::<f64>().create("strain")?.write_scalar(&self.cell.strain())?;
         let edges = ndarray::arr1(&self.cell.edges().to_array());
         root.new_attr::<f64>().shape(3).create("edges")?.write(&edges)?;
-        repeated::add_velocity(&file)?;
-        if self.cell.strain() != 0.0 {
-            repeated::add_position(&file)?;
-        }
-        file.flush()
+        repeated::add_velocity(file)?;
+        if self.cell.strain() == 0.0 { Ok(()) } else { repeated::add_position(file) }
     }
 }
 
@@ -106,16 +101,8 @@ fn index_fields(folder: &Path) -> Result<(), FileError> {
 /// Adds to a file what the series needs of it: places to the frames of a straight box before the first sheared one, and
 /// repeated planes to files that this program wrote before it knew them.
 fn complete(path: &Path, curved: bool) -> Result<(), FileError> {
-    let temporary = path.with_extension("tmp");
-    std::fs::copy(path, &temporary).map_err(|e| FileError::write(&temporary, &e))?;
-    let add = || {
-        let file = File::open_rw(&temporary)?;
-        repeated::add_velocity(&file)?;
-        if curved {
-            repeated::add_position(&file)?;
-        }
-        file.flush()
-    };
-    add().map_err(|e| FileError::write(&temporary, &e))?;
-    std::fs::rename(&temporary, path).map_err(|e| FileError::write(path, &e))
+    whole::change(path, |file| {
+        repeated::add_velocity(file)?;
+        if curved { repeated::add_position(file) } else { Ok(()) }
+    })
 }

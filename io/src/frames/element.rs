@@ -1,7 +1,7 @@
 //! One quantity of a file of frames.
 
 use crate::text;
-use hdf5::plist::dataset_create::{AllocTime, FillTime};
+use hdf5::dataset::{AllocTime, DatasetCreateBuilder, FillTime};
 use hdf5::{Dataset, File, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
 use ndarray::{ArrayViewD, IxDyn};
 use std::borrow::Cow;
@@ -24,6 +24,16 @@ pub(crate) struct Element {
 pub(crate) enum Values<'a> {
     Reals(Cow<'a, [f64]>),
     Integers(Cow<'a, [i32]>),
+}
+
+impl Values<'_> {
+    /// Its real numbers; none where they are integers.
+    pub(crate) fn reals(&self) -> &[f64] {
+        match self {
+            Self::Reals(values) => values,
+            Self::Integers(_) => &[],
+        }
+    }
 }
 
 impl<'a> From<&'a [f64]> for Values<'a> {
@@ -109,13 +119,13 @@ impl Stored {
         }
     }
 
-    /// A frame as a block of length 1.
     fn one(&self, frame: usize) -> Selection {
         one_of(frame, self.shape.map_or(1, |_| 3))
     }
 }
 
-fn one_of(frame: usize, dimensions: usize) -> Selection {
+/// A frame of a dataset of so many dimensions, as a block of length 1.
+pub(super) fn one_of(frame: usize, dimensions: usize) -> Selection {
     let all = SliceOrIndex::Unlimited { start: 0, step: 1, block: 1 };
     let mut slices = vec![all; dimensions];
     slices[0] = SliceOrIndex::SliceCount { start: frame, step: 1, count: 1, block: 1 };
@@ -128,7 +138,7 @@ pub(super) fn write_number<T: H5Type + Clone>(dataset: &Dataset, frame: usize, n
 }
 
 /// The group at a path, made with its parents where they are not there yet.
-pub(super) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
+pub(crate) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
     let mut group = file.as_group()?;
     for name in path.split('/') {
         group = if group.link_exists(name) { group.group(name)? } else { group.create_group(name)? };
@@ -143,8 +153,7 @@ pub(super) fn reserve<T: H5Type>(
     shape: Option<[usize; 2]>,
     capacity: usize,
 ) -> hdf5::Result<Dataset> {
-    let new = group.new_dataset::<T>();
-    let new = new.with_dcpl(|d| d.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never));
+    let new = group.new_dataset::<T>().with_dcpl(early);
     // The first frame makes the library reserve the room; the file then has none again.
     if let Some([rows, columns]) = shape {
         let dataset = new.chunk((1, rows, columns)).shape((0..=capacity, rows, columns)).create(name)?;
@@ -156,4 +165,22 @@ pub(super) fn reserve<T: H5Type>(
     dataset.resize((1,))?;
     dataset.resize((0,))?;
     Ok(dataset)
+}
+
+/// The same with rows of `width` numbers.
+pub(super) fn reserve_rows<T: H5Type>(
+    group: &Group,
+    name: &str,
+    (width, capacity): (usize, usize),
+) -> hdf5::Result<Dataset> {
+    let new = group.new_dataset::<T>().with_dcpl(early);
+    let dataset = new.chunk((1, width)).shape((0..=capacity, width)).create(name)?;
+    dataset.resize((1, width))?;
+    dataset.resize((0, width))?;
+    Ok(dataset)
+}
+
+/// Takes the room at once and does not fill it.
+fn early(dataset: &mut DatasetCreateBuilder) -> &mut DatasetCreateBuilder {
+    dataset.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never)
 }

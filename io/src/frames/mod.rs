@@ -10,139 +10,127 @@
 //! file.
 
 mod element;
+mod open;
+mod sums;
 
-use crate::FileError;
-use element::Stored;
-pub(crate) use element::{Element, Values};
-use hdf5::file::{FileAccessBuilder, LibraryVersion};
-use hdf5::{Dataset, File, OpenMode};
+use crate::{FileError, durable, whole};
+pub(crate) use element::{Element, Values, group};
+use hdf5::File;
+use open::Open;
+pub use sums::Damage;
+pub(crate) use sums::Sums;
 use std::path::{Path, PathBuf};
 
-/// A file of elements in the sense of H5MD: groups with a `value` for each frame beside its `step` and `time`.
+/// A file of elements in the sense of H5MD: groups with a `value` for each frame beside its `step` and `time`; and a
+/// checksum of each frame of each.
 pub(crate) struct Frames {
-    file: File,
     path: PathBuf,
-    stored: Vec<Stored>,
-    steps: Dataset,
-    times: Dataset,
+    /// Nothing after a failed write: what was in the file by then stays as it is.
+    open: Option<Open>,
+    /// Another handle of the file, which knows of all that fails later on.
+    file: std::fs::File,
+    damage: Vec<Damage>,
+}
+
+/// What all files of a kind have.
+pub(crate) struct Kind<'a> {
+    /// What each frame has a value of.
+    pub(crate) elements: &'a [Element],
+    /// Frames that the file has room for.
+    pub(crate) capacity: u64,
+    /// Writes what does not change from frame to frame.
+    pub(crate) fixed: &'a dyn Fn(&File) -> hdf5::Result<()>,
 }
 
 impl Frames {
-    /// A file for up to `capacity` frames of the given elements, in place of any of that name.
-    pub(crate) fn create(path: &Path, elements: &[Element], capacity: u64) -> Result<Self, FileError> {
-        Self::try_create(path, elements, capacity.max(1) as usize).map_err(|e| FileError::write(path, &e))
+    /// A file without frames, in place of any of that name once it is whole.
+    pub(crate) fn create(path: &Path, kind: &Kind) -> Result<Self, FileError> {
+        let made = Self::prepare(path, kind).and_then(|frames| frames.place());
+        made.inspect_err(|_| durable::remove_temporary(path))
     }
 
-    fn try_create(path: &Path, elements: &[Element], capacity: usize) -> hdf5::Result<Self> {
-        // A superblock of this version has no mark for files open for writing, which a killed program would leave set.
-        File::with_options()
-            .with_fapl(|f| in_pages(f).libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
-            .create(path)?;
-        let file = for_writing(path)?;
-        let first = element::group(&file, &elements[0].path)?;
-        let steps = element::reserve::<i64>(&first, "step", None, capacity)?;
-        let times = element::reserve::<f64>(&first, "time", None, capacity)?;
-        crate::text::write_dimensions(&times, "time")?;
-        let mut stored = Vec::with_capacity(elements.len());
-        for element in elements {
-            stored.push(Stored::create(&file, element, (&elements[0].path, capacity))?);
+    /// The same under the name of a temporary file.
+    fn prepare(path: &Path, kind: &Kind) -> Result<Self, FileError> {
+        let temporary = durable::temporary(path);
+        let file = std::fs::File::create(&temporary).map_err(|e| FileError::write(path, &e))?;
+        let open = Open::create(&temporary, kind).map_err(|e| FileError::write(path, &e))?;
+        Ok(Self { path: path.to_owned(), open: Some(open), file, damage: Vec::new() })
+    }
+
+    fn place(self) -> Result<Self, FileError> {
+        durable::place(&self.file, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
+        Ok(self)
+    }
+
+    /// Opens a file of a former run, drops the frames after step `last`, and sees to it that there is room for all.
+    pub(crate) fn resume(path: &Path, kind: &Kind, last: u64) -> Result<Self, FileError> {
+        let damaged = |e: &hdf5::Error| FileError::damaged(path, e);
+        let file = std::fs::File::open(path).map_err(|e| FileError::read(path, &e))?;
+        let open = Open::existing(path, kind.elements).map_err(|e| damaged(&e))?;
+        let (keep, damage) = open.kept(last).map_err(|e| damaged(&e))?;
+        let mut old = Self { path: path.to_owned(), open: Some(open), file, damage };
+        if old.look(|open| Ok(open.capacity()))? >= kind.capacity as usize {
+            old.attempt(|open| open.truncate(keep))?;
+            return Ok(old);
         }
-        file.flush()?;
-        Ok(Self { file, path: path.to_owned(), stored, steps, times })
+        old.copied(kind, keep).inspect_err(|_| durable::remove_temporary(path))
     }
 
-    /// Opens a file of a former run, drops the frames after step `last`, and sees to it that there is room for
-    /// `capacity` frames; `anew` makes an empty file of the same kind at another path, where there is not.
-    pub(crate) fn resume(
-        path: &Path,
-        elements: &[Element],
-        (last, capacity): (u64, u64),
-        anew: impl Fn(&Path) -> Result<Self, FileError>,
-    ) -> Result<Self, FileError> {
-        let mut old = Self::open(path, elements).map_err(|e| FileError::damaged(path, &e))?;
-        let keep = old.steps_written()?.iter().take_while(|&&step| step <= last).count();
-        if (old.capacity() as u64) < capacity {
-            let larger = path.with_extension("tmp");
-            let mut new = anew(&larger)?;
-            old.copy_to(&mut new, keep).map_err(|e| FileError::write(&larger, &e))?;
-            drop((old, new));
-            std::fs::rename(&larger, path).map_err(|e| FileError::write(path, &e))?;
-            old = Self::open(path, elements).map_err(|e| FileError::damaged(path, &e))?;
+    /// A file with more room that has the first frames of this one, in place of it.
+    fn copied(self, kind: &Kind, frames: usize) -> Result<Self, FileError> {
+        let mut new = Self::prepare(&self.path, kind)?;
+        if let Some(old) = &self.open {
+            new.attempt(|new| old.copy_to(new, frames))?;
         }
-        old.truncate(keep).map_err(|e| FileError::write(path, &e))?;
-        Ok(old)
+        let new = new.place()?;
+        Ok(Self { damage: self.damage, ..new })
     }
 
-    fn open(path: &Path, elements: &[Element]) -> hdf5::Result<Self> {
-        let file = for_writing(path)?;
-        let first = file.group(&elements[0].path)?;
-        let (steps, times) = (first.dataset("step")?, first.dataset("time")?);
-        let stored = elements.iter().map(|element| Stored::open(&file, element)).collect::<hdf5::Result<_>>()?;
-        Ok(Self { file, path: path.to_owned(), stored, steps, times })
-    }
-
-    /// The file, for what does not change from frame to frame.
-    pub(crate) fn file(&self) -> &File {
-        &self.file
+    /// The frames, of those that were there before, that are not as they were written. They are left as they are.
+    pub(crate) fn damage(&self) -> &[Damage] {
+        &self.damage
     }
 
     /// The steps of the frames, in order.
     pub(crate) fn steps_written(&self) -> Result<Vec<u64>, FileError> {
-        self.steps.read_raw::<u64>().map_err(|e| FileError::damaged(&self.path, &e))
+        self.look(Open::steps_written)
     }
 
-    fn capacity(&self) -> usize {
-        let most = |d: &Dataset| d.space().ok()?.maxdims().first().copied()?;
-        most(&self.steps).unwrap_or(0)
+    /// Step, time and values of a frame.
+    pub(crate) fn frame(&self, frame: usize) -> Result<((u64, f64), Vec<Values<'static>>), FileError> {
+        self.look(|open| open.frame(frame))
     }
 
     /// Adds a frame with one value for each element, in the order in which they were given. It is in the file when this
     /// returns.
-    pub(crate) fn append(&mut self, (step, time): (u64, f64), values: &[Values]) -> Result<(), FileError> {
-        assert_eq!(values.len(), self.stored.len(), "a value for each element");
-        self.try_append((step, time), values).map_err(|e| FileError::write(&self.path, &e))
+    pub(crate) fn append(&mut self, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
+        self.attempt(|open| open.append(clock, values, &Sums::of_frame(clock, values)))
     }
 
-    fn try_append(&mut self, (step, time): (u64, f64), values: &[Values]) -> hdf5::Result<()> {
-        let frame = self.steps.size();
-        for (stored, values) in self.stored.iter().zip(values) {
-            stored.write(frame, values)?;
-        }
-        element::write_number(&self.times, frame, time)?;
-        self.file.flush()?;
-        element::write_number(&self.steps, frame, step as i64)?;
-        self.file.flush()
+    /// Waits until all frames so far are on the disk.
+    pub(crate) fn sync(&self) -> Result<(), FileError> {
+        self.file.sync_all().map_err(|e| FileError::write(&self.path, &e))
     }
 
-    fn truncate(&mut self, frames: usize) -> hdf5::Result<()> {
-        self.steps.resize((frames,))?;
-        self.file.flush()?;
-        self.times.resize((frames,))?;
-        self.stored.iter().try_for_each(|stored| stored.resize(frames))?;
-        self.file.flush()
+    fn open(&self) -> Result<&Open, FileError> {
+        self.open.as_ref().ok_or_else(|| FileError::write(&self.path, &"a write to it has failed before"))
     }
 
-    fn copy_to(&self, new: &mut Self, frames: usize) -> hdf5::Result<()> {
-        let (steps, times): (Vec<u64>, Vec<f64>) = (self.steps.read_raw()?, self.times.read_raw()?);
-        for frame in 0..frames {
-            let values = self.stored.iter().map(|stored| stored.read(frame)).collect::<hdf5::Result<Vec<_>>>()?;
-            new.try_append((steps[frame], times[frame]), &values)?;
-        }
-        Ok(())
+    fn look<T>(&self, read: impl FnOnce(&Open) -> hdf5::Result<T>) -> Result<T, FileError> {
+        read(self.open()?).map_err(|e| FileError::damaged(&self.path, &e))
+    }
+
+    fn attempt<T>(&mut self, write: impl FnOnce(&Open) -> hdf5::Result<T>) -> Result<T, FileError> {
+        let open = self.open()?;
+        let error = match write(open) {
+            Ok(value) => return Ok(value),
+            Err(error) => error,
+        };
+        whole::leave_open(open.file());
+        std::mem::forget(self.open.take());
+        Err(FileError::write(&self.path, &error))
     }
 }
-
-fn for_writing(path: &Path) -> hdf5::Result<File> {
-    let newest = LibraryVersion::V110;
-    File::with_options().with_fapl(|f| in_pages(f).libver_bounds(newest, newest)).open_as(path, OpenMode::ReadWrite)
-}
-
-/// Makes whatever the file consists of begin at a page of memory, by itself.
-fn in_pages(file: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
-    file.alignment(1, PAGE).meta_block_size(0)
-}
-
-const PAGE: u64 = 4096;
 
 #[cfg(test)]
 mod tests;

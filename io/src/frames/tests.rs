@@ -1,5 +1,6 @@
 #![allow(clippy::float_cmp, reason = "what was written is read, to the bit")]
 
+use super::open::PAGE;
 use super::*;
 
 fn elements() -> Vec<Element> {
@@ -9,6 +10,10 @@ fn elements() -> Vec<Element> {
         element("all/image", Some([50, 3]), true),
         element("all/strain", None, false),
     ]
+}
+
+fn kind(elements: &[Element], capacity: u64) -> Kind<'_> {
+    Kind { elements, capacity, fixed: &|_| Ok(()) }
 }
 
 fn append(frames: &mut Frames, step: u64) {
@@ -36,13 +41,13 @@ fn steps_of(path: &Path) -> Vec<u64> {
 fn frames_are_in_the_file_at_once_and_their_room_from_the_start() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.h5");
-    let mut frames = Frames::create(&path, &elements(), 20).unwrap();
+    let mut frames = Frames::create(&path, &kind(&elements(), 20)).unwrap();
     let size = std::fs::metadata(&path).unwrap().len();
     let before = std::fs::read(&path).unwrap();
     for step in 0..20 {
         append(&mut frames, step);
     }
-    std::mem::forget(frames.file.clone()); // as a killed program does
+    std::mem::forget(frames); // as a killed program does
     assert_eq!(steps_of(&path), (0..20).collect::<Vec<_>>());
     assert_eq!(std::fs::metadata(&path).unwrap().len(), size);
     let superblock = 0..48;
@@ -53,14 +58,13 @@ fn frames_are_in_the_file_at_once_and_their_room_from_the_start() {
 fn a_resumed_file_has_no_frame_twice_and_grows_where_it_must() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.h5");
-    let mut frames = Frames::create(&path, &elements(), 8).unwrap();
+    let mut frames = Frames::create(&path, &kind(&elements(), 8)).unwrap();
     for step in 0..8 {
         append(&mut frames, 10 * step);
     }
     drop(frames);
     for capacity in [8, 30] {
-        let anew = |path: &Path| Frames::create(path, &elements(), capacity);
-        let mut frames = Frames::resume(&path, &elements(), (45, capacity), anew).unwrap();
+        let mut frames = Frames::resume(&path, &kind(&elements(), capacity), 45).unwrap();
         assert_eq!(frames.steps_written().unwrap(), [0, 10, 20, 30, 40]);
         for step in 5..capacity {
             append(&mut frames, 10 * step);
@@ -74,12 +78,11 @@ fn a_resumed_file_has_no_frame_twice_and_grows_where_it_must() {
 fn a_damaged_file_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.h5");
-    drop(Frames::create(&path, &elements(), 8).unwrap());
+    drop(Frames::create(&path, &kind(&elements(), 8)).unwrap());
     let whole = std::fs::read(&path).unwrap();
-    let anew = |path: &Path| Frames::create(path, &elements(), 8);
     for damaged in [&whole[..whole.len() / 100], b"no HDF5 at all".as_slice(), b""] {
         std::fs::write(&path, damaged).unwrap();
-        let message = Frames::resume(&path, &elements(), (0, 8), anew).err().unwrap().to_string();
+        let message = Frames::resume(&path, &kind(&elements(), 8), 0).err().unwrap().to_string();
         assert!(message.contains("frames.h5 is damaged"), "{message}");
     }
 }
@@ -91,7 +94,7 @@ fn headers_begin_at_pages() {
     let path = folder.path().join("frames.h5");
     let element = |path: &str, shape| Element { path: path.into(), shape, whole: false, unit: "length" };
     let elements = [element("a/b", Some([3, 5])), element("a/c", None), element("d", Some([700, 3]))];
-    let mut frames = Frames::create(&path, &elements, 10).unwrap();
+    let mut frames = Frames::create(&path, &kind(&elements, 10)).unwrap();
     for step in 0..10 {
         let values = [vec![1.0; 15], vec![2.0], vec![3.0; 2100]];
         let values: Vec<Values> = values.iter().map(|v| v.as_slice().into()).collect();
@@ -104,4 +107,80 @@ fn headers_begin_at_pages() {
         assert!(found.iter().all(|at| at % PAGE as usize == 0), "{found:?}");
         assert!(!found.is_empty() || signature == b"OCHK");
     }
+}
+
+/// Where the bytes of a number stand in a file, which has it once.
+fn place_of(bytes: &[u8], number: [u8; 8]) -> usize {
+    let places: Vec<usize> = bytes.windows(8).enumerate().filter(|(_, w)| *w == number).map(|(at, _)| at).collect();
+    assert_eq!(places.len(), 1, "{places:?}");
+    places[0]
+}
+
+#[test]
+fn a_bit_flipped_in_any_element_is_seen_and_the_run_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let elements = elements();
+    let mut frames = Frames::create(&path, &kind(&elements, 9)).unwrap();
+    for step in 0..4 {
+        let (mut reals, integers) = (vec![0.5; 150], vec![step as i32; 150]);
+        reals[70] = 1000.25 + step as f64;
+        let values = [reals.as_slice().into(), integers.as_slice().into(), (2000.25 + step as f64).into()];
+        frames.append((3_000_000_000 + step, 4000.25 + step as f64), &values).unwrap();
+    }
+    drop(frames);
+    let whole = std::fs::read(&path).unwrap();
+    let clock = "step and time";
+    for (number, frame, element) in [
+        (1000.25_f64.to_le_bytes(), 0, "all/position"),
+        (2002.25_f64.to_le_bytes(), 2, "all/strain"),
+        (4001.25_f64.to_le_bytes(), 1, clock),
+        (3_000_000_003_u64.to_le_bytes(), 3, clock),
+    ] {
+        let mut damaged = whole.clone();
+        damaged[place_of(&whole, number)] ^= 1;
+        std::fs::write(&path, damaged).unwrap();
+        for capacity in [9, 20] {
+            let mut frames = Frames::resume(&path, &kind(&elements, capacity), 3_000_000_009).unwrap();
+            let damage = Damage { frame, elements: vec![element.to_owned()] };
+            // The step of the last frame is not known, so that it is dropped.
+            let (kept, damage) = if frame == 3 { (3, vec![]) } else { (4, vec![damage]) };
+            assert_eq!(frames.damage(), damage);
+            assert_eq!(frames.steps_written().unwrap().len(), kept);
+            append(&mut frames, 3_000_000_010);
+            drop(frames);
+            let sums = Sums::open(&File::open(&path).unwrap()).unwrap().unwrap();
+            let found: Vec<Damage> = (0..=kept).filter_map(|frame| sums.damage(frame)).collect();
+            assert_eq!(found, damage);
+        }
+    }
+}
+
+#[test]
+fn files_without_checksums_are_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let mut frames = Frames::create(&path, &kind(&elements(), 8)).unwrap();
+    append(&mut frames, 0);
+    drop(frames);
+    File::open_rw(&path).unwrap().group("parameters").unwrap().unlink("checksums").unwrap();
+    for capacity in [8, 12] {
+        let mut frames = Frames::resume(&path, &kind(&elements(), capacity), capacity).unwrap();
+        append(&mut frames, capacity);
+    }
+    assert_eq!(steps_of(&path), [0, 8, 12]);
+}
+
+#[test]
+fn a_failed_write_ends_the_writing_and_leaves_the_frames_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let mut frames = Frames::create(&path, &kind(&elements(), 8)).unwrap();
+    append(&mut frames, 0);
+    let failed = frames.attempt(|_| Err::<(), _>("no room".into())).unwrap_err().to_string();
+    assert!(failed.contains("frames.h5: no room"), "{failed}");
+    let again = frames.append((1, 0.5), &[]).unwrap_err().to_string();
+    assert!(again.contains("frames.h5: a write to it has failed before"), "{again}");
+    drop(frames);
+    assert_eq!(steps_of(&path), [0]);
 }

@@ -1,7 +1,8 @@
 //! Positions in HDF5.
 
 use super::Placed;
-use crate::FileError;
+use crate::frames::Sums;
+use crate::{FileError, checksum};
 use domain::Vector;
 use hdf5::{Dataset, File};
 use std::path::Path;
@@ -29,10 +30,13 @@ fn last_frame(file: &File) -> hdf5::Result<Placed> {
     let group = file.group("particles/all")?;
     let frames = group.dataset("position/step")?.size();
     let Some(last) = frames.checked_sub(1) else { return Err("the trajectory has no frame".into()) };
+    if let Some(damage) = Sums::open(file)?.and_then(|sums| sums.damage(last)) {
+        return Err(damage.to_string().into());
+    }
     let positions = group.dataset("position/value")?.read_slice_2d::<f64, _>(hdf5_slice(last))?;
     let fixed = |name: &str| group.dataset(name).ok();
-    let radii = fixed("radius").map(|d: Dataset| d.read_raw::<f64>()).transpose()?;
-    let species = fixed("species").map(|d| d.read_raw::<u32>()).transpose()?;
+    let radii = fixed("radius").map(|d: Dataset| checksum::read::<f64>(&d)).transpose()?;
+    let species = fixed("species").map(|d| checksum::read::<u32>(&d)).transpose()?;
     Ok(Placed { positions: vectors(positions.as_slice().unwrap_or_default()), radii, species })
 }
 

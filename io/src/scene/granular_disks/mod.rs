@@ -6,6 +6,7 @@ use super::course::{Output, Time, steps_in};
 use super::error::Fault;
 use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species, Sweep};
 pub(super) use raw::Raw;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// A checked scene of granular disks; only [`Scene`](super::Scene) makes one.
@@ -174,10 +175,16 @@ fn sweep(raw: &raw::Sweep, scene: &Raw, (model, time): (&Model, &Time)) -> Resul
     Ok(sweep)
 }
 
-fn listed<T: Clone>(key: &str, values: Option<&Vec<T>>, usual: T) -> Result<Vec<T>, Fault> {
-    match values {
-        Some(values) if values.is_empty() => Err(Fault::new(key, "is empty; list at least one value, or leave it out")),
-        Some(values) => Ok(values.clone()),
-        None => Ok(vec![usual]),
+/// The values of a list, each once: a run made twice is the same run, and no further sample.
+fn listed<T: Clone + PartialEq + Display>(key: &str, values: Option<&Vec<T>>, usual: T) -> Result<Vec<T>, Fault> {
+    let Some(values) = values else { return Ok(vec![usual]) };
+    if values.is_empty() {
+        return Err(Fault::new(key, "is empty; list at least one value, or leave it out"));
+    }
+    match values.iter().enumerate().find(|(place, value)| values[..*place].contains(value)) {
+        Some((_, twice)) => {
+            Err(Fault::new(key, format!("has {twice} more than once; the runs would be the same: list each value once")))
+        }
+        None => Ok(values.clone()),
     }
 }

@@ -1,0 +1,62 @@
+//! Checksums of what is stored once, as an attribute `checksum` of its dataset: XXH3 (64 bits) of the bytes of the
+//! numbers, little-endian and in their order, or of the text.
+
+use bytemuck::NoUninit;
+use hdf5::types::{IntSize, TypeDescriptor};
+use hdf5::{Dataset, Group, H5Type};
+use xxhash_rust::xxh3::xxh3_64;
+
+const NAME: &str = "checksum";
+
+/// The checksum of numbers.
+pub(crate) fn of<T: NoUninit>(values: &[T]) -> u64 {
+    xxh3_64(bytemuck::cast_slice(values))
+}
+
+/// Stores a list of numbers with its checksum.
+pub(crate) fn write<T: H5Type + NoUninit>(group: &Group, name: &str, values: &[T]) -> hdf5::Result<Dataset> {
+    let dataset = group.new_dataset_builder().with_data(values).create(name)?;
+    attach(&dataset, of(values))?;
+    Ok(dataset)
+}
+
+/// Stores a dataset's checksum.
+pub(crate) fn attach(dataset: &Dataset, checksum: u64) -> hdf5::Result<()> {
+    dataset.new_attr::<u64>().create(NAME)?.write_scalar(&checksum)
+}
+
+/// Reads all numbers of a dataset; `Err` if they are not those of its checksum, where it has one.
+pub(crate) fn read<T: H5Type + NoUninit>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
+    let values = dataset.read_raw::<T>()?;
+    compare(dataset, || of(&values))?;
+    Ok(values)
+}
+
+/// `Err` if a dataset's checksum, where it has one, is not the one that is found.
+pub(crate) fn compare(dataset: &Dataset, found: impl FnOnce() -> u64) -> hdf5::Result<()> {
+    if !has_one(dataset)? {
+        return Ok(());
+    }
+    if dataset.attr(NAME)?.read_scalar::<u64>()? == found() {
+        return Ok(());
+    }
+    Err(format!("{} does not fit its checksum", dataset.name().trim_start_matches('/')).into())
+}
+
+/// `Err` if a dataset of any type that this program stores does not fit its checksum.
+pub(crate) fn verify(dataset: &Dataset) -> hdf5::Result<()> {
+    if !has_one(dataset)? {
+        return Ok(());
+    }
+    match dataset.dtype()?.to_descriptor()? {
+        TypeDescriptor::Float(_) => read::<f64>(dataset).map(drop),
+        TypeDescriptor::Unsigned(IntSize::U4) => read::<u32>(dataset).map(drop),
+        TypeDescriptor::Unsigned(_) => read::<u64>(dataset).map(drop),
+        TypeDescriptor::VarLenUnicode => crate::text::read(dataset).map(drop),
+        _ => Ok(()),
+    }
+}
+
+fn has_one(dataset: &Dataset) -> hdf5::Result<bool> {
+    Ok(dataset.attr_names()?.iter().any(|name| name == NAME))
+}

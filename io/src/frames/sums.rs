@@ -1,0 +1,140 @@
+//! Checksums of frames.
+
+use super::Values;
+use super::element::one_of;
+use crate::checksum;
+use hdf5::types::{TypeDescriptor, VarLenUnicode};
+use hdf5::{Dataset, File};
+use ndarray::{Array2, IxDyn};
+use std::fmt::{Display, Formatter};
+
+/// Where they are in a file: a row for each frame, a column for each name of the attribute `of`.
+const PLACE: &str = "parameters/checksums";
+/// The first column.
+const CLOCK: &str = "step and time";
+
+/// XXH3 (64 bits) of each frame: of the bytes of its step (i64) and time (f64), and of the bytes of each element's value,
+/// little-endian, row by row.
+pub(crate) struct Sums {
+    stored: Dataset,
+    columns: Vec<Column>,
+    /// Where the steps are: their group has the times too.
+    clock: Option<[Dataset; 2]>,
+}
+
+/// An element that has checksums.
+struct Column {
+    path: String,
+    values: Option<Dataset>,
+}
+
+/// A frame that is not as it was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Damage {
+    /// Its place among the frames, from 0.
+    pub frame: usize,
+    /// What of it is damaged: paths of elements in the file, or `step and time`.
+    pub elements: Vec<String>,
+}
+
+impl Sums {
+    /// Makes their dataset for up to `capacity` frames of the elements at these paths.
+    pub(super) fn create(file: &File, paths: &[String], capacity: usize) -> hdf5::Result<Self> {
+        let names: Vec<&str> = [CLOCK].into_iter().chain(paths.iter().map(String::as_str)).collect();
+        let (folder, name) = PLACE.split_once('/').expect("a group and a name");
+        let stored = super::element::reserve_rows::<u64>(&super::group(file, folder)?, name, (names.len(), capacity))?;
+        let names: Vec<VarLenUnicode> = names.into_iter().map(crate::text::scalar).collect();
+        stored.new_attr_builder().with_data(&names).create("of")?;
+        Self::of(file, stored)
+    }
+
+    /// Those of a file, if it has some.
+    pub(crate) fn open(file: &File) -> hdf5::Result<Option<Self>> {
+        let Ok(stored) = file.dataset(PLACE) else { return Ok(None) };
+        Self::of(file, stored).map(Some)
+    }
+
+    fn of(file: &File, stored: Dataset) -> hdf5::Result<Self> {
+        let names = stored.attr("of")?.read_raw::<VarLenUnicode>()?;
+        if stored.shape().get(1..) != Some(&[names.len()]) || names.is_empty() {
+            return Err(format!("{PLACE} has {:?} numbers for {} names", stored.shape(), names.len()).into());
+        }
+        let open = |path: String| file.dataset(&path).ok();
+        let column = |path: &str| Column { path: path.to_owned(), values: open(format!("{path}/value")) };
+        let columns: Vec<Column> = names[1..].iter().map(|name| column(name.as_str())).collect();
+        let first = columns.first().map(|column| column.path.clone()).unwrap_or_default();
+        let clock = open(format!("{first}/step")).zip(open(format!("{first}/time"))).map(|(step, time)| [step, time]);
+        Ok(Self { stored, columns, clock })
+    }
+
+    /// The checksums of a frame.
+    pub(super) fn of_frame((step, time): (u64, f64), values: &[Values]) -> Vec<u64> {
+        let clock = checksum::of(&[step, time.to_bits()]);
+        let of_values = |values: &Values| match values {
+            Values::Reals(values) => checksum::of(values),
+            Values::Integers(values) => checksum::of(values),
+        };
+        [clock].into_iter().chain(values.iter().map(of_values)).collect()
+    }
+
+    pub(super) fn write(&self, frame: usize, sums: &[u64]) -> hdf5::Result<()> {
+        self.resize(frame + 1)?;
+        let row = Array2::from_shape_vec((1, sums.len()), sums.to_vec()).expect("a row");
+        self.stored.write_slice(&row, one_of(frame, 2))
+    }
+
+    pub(super) fn resize(&self, frames: usize) -> hdf5::Result<()> {
+        self.stored.resize((frames, 1 + self.columns.len()))
+    }
+
+    pub(super) fn read(&self, frame: usize) -> hdf5::Result<Vec<u64>> {
+        Ok(self.stored.read_slice::<u64, _, IxDyn>(one_of(frame, 2))?.into_raw_vec_and_offset().0)
+    }
+
+    /// What is wrong with a frame, if anything is.
+    pub(crate) fn damage(&self, frame: usize) -> Option<Damage> {
+        let sums = self.read(frame).unwrap_or_default();
+        let fits = |place: usize, found: hdf5::Result<u64>| found.is_ok_and(|found| sums.get(place) == Some(&found));
+        let mut elements = Vec::new();
+        if !fits(0, self.clock_sum(frame)) {
+            elements.push(CLOCK.to_owned());
+        }
+        for (place, column) in self.columns.iter().enumerate() {
+            if !fits(place + 1, column.sum(frame)) {
+                elements.push(column.path.clone());
+            }
+        }
+        (!elements.is_empty()).then_some(Damage { frame, elements })
+    }
+
+    fn clock_sum(&self, frame: usize) -> hdf5::Result<u64> {
+        let [steps, times] = self.clock.as_ref().ok_or("there are no steps")?;
+        let step = steps.read_slice::<u64, _, IxDyn>(one_of(frame, 1))?;
+        let time = times.read_slice::<f64, _, IxDyn>(one_of(frame, 1))?;
+        Ok(checksum::of(&[step.first().copied().unwrap_or(0), time.first().copied().unwrap_or(0.0).to_bits()]))
+    }
+}
+
+impl Column {
+    fn sum(&self, frame: usize) -> hdf5::Result<u64> {
+        let values = self.values.as_ref().ok_or("there are no values")?;
+        let one = one_of(frame, values.ndim());
+        Ok(match values.dtype()?.to_descriptor()? {
+            TypeDescriptor::Integer(_) => checksum::of(&values.read_slice::<i32, _, IxDyn>(one)?.into_raw_vec_and_offset().0),
+            _ => checksum::of(&values.read_slice::<f64, _, IxDyn>(one)?.into_raw_vec_and_offset().0),
+        })
+    }
+}
+
+impl Damage {
+    /// Whether it is its step or time that is damaged.
+    pub(super) fn has_clock(&self) -> bool {
+        self.elements.iter().any(|element| element == CLOCK)
+    }
+}
+
+impl Display for Damage {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "frame {} does not fit its checksums: {}", self.frame, self.elements.join(", "))
+    }
+}
