@@ -123,7 +123,7 @@ fn statistics_in_a_run_are_those_of_its_trajectory() {
     }
     let summary = std::fs::read_to_string(format!("{out}/stats/summary.csv")).unwrap();
     assert!(summary.contains("first_time,all,time,0.08,") && summary.contains("samples,all,,14.0,"), "{summary}");
-    assert!(fails(&["stats", &out, "--from", "7"]).contains("has no frame in that span"));
+    assert!(fails(&["stats", &out, "--from", "7"]).contains("has no whole frame in that span"));
     let one = format!("{out}/one");
     succeeds(&["stats", &out, "--from", "0.2", "--to", "0.2", "--out", &one]);
     assert!(hdf5::File::open(format!("{one}/statistics.h5")).unwrap().dataset("pairs/g").is_ok());

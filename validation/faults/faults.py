@@ -1,0 +1,62 @@
+"""Makes runs fail in every way that a disk, a queue or a user can make them fail: scripts/faults."""
+
+import argparse
+import pathlib
+import sys
+import tempfile
+
+from kills import try_kills, try_stops
+from places import try_run
+from runs import RUNS
+
+# A sample for every day: runs of each kind of scene, few faults each.
+QUICK = ("suspension", "suspension on 2 ranks", "disks", "event-driven cell", "sweep", "continuum")
+QUICK_FAULTS = 8
+WAYS = ("once", "stays", "short")
+
+
+def words():
+    parser = argparse.ArgumentParser(prog="scripts/faults", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a sample of everything, in about two minutes")
+    parser.add_argument("--kills", type=int, metavar="N", help="kill N runs, and inject nothing")
+    parser.add_argument("--only", metavar="NAME", action="append", choices=list(RUNS), help="this run; may be repeated")
+    parser.add_argument("library", type=pathlib.Path, help=argparse.SUPPRESS)
+    return parser.parse_args()
+
+
+def inject(runs, folder, library, most):
+    """Tries faults in each run and prints a row of a table for it; returns whether all were survived."""
+    print("| run | faults | survived | calls of other ranks |\n|---|---|---|---|", flush=True)
+    total, lost = 0, 0
+    for number, run in enumerate(runs):
+        tried, failures, others = try_run(run, folder / str(number), library, WAYS, most)
+        print(f"| {run.name} | {tried} | {tried - len(failures)} | {others} |", flush=True)
+        total, lost = total + tried, lost + len(failures)
+    print(f"injected faults: {total - lost} of {total} survived", flush=True)
+    return lost == 0
+
+
+def disturb(runs, folder, kills, stops):
+    """Kills runs and stops ranks; returns whether all that was survived."""
+    killed = try_kills(runs, folder, kills)
+    print(f"kills: {kills - len(killed)} of {kills} survived", flush=True)
+    stopped = try_stops(runs, folder, stops)
+    print(f"stops of a rank: {stops - len(stopped)} of {stops} survived", flush=True)
+    return not killed and not stopped
+
+
+def main():
+    asked = words()
+    runs = [RUNS[name] for name in asked.only or (QUICK if asked.quick else RUNS)]
+    with tempfile.TemporaryDirectory() as place:
+        folder = pathlib.Path(place).resolve()
+        survived = True
+        if asked.kills is None:
+            survived = inject(runs, folder, asked.library, QUICK_FAULTS if asked.quick else None)
+        kills = asked.kills if asked.kills is not None else 6 if asked.quick else 100
+        survived &= disturb(runs, folder, kills, 2 if asked.quick else 20)
+    sys.exit(not survived)
+
+
+if __name__ == "__main__":
+    main()

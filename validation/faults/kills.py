@@ -1,0 +1,113 @@
+"""Runs are killed at any moment from their start to their end, and ranks are stopped for a while."""
+
+import os
+import pathlib
+import random
+import shutil
+import signal
+import time
+
+from runs import PATIENCE
+from state import differences, end_state, unreadable
+
+
+def children(process):
+    path = pathlib.Path(f"/proc/{process}/task/{process}/children")
+    try:
+        return [int(child) for child in path.read_text().split()]
+    except OSError:
+        return []
+
+
+def send(process, what):
+    try:
+        os.kill(process, what)
+    except ProcessLookupError:
+        pass  # It came to its end before.
+
+
+def at_work(out):
+    """Whether any process still has this folder in its command line: ranks outlive their launcher by a moment."""
+    for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if str(out).encode() in path.read_bytes():
+                return True
+        except OSError:
+            pass
+    return False
+
+
+def end(process, out):
+    """Waits until a killed run is gone."""
+    said = "".join(process.communicate(timeout=PATIENCE))
+    deadline = time.monotonic() + PATIENCE
+    while at_work(out):
+        if time.monotonic() > deadline:
+            raise RuntimeError(f"a rank outlives its job by {PATIENCE} s: {said}")
+        time.sleep(0.01)
+
+
+class Kills:
+    """A run, how long it takes, and what it leaves when nobody disturbs it."""
+
+    def __init__(self, run, folder):
+        self.run, self.out = run, folder / "out"
+        os.makedirs(folder)
+        self.seconds = run.whole(self.out)
+        self.expected = end_state(self.out)
+
+    def kill(self):
+        """Kills one process of the job, the launcher too, at a random moment; None if the run can be gone on with."""
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.run.start(self.run.from_start(self.out))
+        time.sleep(random.uniform(0, self.seconds))
+        victim = random.choice([process.pid, *children(process.pid)])
+        send(victim, signal.SIGKILL)
+        end(process, self.out)
+        broken = unreadable(self.out)
+        if broken:
+            return f"unreadable files: {broken}"
+        code, said = self.run.call(self.run.go_on(self.out))
+        if code != 0:
+            return f"going on ended with {code}: {said}"
+        return self.wrong()
+
+    def stop_for_a_while(self, seconds):
+        """Stops one rank for a while at a random moment; None if that changes nothing."""
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.run.start(self.run.from_start(self.out))
+        time.sleep(random.uniform(0, self.seconds))
+        victim = random.choice(children(process.pid) or [process.pid])
+        send(victim, signal.SIGSTOP)
+        time.sleep(seconds)
+        send(victim, signal.SIGCONT)
+        said = "".join(process.communicate(timeout=PATIENCE))
+        return f"it ended with {process.returncode}: {said}" if process.returncode else self.wrong()
+
+    def wrong(self):
+        missed = differences(end_state(self.out), self.expected)
+        return f"other results: {missed}" if missed else None
+
+
+def try_kills(runs, folder, number):
+    """Kills runs in turn; returns what did not survive."""
+    return repeat(runs, folder / "kills", number, "kill", Kills.kill)
+
+
+def try_stops(runs, folder, number):
+    """Stops ranks of runs in turn; returns what did not survive."""
+    parallel = [run for run in runs if run.ranks]
+    return repeat(parallel, folder / "stops", number, "stop", lambda kills: kills.stop_for_a_while(0.5))
+
+
+def repeat(runs, folder, number, what, attempt):
+    random.seed(1)
+    kept = [Kills(run, folder / str(place)) for place, run in enumerate(runs[:number])]
+    failures = []
+    for count in range(number if kept else 0):
+        kills = kept[count % len(kept)]
+        wrong = attempt(kills)
+        if wrong:
+            failures.append(f"{kills.run.name}, {what} {count + 1}: {wrong}")
+            print(failures[-1], flush=True)
+    return failures

@@ -1,0 +1,130 @@
+"""Every call by which a run changes its folder is made to fail, one at a time."""
+
+import collections
+import dataclasses
+import errno
+import os
+import shutil
+
+from state import differences, end_state, unreadable
+
+CALLS = ("open", "write", "sync", "rename", "unlink", "truncate", "mkdir", "close")
+ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT)
+
+
+@dataclasses.dataclass(frozen=True)
+class Fault:
+    """The n-th call of a kind fails: once, from then on, or, of a write, after half of its bytes."""
+
+    call: str
+    at: int
+    error: int
+    how: str
+
+    def __str__(self):
+        return f"{self.call} {self.at}, {errno.errorcode[self.error]}, {self.how}"
+
+
+class Place:
+    """Where the runs of one kind are tried, with the library that makes calls fail."""
+
+    def __init__(self, run, folder, library):
+        self.run, self.out, self.log = run, folder / "out", folder / "log"
+        self.former, self.library = folder / "former", library
+        self.run.whole(self.out)
+        self.expected = end_state(self.out)
+
+    def environment(self, fault=None, rank=0):
+        variables = {"LD_PRELOAD": self.library, "FAULT_FOLDER": self.out, "FAULT_LOG": self.log, "FAULT_RANK": rank}
+        if fault:
+            variables |= {"FAULT_CALL": fault.call, "FAULT_AT": fault.at, "FAULT_ERROR": fault.error}
+            variables |= {"FAULT_HOW": fault.how}
+        return {name: str(value) for name, value in variables.items()}
+
+    def reset(self):
+        """The folder as it is before a run that is tried, and an empty log."""
+        shutil.rmtree(self.out, ignore_errors=True)
+        if self.former.exists():
+            shutil.copytree(self.former, self.out)
+        self.log.unlink(missing_ok=True)
+
+    def arguments(self):
+        return self.run.go_on(self.out) if self.former.exists() else self.run.from_start(self.out)
+
+    def stop_halfway(self):
+        """From now on runs that are tried go on with one that found the disk full in its middle."""
+        writes = self.count()["write"]
+        self.reset()
+        self.run.call(self.arguments(), self.environment(Fault("write", 3 * writes // 4, errno.ENOSPC, "stays")))
+        shutil.copytree(self.out, self.former)
+
+    def count(self, rank=0):
+        """How many calls of each kind there are in a run in which all of them pass."""
+        self.reset()
+        code, said = self.run.call(self.arguments(), self.environment(rank=rank))
+        if code != 0 or differences(end_state(self.out), self.expected):
+            raise RuntimeError(f"{self.run.name} with all calls listed ended with {code}:\n{said}")
+        lines = self.log.read_text().splitlines() if self.log.exists() else []
+        return collections.Counter(line.split()[0] for line in lines)
+
+    def survives(self, fault):
+        """None if the run bears the fault; else what went wrong."""
+        self.reset()
+        code, said = self.run.call(self.arguments(), self.environment(fault))
+        if not self.log.exists():
+            return f"the call was not made: {said}"
+        return self.wrong_end(code, said) or self.wrong_after(code)
+
+    def wrong_end(self, code, said):
+        """What is wrong with the way in which the run ended."""
+        if code is None:
+            return f"it hangs: {said}"
+        if "panicked" in said or code not in (0, 1):
+            return f"it ended with {code}: {said}"
+        if code == 1 and str(self.out) not in said:
+            return f"it names no file: {said}"
+        broken = unreadable(self.out)
+        return f"it left unreadable files: {broken}; {said}" if broken else None
+
+    def wrong_after(self, code):
+        """What is wrong when the run is gone on with; a run that bore the fault has nothing left to do."""
+        if code != 0:
+            code, said = self.run.call(self.run.go_on(self.out))
+            if code != 0:
+                return f"it does not go on: {said}"
+        missed = differences(end_state(self.out), self.expected)
+        return f"other results: {missed}" if missed else None
+
+
+def faults(counts, ways):
+    """The faults to try: at every call each of the ways, all errors in turn."""
+    for call in CALLS:
+        for at in range(1, counts[call] + 1):
+            for number, way in enumerate(ways):
+                if way != "short" or call == "write":
+                    yield Fault(call, at, ERRORS[(at + number) % len(ERRORS)], way)
+
+
+def sample(all_faults, most):
+    """So many of them, evenly; all if there is no bound."""
+    all_faults = list(all_faults)
+    step = max(1, -(-len(all_faults) // most)) if most else 1
+    return all_faults[::step]
+
+
+def try_run(run, folder, library, ways, most):
+    """Tries faults from the run's start and when it goes on; returns numbers tried and survived, and what did not."""
+    os.makedirs(folder)
+    place = Place(run, folder, library)
+    tried, failures = 0, []
+    for start in ("from the start", "going on"):
+        if start == "going on":
+            place.stop_halfway()
+        for fault in sample(faults(place.count(), ways), most):
+            wrong = place.survives(fault)
+            tried += 1
+            if wrong:
+                failures.append(f"{run.name}, {start}, {fault}: {wrong}")
+                print(failures[-1], flush=True)
+    others = sum(sum(place.count(rank).values()) for rank in range(1, run.ranks or 1))
+    return tried, failures, others

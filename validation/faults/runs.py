@@ -1,0 +1,109 @@
+"""Small runs of every kind of scene, and how they are started and gone on with."""
+
+import dataclasses
+import os
+import pathlib
+import shutil
+import subprocess
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
+
+# A hundred times what any of these runs takes; what does not end by then hangs.
+PATIENCE = 120
+
+SUSPENSION = {
+    "box.edges": "[10.0, 10.0, 10.0]",
+    "species[0].count": 8,
+    "time.steps": 6,
+    "hydrodynamics.tolerance": 1e-2,
+    "output.checkpoint_every": 2,
+    "output.trajectory_every": 2,
+    "output.fields_every": 3,
+    "statistics.every": 1,
+}
+DISKS = {
+    "box.edges": "[40.0, 50.0]",
+    "preparation.settled": 2.0,
+    "preparation.mixed": 10.0,
+    "time.steps": 60,
+    "output.observables_every": 20,
+    "output.checkpoint_every": 25,
+    "output.trajectory_every": 30,
+}
+CELL = {
+    "cell.length": 0.004,
+    "cell.width": 0.004,
+    "grains.solid_fraction": 0.3,
+    "time.settle": 0.002,
+    "time.steps": 6,
+    "output.checkpoint_every": 2,
+    "output.trajectory_every": 3,
+    "measure.pixels": "[5, 4]",
+}
+SWEEP = {"box.edges": "[30.0, 30.0]", "time.strain": 1.0, "output.observables_every": 100}
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """A scene with what makes it small, on so many ranks; without a launcher where `ranks` is None."""
+
+    name: str
+    scene: str
+    sets: dict
+    ranks: int | None = None
+
+    def start(self, arguments, environment=None):
+        launcher = [] if self.ranks is None else ["mpirun", "-n", str(self.ranks)]
+        command = [*launcher, PROGRAM, *map(str, arguments)]
+        environment = {**os.environ, **(environment or {})}
+        pipe = subprocess.PIPE
+        return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=environment, start_new_session=True)
+
+    def call(self, arguments, environment=None):
+        """Exit code and all that was printed; the code is None where the run hangs."""
+        process = self.start(arguments, environment)
+        try:
+            said = "".join(process.communicate(timeout=PATIENCE))
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, 9)
+            return None, "".join(process.communicate())
+        return process.returncode, said
+
+    def from_start(self, out):
+        sets = [word for key, value in self.sets.items() for word in ("--set", f"{key}={value}")]
+        return ["run", ROOT / "scenes" / f"{self.scene}.toml", "--out", out, *sets]
+
+    def go_on(self, out):
+        return [*self.from_start(out), "--continue"]
+
+    def whole(self, out):
+        """Runs without a fault, and returns how long that took."""
+        shutil.rmtree(out, ignore_errors=True)
+        began = time.monotonic()
+        code, said = self.call(self.from_start(out))
+        if code != 0:
+            raise RuntimeError(f"{self.name} ended with {code}:\n{said}")
+        return time.monotonic() - began
+
+
+TIMED = {"collisions": "time-stepped", "time.collision_step": 1e-6}
+FREE = {"top": '{ kind = "free", pressure = 300.0, mass_per_area = 0.2 }'}
+SHEARED = {"flow": '{ kind = "shear", rate = 1.0, lees_edwards = true }', "hydrodynamics.lubrication": "true"}
+
+RUNS = {
+    run.name: run
+    for run in [
+        Run("suspension", "settling", SUSPENSION),
+        Run("suspension on 2 ranks", "settling", SUSPENSION, 2),
+        Run("sheared suspension on 3 ranks", "settling", SUSPENSION | SHEARED, 3),
+        Run("disks", "granular-disks", DISKS),
+        Run("event-driven cell", "shear-cell", CELL),
+        Run("time-stepped cell", "shear-cell", CELL | TIMED),
+        Run("free cell", "shear-cell", CELL | FREE),
+        Run("sweep", "disk-sweep", SWEEP),
+        Run("continuum", "shear-cell-continuum", {"cell.speeds": "[1.4, 2.0]", "output.points": 11}),
+    ]
+}
