@@ -93,7 +93,9 @@ fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     let count = steps.len();
     // Times are written before steps: there may be one more.
     let Some(last) = count.checked_sub(1) else { return Ok(None) };
-    let Some(&end) = times.get(last) else { return Err(format!("{times_name} has fewer frames than the steps").into()) };
+    let Some(&end) = times.get(last) else {
+        return Err(format!("{times_name} has fewer frames than the steps").into());
+    };
     Ok(Some(FrameSpan { count, steps: [steps[0], steps[last]], times: [times[0], end] }))
 }
 

@@ -136,7 +136,9 @@ mod tests {
             assert_eq!(recorded.frame(k).unwrap(), (cell, particles));
         }
         assert!(Recorded::open(&folder.path().join("none.h5")).is_err());
+        drop(recorded);
         flip(&path, 2.0_f64 * 0.3);
+        let recorded = Recorded::open(&path).unwrap();
         assert!(recorded.frame(1).is_ok());
         let error = recorded.frame(2).unwrap_err().to_string();
         assert!(error.contains("trajectory.h5 is damaged: frame 2 does not fit its checksums: particles/all/position"));

@@ -189,7 +189,8 @@ fn row(line: &str, quantities: &[Quantity]) -> Option<Row> {
     let mut words = line.split(',');
     let clock = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
     let mut number = || words.next()?.parse().ok();
-    let mut values = |quantity: &Quantity| (0..quantity.columns().len()).map(|_| number()).collect::<Option<Vec<f64>>>();
+    let mut values =
+        |quantity: &Quantity| (0..quantity.columns().len()).map(|_| number()).collect::<Option<Vec<f64>>>();
     let values = quantities.iter().map(&mut values).collect::<Option<Vec<_>>>()?;
     words.next().is_none().then_some((clock, values))
 }

@@ -6,8 +6,8 @@
    FAULT_CALL    which call: open, write, sync, rename, unlink, truncate, mkdir or close
    FAULT_AT      the n-th such call fails; 0, the default, lets all pass and lists them in the log
    FAULT_ERROR   the number of the error (errno)
-   FAULT_HOW     `once`; `stays`: and so does whatever needs room from then on; `short`: the write puts half of its bytes
-                 into the file and the next one fails */
+   FAULT_HOW     `once`; `stays`: and so does whatever needs room from then on; `short`: the write ends at a
+                 page of memory and the next one fails */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -97,28 +97,37 @@ static const char *path_at(int directory, const char *name, char *path) {
 
 #define FAIL_IF(condition) if (condition) { errno = error_number; return -1; }
 
-/* Half of a write whose next fails; 0 where the call goes on as usual. */
-static size_t half(int descriptor, size_t size, int *failed) {
+/* How much of a write goes into the file whose next write fails: what is before the last page boundary in it, as when
+   the system finds no room for another page. 0 where there is none. */
+static size_t part(int descriptor, size_t size, off_t place, int *failed) {
+    const off_t page = 4096;
     char path[PATH_MAX];
     int is_second = cut;
     *failed = fails("write", path_of(descriptor, path), 1);
-    if (!*failed || !is_short || is_second || size < 2) return 0;
+    off_t boundary = (place + (off_t)size - 1) / page * page;
+    if (!*failed || !is_short || is_second || boundary <= place) return 0;
     cut = 1;
-    return size / 2;
+    return (size_t)(boundary - place);
+}
+
+static off_t place_of(int descriptor) {
+    struct stat file;
+    if (fcntl(descriptor, F_GETFL) & O_APPEND && fstat(descriptor, &file) == 0) return file.st_size;
+    return lseek(descriptor, 0, SEEK_CUR);
 }
 
 ssize_t write(int descriptor, const void *bytes, size_t size) {
     int failed;
-    size_t part = half(descriptor, size, &failed);
-    if (part) return REAL(write)(descriptor, bytes, part);
+    size_t first = part(descriptor, size, place_of(descriptor), &failed);
+    if (first) return REAL(write)(descriptor, bytes, first);
     FAIL_IF(failed)
     return REAL(write)(descriptor, bytes, size);
 }
 
 static ssize_t write_at(int descriptor, const void *bytes, size_t size, off_t place) {
     int failed;
-    size_t part = half(descriptor, size, &failed);
-    if (part) return REAL(pwrite)(descriptor, bytes, part, place);
+    size_t first = part(descriptor, size, place, &failed);
+    if (first) return REAL(pwrite)(descriptor, bytes, first, place);
     FAIL_IF(failed)
     return REAL(pwrite)(descriptor, bytes, size, place);
 }

@@ -11,7 +11,8 @@ UNDETERMINED = "seconds_per_step"
 def end_state(out):
     """The contents of all files of a run's folder."""
     state = {str(path.relative_to(out)): columns(path) for path in sorted(out.rglob("*.csv"))}
-    state |= {path.name: path.read_bytes() for path in sorted(out.glob("checkpoint-*.bin"))}
+    # One that could not be removed may be left of those before.
+    state |= {path.name: path.read_bytes() for path in sorted(out.glob("checkpoint-*.bin"))[-1:]}
     for path in sorted(out.rglob("*.h5")):
         state |= datasets(path, path.relative_to(out))
     state["fields.xdmf"] = (out / "fields.xdmf").read_bytes() if (out / "fields.xdmf").exists() else None

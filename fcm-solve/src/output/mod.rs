@@ -20,6 +20,8 @@ pub struct Recorder {
     from: u64,
     /// The step of the last checkpoint.
     saved: Option<u64>,
+    /// The step at which the run ends.
+    last: u64,
 }
 
 /// The files that grow: on the first rank, and if they are ever due.
@@ -38,8 +40,8 @@ impl Files {
 
     /// Names what is damaged of what a former run wrote, which the run does not need.
     fn warn_of_damage(&self) {
-        let trajectory = self.trajectory.iter().flat_map(|file| file.damage()).map(|damage| ("trajectory.h5", damage));
-        let series = self.series.iter().flat_map(|file| file.damage()).map(|damage| ("observables.h5", damage));
+        let trajectory = self.trajectory.iter().flat_map(Trajectory::damage).map(|damage| ("trajectory.h5", damage));
+        let series = self.series.iter().flat_map(Series::damage).map(|damage| ("observables.h5", damage));
         for (name, damage) in trajectory.chain(series) {
             eprintln!("warning: {name} is damaged: {damage}; the run goes on without it");
         }
@@ -71,7 +73,8 @@ impl Recorder {
         let files = comm.agree(files)?;
         files.warn_of_damage();
         let from = last.map_or(0, |step| step + 1);
-        Ok(Self { folder, output, provenance, files, comm, from, saved: last })
+        let steps = scene.kind().steps();
+        Ok(Self { folder, output, provenance, files, comm, from, saved: last, last: steps })
     }
 
     /// The folder of the results.
@@ -122,18 +125,32 @@ impl Recorder {
         Ok(self.comm.agree(self.files.series.as_mut().map_or(Ok(()), append))?)
     }
 
-    /// Writes a checkpoint, unless there is one of this step already, and the averages so far.
+    /// Writes a checkpoint, unless there is one of this step already, and the averages so far. The last checkpoint of a
+    /// run comes after all else: a run that has it is finished.
     pub fn checkpoint(&mut self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {
         let step = simulation.clock().step();
         if self.saved == Some(step) {
             return Ok(());
         }
+        if step == self.last {
+            self.averages(simulation)?;
+            return self.state(simulation);
+        }
+        self.state(simulation)?;
+        self.averages(simulation)
+    }
+
+    fn state(&mut self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {
         let checkpoint = simulation.checkpoint()?;
         // What a checkpoint follows on must be on the disk when it is.
         let write = || self.files.sync().and_then(|()| checkpoint.write(self.folder.path()).map(drop));
         let written = if self.comm.is_first() { write() } else { Ok(()) };
         self.comm.agree(written)?;
-        self.saved = Some(step);
+        self.saved = Some(simulation.clock().step());
+        Ok(())
+    }
+
+    fn averages(&self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {
         Ok(self.comm.agree(simulation.write_averages(self.folder.path(), &self.provenance))?)
     }
 }

@@ -17,9 +17,9 @@ use crate::{FileError, durable, whole};
 pub(crate) use element::{Element, Values, group};
 use hdf5::File;
 use open::Open;
+use std::path::{Path, PathBuf};
 pub use sums::Damage;
 pub(crate) use sums::Sums;
-use std::path::{Path, PathBuf};
 
 /// A file of elements in the sense of H5MD: groups with a `value` for each frame beside its `step` and `time`; and a
 /// checksum of each frame of each.
@@ -45,7 +45,7 @@ pub(crate) struct Kind<'a> {
 impl Frames {
     /// A file without frames, in place of any of that name once it is whole.
     pub(crate) fn create(path: &Path, kind: &Kind) -> Result<Self, FileError> {
-        let made = Self::prepare(path, kind).and_then(|frames| frames.place());
+        let made = Self::prepare(path, kind).and_then(Self::place);
         made.inspect_err(|_| durable::remove_temporary(path))
     }
 

@@ -74,7 +74,8 @@ impl Open {
     /// How many frames there are until step `last`, and which of them are damaged.
     pub(super) fn kept(&self, last: u64) -> hdf5::Result<(usize, Vec<Damage>)> {
         let steps = self.steps_written()?;
-        let mut damage: Vec<Damage> = self.sums.iter().flat_map(|s| (0..steps.len()).filter_map(|f| s.damage(f))).collect();
+        let mut damage: Vec<Damage> =
+            self.sums.iter().flat_map(|s| (0..steps.len()).filter_map(|f| s.damage(f))).collect();
         let is_unknown = |frame: usize| damage.iter().any(|d| d.frame == frame && d.has_clock());
         let is_last = |(frame, &step): (usize, &u64)| step <= last && !is_unknown(frame);
         let keep = steps.iter().enumerate().rposition(is_last).map_or(0, |frame| frame + 1);
@@ -117,7 +118,8 @@ impl Open {
     pub(super) fn copy_to(&self, new: &Self, frames: usize) -> hdf5::Result<()> {
         for frame in 0..frames {
             let (clock, values) = self.frame(frame)?;
-            let sums = self.sums.as_ref().map_or_else(|| Ok(Sums::of_frame(clock, &values)), |sums| sums.read(frame))?;
+            let sums =
+                self.sums.as_ref().map_or_else(|| Ok(Sums::of_frame(clock, &values)), |sums| sums.read(frame))?;
             new.append(clock, &values, &sums)?;
         }
         Ok(())
@@ -134,9 +136,10 @@ fn for_writing(path: &Path) -> hdf5::Result<File> {
     File::with_options().with_fapl(|f| in_pages(f).libver_bounds(newest, newest)).open_as(path, OpenMode::ReadWrite)
 }
 
-/// Makes whatever the file consists of begin at a page of memory, by itself.
+/// Makes whatever the file consists of begin at a page of memory, by itself. What is in one piece is written at once:
+/// the library would keep it until it is closed, and lose it without a word if that fails.
 fn in_pages(file: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
-    file.alignment(1, PAGE).meta_block_size(0)
+    file.alignment(1, PAGE).meta_block_size(0).sieve_buf_size(0)
 }
 
 /// A page of memory.

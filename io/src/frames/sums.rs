@@ -120,7 +120,9 @@ impl Column {
         let values = self.values.as_ref().ok_or("there are no values")?;
         let one = one_of(frame, values.ndim());
         Ok(match values.dtype()?.to_descriptor()? {
-            TypeDescriptor::Integer(_) => checksum::of(&values.read_slice::<i32, _, IxDyn>(one)?.into_raw_vec_and_offset().0),
+            TypeDescriptor::Integer(_) => {
+                checksum::of(&values.read_slice::<i32, _, IxDyn>(one)?.into_raw_vec_and_offset().0)
+            }
             _ => checksum::of(&values.read_slice::<f64, _, IxDyn>(one)?.into_raw_vec_and_offset().0),
         })
     }

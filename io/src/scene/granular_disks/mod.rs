@@ -182,9 +182,10 @@ fn listed<T: Clone + PartialEq + Display>(key: &str, values: Option<&Vec<T>>, us
         return Err(Fault::new(key, "is empty; list at least one value, or leave it out"));
     }
     match values.iter().enumerate().find(|(place, value)| values[..*place].contains(value)) {
-        Some((_, twice)) => {
-            Err(Fault::new(key, format!("has {twice} more than once; the runs would be the same: list each value once")))
-        }
+        Some((_, twice)) => Err(Fault::new(
+            key,
+            format!("has {twice} more than once; the runs would be the same: list each value once"),
+        )),
         None => Ok(values.clone()),
     }
 }

@@ -1,0 +1,118 @@
+"""Files of a run that are cut or altered afterwards: what is damaged is named, and the run goes on where it can."""
+
+import pathlib
+import random
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+
+from program import PATIENCE, ROOT, command, run
+
+SETS = {
+    "box.edges": "[10.0, 10.0, 10.0]",
+    "species[0].count": 8,
+    "hydrodynamics.tolerance": 1e-2,
+    "time.steps": 6,
+    "output.trajectory_every": 1,
+    "output.checkpoint_every": 3,
+}
+
+
+def flip(path, place, bit=0):
+    content = bytearray(path.read_bytes())
+    content[place] ^= 1 << bit
+    path.write_bytes(content)
+
+
+def place_of(path, dataset, frame):
+    """Where the middle number of a frame stands in a file."""
+    with h5py.File(path) as file:
+        number = file[dataset][frame].reshape(-1)[12].tobytes()
+    return path.read_bytes().index(number)
+
+
+class Damage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.place.cleanup)
+        cls.whole = pathlib.Path(cls.place.name) / "whole"
+        sets = [word for key, value in SETS.items() for word in ("--set", f"{key}={value}")]
+        run(["run", ROOT / "scenes" / "settling.toml", "--out", cls.whole, *sets])
+
+    def setUp(self):
+        self.out = self.whole.with_name("out")
+        shutil.rmtree(self.out, ignore_errors=True)
+        shutil.copytree(self.whole, self.out)
+        self.trajectory = self.out / "trajectory.h5"
+
+    def ends(self, *arguments):
+        """Exit code and words of a command that may fail, but in no other way than by a message."""
+        ended = subprocess.run(command(arguments), capture_output=True, text=True, timeout=PATIENCE)
+        self.assertIn(ended.returncode, (0, 1), ended.stderr)
+        self.assertNotIn("panicked", ended.stderr)
+        return ended.returncode, ended.stdout + ended.stderr
+
+    def test_a_damaged_frame_is_named_and_the_run_goes_on_without_it(self):
+        flip(self.trajectory, place_of(self.trajectory, "particles/all/position/value", 2))
+        named = "frame 2 does not fit its checksums: particles/all/position"
+        code, said = self.ends("info", self.trajectory)
+        self.assertEqual(code, 1)
+        self.assertIn(f"{self.trajectory} is damaged: {named};", said)
+        code, said = self.ends("stats", self.out)
+        self.assertEqual(code, 0, said)
+        self.assertIn(f"{named}; restore it from a copy, or move it away; the statistics are without this frame", said)
+        code, said = self.ends("resume", self.out, "--steps", 8)
+        self.assertEqual(code, 0, said)
+        self.assertIn(f"warning: trajectory.h5 is damaged: {named}; the run goes on without it", said)
+        with h5py.File(self.trajectory) as file:
+            self.assertEqual(file["particles/all/position/step"][:].tolist(), list(range(9)))
+
+    def test_a_cut_or_altered_time_series_is_mended(self):
+        table = self.out / "observables.csv"
+        whole = table.read_text()
+        for damaged in (whole[:-9], whole[: len(whole) // 2], whole.replace("0.05", "0.06"), ""):
+            table.write_text(damaged)
+            run(["resume", self.out])
+            self.assertEqual(table.read_text(), whole)
+
+    def test_files_cut_at_any_length_are_refused_by_name(self):
+        whole = self.trajectory.read_bytes()
+        for cut in [0, 1, 8, 48, 100, *range(4000, len(whole), len(whole) // 12), len(whole) - 1]:
+            self.trajectory.write_bytes(whole[:cut])
+            for arguments in (["info", self.trajectory], ["resume", self.out, "--steps", 8]):
+                code, said = self.ends(*arguments)
+                self.assertEqual(code, 1, f"{cut}: {said}")
+                self.assertRegex(said, f"error: .*{self.trajectory}")
+
+    def test_flipped_bits_are_seen_or_harmless(self):
+        random.seed(3)
+        seen = 0
+        for path in (self.trajectory, self.out / "observables.h5"):
+            whole = path.read_bytes()
+            for _ in range(40):
+                flip(path, random.randrange(len(whole)), random.randrange(8))
+                code, said = self.ends("info", path)
+                seen += code
+                if code:
+                    self.assertIn(str(path), said)
+                path.write_bytes(whole)
+        self.assertGreater(seen, 0)
+
+    def test_of_damaged_checkpoints_the_one_before_serves(self):
+        random.seed(4)
+        last = max(self.out.glob("checkpoint-*.bin"))
+        whole = last.read_bytes()
+        for _ in range(8):
+            flip(last, random.randrange(len(whole)), random.randrange(8))
+            said = run(["resume", self.out])
+            self.assertIn(f"warning: {last} is damaged", said)
+            self.assertEqual(last.read_bytes(), whole)
+        for checkpoint in self.out.glob("checkpoint-*.bin"):
+            checkpoint.write_bytes(checkpoint.read_bytes()[:-1])
+        code, said = self.ends("resume", self.out)
+        self.assertEqual(code, 1)
+        self.assertIn(f"{last} is damaged", said)
