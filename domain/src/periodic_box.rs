@@ -1,12 +1,12 @@
 //! The periodic, possibly sheared box.
 
-use crate::Vector;
+use crate::{Number, Vector};
 
 /// Why a box can't be.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum BoxError {
     /// An edge that is not a positive length.
-    #[error("box edge {axis} is {length}; an edge needs to be positive and finite")]
+    #[error("box edge {axis} is {}; an edge needs to be positive and finite", Number(*length))]
     Edge {
         /// x, y or z.
         axis: char,
@@ -14,7 +14,7 @@ pub enum BoxError {
         length: f64,
     },
     /// A strain that is not a number.
-    #[error("the box's strain is {0}; it needs to be a finite number")]
+    #[error("the box's strain is {}; it needs to be a finite number", Number(*.0))]
     Strain(f64),
 }
 

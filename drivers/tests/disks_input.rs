@@ -39,7 +39,7 @@ fn each_parameter_is_refused_by_its_key() {
     let error = refusal(|p| p.viscosity = 0.2);
     assert_eq!(
         error.to_string(),
-        "fluid.viscosity is 0.2; it needs 0 <= viscosity <= 0.093, where the integrator is stable"
+        "fluid.viscosity is 0.2; it needs 0 <= viscosity <= 0.0928, where the integrator is stable"
     );
 }
 

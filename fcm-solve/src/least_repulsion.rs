@@ -2,7 +2,7 @@
 
 use crate::suspension::{StepError, Suspension};
 use anyhow::{Context, ensure};
-use domain::Comm;
+use domain::{Comm, Number};
 use io::{Kind, Scene, SuspensionScene};
 
 /// Steps of a trial, if the scene has as many.
@@ -25,11 +25,11 @@ pub fn with_least_repulsion(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> 
     let suffices = |strength: f64| -> anyhow::Result<bool> {
         let trial = with(strength)?;
         let Kind::Suspension(trial) = trial.kind() else { unreachable!("the same kind as before") };
-        keeps_apart(trial, comm).with_context(|| format!("in a trial with repulsion.strength = {strength:e}"))
+        keeps_apart(trial, comm).with_context(|| format!("in a trial with repulsion.strength = {}", Number(strength)))
     };
     let strength = least(repulsion.strength, suffices)?;
     if comm.is_first() {
-        eprintln!("repulsion  strength {strength:.4e} keeps the spheres apart in a trial");
+        eprintln!("repulsion  strength {:.5} keeps the spheres apart in a trial", Number(strength));
     }
     Ok(with(strength)?)
 }
@@ -41,8 +41,9 @@ fn least(start: f64, suffices: impl Fn(f64) -> anyhow::Result<bool>) -> anyhow::
         (less, enough) = (enough, 2.0 * enough);
         ensure!(
             enough < FARTHEST * start,
-            "no repulsion.strength up to {enough:.1e} keeps the spheres apart; try a smaller time.step, or time.integrator = \
-             \"adaptive\""
+            "no repulsion.strength up to {:.2} keeps the spheres apart; try a smaller time.step, or time.integrator = \
+             \"adaptive\"",
+            Number(enough)
         );
     }
     while less >= enough && enough > start / FARTHEST {

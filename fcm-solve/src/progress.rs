@@ -1,7 +1,7 @@
 //! How far a run is, for whoever waits.
 
 use crate::clock::Clock;
-use domain::Comm;
+use domain::{Comm, Number};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -40,10 +40,10 @@ impl Progress {
         match &mut self.display {
             Display::Bar(bar) => {
                 bar.set_position(clock.step());
-                bar.set_message(format!("time {:.4}, {pace}", clock.time()));
+                bar.set_message(format!("time {:.6}, {pace}", Number(clock.time())));
             }
             Display::Lines { said } if said.elapsed() >= PAUSE || clock.step() == self.last => {
-                eprintln!("step {} of {}, time {:.4}, {pace}", clock.step(), self.last, clock.time());
+                eprintln!("step {} of {}, time {:.6}, {pace}", clock.step(), self.last, Number(clock.time()));
                 *said = Instant::now();
             }
             Display::Lines { .. } | Display::Nothing => {}
@@ -59,7 +59,7 @@ impl Progress {
         }
         let rate = taken as f64 / seconds;
         let left = Duration::from_secs((left as f64 / rate) as u64);
-        format!("{rate:.2} steps/s, {} left", indicatif::HumanDuration(left))
+        format!("{:.3} steps/s, {} left", Number(rate), indicatif::HumanDuration(left))
     }
 
     /// Says something beside the progress.

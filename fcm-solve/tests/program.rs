@@ -8,7 +8,7 @@ const SCENE: &str = r#"
 seed = 3
 box.edges = [14.0, 14.0, 14.0]
 fluid.viscosity = 1.0
-flow = { kind = "shear", rate = 0.5 }
+flow = { kind = "shear", rate = 0.5, lees_edwards = false }
 repulsion = { strength = 20.0, range = 0.1 }
 hydrodynamics = { tolerance = 1e-2, method = "direct" }
 time = { step = 0.02, steps = 30 }
@@ -329,7 +329,7 @@ fn a_lubricated_run_has_the_same_bits_on_any_threads_and_in_parts() {
     let (folder, scene, _) = place();
     let text = SCENE
         .replace("[14.0, 14.0, 14.0]", "[8.5, 8.5, 8.5]")
-        .replace("rate = 0.5 }", "rate = 0.5, lees_edwards = true }")
+        .replace("lees_edwards = false", "lees_edwards = true")
         .replace("tolerance = 1e-2,", "tolerance = 1e-2, lubrication = true,");
     std::fs::write(&scene, text).unwrap();
     for integrator in ["adams-bashforth", "adaptive"] {

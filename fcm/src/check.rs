@@ -4,16 +4,18 @@ use crate::envelope::Envelope;
 use crate::plan::PlanError;
 use crate::problem::{Fixed, MethodName, Problem};
 use crate::window::Window;
-use domain::PeriodicBox;
+use domain::{Number, PeriodicBox};
 use solver::Grid;
 
 impl Fixed {
     /// What the widest envelope, of width `widest`, and the methods can't do.
     fn check(&self, widest: f64) -> Result<(), PlanError> {
         let least = |key: &str, value: Option<f64>, least: f64| match value {
-            Some(value) if !(value.is_finite() && value >= least) => {
-                Err(PlanError::Fixed(format!("hydrodynamics.{key} is {value}; it needs to be at least {least:.4}")))
-            }
+            Some(value) if !(value.is_finite() && value >= least) => Err(PlanError::Fixed(format!(
+                "hydrodynamics.{key} is {}; it needs to be at least {:.5}",
+                Number(value),
+                Number(least)
+            ))),
             _ => Ok(()),
         };
         least("width", self.width, widest)?;
@@ -31,7 +33,8 @@ impl Fixed {
         }
         match self.iteration_tolerance {
             Some(value) if !(value > 0.0 && value < 1.0) => Err(PlanError::Fixed(format!(
-                "hydrodynamics.iteration_tolerance is {value}; it needs to be above 0 and below 1"
+                "hydrodynamics.iteration_tolerance is {}; it needs to be above 0 and below 1",
+                Number(value)
             ))),
             _ => Ok(()),
         }

@@ -5,7 +5,7 @@ use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::window::Window;
-use domain::{PeriodicBox, Vector};
+use domain::{Number, PeriodicBox, Vector};
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -14,11 +14,12 @@ pub enum PlanError {
     #[error("there are no particles; a scene needs at least one")]
     NoParticles,
     /// A radius that is none.
-    #[error("a particle has the radius {0}; radii need to be positive and finite")]
+    #[error("a particle has the radius {}; radii need to be positive and finite", Number(*.0))]
     Radius(f64),
     /// A particle that meets itself.
     #[error(
-        "a particle of radius {radius} does not fit the box, whose shortest edge is {edge}; it needs more than {needed}"
+        "a particle of radius {} does not fit the box, whose shortest edge is {}; it needs more than {}",
+        Number(*radius), Number(*edge), Number(*needed)
     )]
     TooLarge {
         /// The radius.
@@ -29,13 +30,13 @@ pub enum PlanError {
         needed: f64,
     },
     /// A viscosity that is none.
-    #[error("the viscosity is {0}; it needs to be positive and finite")]
+    #[error("the viscosity is {}; it needs to be positive and finite", Number(*.0))]
     Viscosity(f64),
     /// A box that is none.
     #[error("the box: {0}")]
     Box(String),
     /// A tolerance out of range.
-    #[error("the tolerance is {0}; it needs to be between 1e-12 and 0.5")]
+    #[error("the tolerance is {}; it needs to be between 1e-12 and 0.5", Number(*.0))]
     Tolerance(f64),
     /// A fixed grid that can't be transformed.
     #[error("hydrodynamics.grid: {0}")]
@@ -192,7 +193,7 @@ impl Plan {
         let method = match self.method {
             Method::Direct => "direct: every envelope on the grid".to_owned(),
             Method::Split { width, cutoff } => {
-                format!("split: common Gaussian of width {width:.4}, pairs within {cutoff:.4}")
+                format!("split: common Gaussian of width {:.5}, pairs within {:.5}", Number(width), Number(cutoff))
             }
         };
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };

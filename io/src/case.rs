@@ -1,6 +1,7 @@
 //! One configuration that a user brings, and its answer: JSON, or HDF5 with the same names.
 
 use crate::{FileError, durable, whole};
+use domain::Number;
 use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, Group};
 use serde::{Deserialize, Serialize};
@@ -168,7 +169,7 @@ impl Case {
         finite("stresslets", Box::new(self.stresslets.iter().flatten().copied()))?;
         finite("background.velocity_gradient", Box::new(self.background.velocity_gradient.into_iter().flatten()))?;
         if !(self.viscosity.is_finite() && self.viscosity > 0.0) {
-            return Err(format!("viscosity is {}; it needs to be positive and finite", self.viscosity));
+            return Err(format!("viscosity is {}; it needs to be positive and finite", Number(self.viscosity)));
         }
         let given = |list: &[[f64; 5]]| list.iter().flatten().any(|&s| s != 0.0);
         if self.rigid && self.multipoles == Terms::Dipole && given(&self.stresslets) {
@@ -181,7 +182,9 @@ impl Case {
         }
         if let Some(cutoff) = self.lubrication_cutoff.filter(|c| !(self.lubrication && *c > 1e-3 && *c <= 8.0)) {
             return Err(format!(
-                "lubrication_cutoff is {cutoff}; it needs 0.001 < lubrication_cutoff <= 8, in radii of a pair's larger sphere, and lubrication true"
+                "lubrication_cutoff is {}; it needs 0.001 < lubrication_cutoff <= 8, in radii of a pair's larger sphere, and \
+                 lubrication true",
+                Number(cutoff)
             ));
         }
         if self.multipoles == Terms::Monopole {

@@ -2,6 +2,7 @@
 
 use crate::frames::Sums;
 use crate::{FileError, checksum, text};
+use domain::Number;
 use hdf5::{Dataset, File, Group};
 use std::fmt::{Display, Formatter};
 use std::path::Path;
@@ -109,7 +110,8 @@ impl Display for Contents {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "written by {}", self.program)?;
         if let Some(FrameSpan { count, steps: [first, last], times: [from, until] }) = self.frames {
-            writeln!(f, "frames     {count}, steps {first} to {last}, times {from} to {until}")?;
+            let [from, until] = [from, until].map(Number);
+            writeln!(f, "frames     {count}, steps {first} to {last}, times {from:.6} to {until:.6}")?;
         }
         write!(f, "{}", self.plan)?;
         self.datasets.iter().try_for_each(|dataset| writeln!(f, "  {dataset}"))

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use domain::Vector;
+use domain::{Number, Vector};
 use thiserror::Error;
 
 use crate::pair_factor::PairFactor;
@@ -31,7 +31,7 @@ pub struct PairForce {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PairForceError {
     /// A radius or the viscosity is not a positive number.
-    #[error("{name} is {value}; lubrication needs a positive, finite number")]
+    #[error("{name} is {}; lubrication needs a positive, finite number", Number(*value))]
     Positive {
         /// Which one.
         name: &'static str,
@@ -39,7 +39,7 @@ pub enum PairForceError {
         value: f64,
     },
     /// Two radii differ too much.
-    #[error("no lubrication between radii {0} and {1}: {2}")]
+    #[error("no lubrication between radii {} and {}: {}", Number(*.0), Number(*.1), .2)]
     Radii(f64, f64, TwoSphereError),
 }
 

@@ -1,6 +1,7 @@
 //! Newton's method with continuation in the energy that crosses the walls, on ever finer collocation points.
 
 use super::{Problem, Solution, Start, Uniform, collocation::Collocation, equations::WIDTH, linear};
+use domain::Number;
 
 /// Intervals of the grids on which the continuation runs: the second, for the first start only, where the first
 /// is too coarse to converge on.
@@ -25,8 +26,9 @@ pub enum SolveError {
     /// Newton's method stopped short.
     #[error(
         "the shear cell's equations did not converge from a uniform solid fraction of {start:.4}: with {energy:.3} of \
-         the walls' energy terms the {equation} keeps a residual of {residual:.2e} at y = {y:.3e}, where the solid \
-         fraction is {solid_fraction:.4}; try another `start`, or more pressure"
+         the walls' energy terms the {equation} keeps a residual of {residual:.2e} at y = {:.3}, where the solid \
+         fraction is {solid_fraction:.4}; try another `start`, or more pressure",
+        Number(*y)
     )]
     NoConvergence {
         /// The solid fraction that it started from.
@@ -45,7 +47,8 @@ pub enum SolveError {
     /// The finest grid is not fine enough.
     #[error(
         "the shear cell's solution is not resolved by {intervals} intervals: its residual between points is \
-         {residual:.2e} near y = {y:.3e}"
+         {residual:.2e} near y = {:.3}",
+        Number(*y)
     )]
     Unresolved {
         /// Intervals over half the gap.

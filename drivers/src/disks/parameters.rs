@@ -2,7 +2,7 @@
 
 use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
 use crate::parameter::{ParameterError, positive, require};
-use domain::{Particles, PeriodicBox, Vector};
+use domain::{Number, Particles, PeriodicBox, Vector};
 use std::f64::consts::PI;
 
 /// How a random start is made ready for the shear: overlaps are taken out by almost plastic contacts, then elastic ones
@@ -145,7 +145,12 @@ impl Model {
     fn check_box(&self) -> Result<(), ParameterError> {
         let least = 6.0 * self.largest();
         self.parameters.edges.iter().try_for_each(|edge| {
-            require(*edge >= least, "box.edges", edge, format!("at least three of the largest diameters, {least}"))
+            require(
+                *edge >= least,
+                "box.edges",
+                edge,
+                format!("at least three of the largest diameters, {:.6}", Number(least)),
+            )
         })
     }
 
@@ -165,7 +170,7 @@ impl Model {
             stable,
             "fluid.viscosity",
             &p.viscosity,
-            format!("0 <= viscosity <= {most:.3}, where the integrator is stable"),
+            format!("0 <= viscosity <= {:.3}, where the integrator is stable", Number(most)),
         )
     }
 

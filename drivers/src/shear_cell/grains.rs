@@ -2,7 +2,7 @@
 
 use super::{Model, Motion};
 use crate::parameter::{ParameterError, require};
-use domain::{Particles, PeriodicBox, Random, Vector};
+use domain::{Number, Particles, PeriodicBox, Random, Vector};
 
 /// Positions and motions of all grains, in the order of their ids.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -29,7 +29,12 @@ impl Grains {
         };
         let radius = model.radius();
         for r in &particles.radii {
-            require((r / radius - 1.0).abs() < 1e-12, "radius", r, format!("half the cell's diameter, {radius}"))?;
+            require(
+                (r / radius - 1.0).abs() < 1e-12,
+                "radius",
+                r,
+                format!("half the cell's diameter, {}", Number(radius)),
+            )?;
         }
         Ok(grains)
     }

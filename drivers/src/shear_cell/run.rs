@@ -5,6 +5,7 @@ use super::{
     measure::{Measured, Start},
 };
 use crate::parameter::{ParameterError, positive, require};
+use domain::Number;
 use statistics::{Estimate, State as _, Store};
 use std::f64::consts::PI;
 
@@ -40,7 +41,7 @@ impl Sampling {
         positive("time.collision_step", step)?;
         let steps = self.window / step;
         let whole = steps >= 0.5 && (steps - steps.round()).abs() < 1e-6 * steps;
-        require(whole, "measure.window", &self.window, format!("a whole number of time steps of {step}"))
+        require(whole, "measure.window", &self.window, format!("a whole number of time steps of {}", Number(step)))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::clock::Clock;
 use crate::signals::Heard;
 use crate::simulation::Simulation;
 use anyhow::ensure;
-use domain::{Comm, PeriodicBox, Vector};
+use domain::{Comm, Number, PeriodicBox, Vector};
 use drivers::shear_cell::{Grains, Model, Run, Sample, Side};
 use io::{Checkpoint, FileError, Frame, Provenance, Quantity, ShearCellScene, write_tables};
 use std::path::Path;
@@ -87,7 +87,7 @@ impl Simulation for CellRun {
             !self.run.engine().is_jammed(),
             "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower \
              grains.solid_fraction, let the top go with top.kind = \"free\", or take collisions = \"time-stepped\"",
-            self.run.engine().tally().time
+            Number(self.run.engine().tally().time)
         );
         if !is_taken {
             return Ok(self.run.go_back()?);

@@ -3,7 +3,7 @@
 use super::outline;
 use crate::output::provenance;
 use anyhow::Context;
-use domain::Comm;
+use domain::{Comm, Number};
 use drivers::continuum::{Point, Problem, Solution};
 use io::{ContinuumScene, Scene, Table, write_tables};
 use std::path::Path;
@@ -31,16 +31,16 @@ pub fn solve(problems: &ContinuumScene, scene: &Scene, folder: &Path, comm: &Com
 
 fn title(problem: &Problem) -> String {
     let p = problem.parameters();
-    format!("at a speed of {} and a pressure of {}", p.speed, p.pressure)
+    format!("at a speed of {} and a pressure of {}", Number(p.speed), Number(p.pressure))
 }
 
 fn report(problem: &Problem, solution: &Solution) {
     eprintln!(
         "{}: mean solid fraction {:.4}, slip {:.4} of the speed, shear stress {:.5}",
         title(problem),
-        solution.mean_solid_fraction(),
-        solution.slip() / problem.parameters().speed,
-        solution.shear_stress()
+        Number(solution.mean_solid_fraction()),
+        Number(solution.slip() / problem.parameters().speed),
+        Number(solution.shear_stress())
     );
     if let Some(notice) = solution.notice() {
         eprintln!("warning: {notice}");

@@ -2,6 +2,7 @@
 
 use crate::signals::Heard;
 use anyhow::{Context, ensure};
+use domain::Number;
 use drivers::disks::{Case, Keeper, Record};
 use io::{Table, replace_file};
 use std::path::{Path, PathBuf};
@@ -40,6 +41,7 @@ impl Cases {
     fn say(&self, case: &Case, what: &str) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
         let Case { seed, viscosity, rate, area_fraction, .. } = case;
+        let [viscosity, rate, area_fraction] = [viscosity, rate, area_fraction].map(|&value| Number(value));
         let run = format!("seed {seed}, viscosity {viscosity}, rate {rate}, area fraction {area_fraction}");
         eprintln!("run {done} of {}: {run}{what}", self.count);
     }

@@ -1,5 +1,6 @@
 //! Scenes of grains in numbers, before they are run.
 
+use domain::Number;
 use drivers::disks::{Model, Sweep, estimated_free_path, viscous_length};
 use drivers::shear_cell::Collisions;
 use io::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene, Time};
@@ -25,15 +26,18 @@ pub fn disks(model: &Model, time: &Time) -> String {
     let (zeta, path) = (viscous_length(model), estimated_free_path(model.area_fraction()));
     let strain = p.flow.rate(p.edges[1]).abs() * time.step * time.steps as f64;
     format!(
-        "disks      {}, radii {:.4} to {:.4}, {:.2}% of the area\n\
-         lengths    viscous length {zeta:.4}, estimated mean free path {path:.4}\n\
-         steps      {}, until time {} and strain {strain:.4}\n",
+        "disks      {}, radii {:.4} to {:.4}, {:.4}% of the area\n\
+         lengths    viscous length {:.4}, estimated mean free path {:.4}\n\
+         steps      {}, until time {:.6} and strain {:.6}\n",
         sizes.len(),
-        model.smallest(),
-        model.largest(),
-        100.0 * model.area_fraction(),
+        Number(model.smallest()),
+        Number(model.largest()),
+        Number(100.0 * model.area_fraction()),
+        Number(zeta),
+        Number(path),
         time.steps,
-        time.steps as f64 * time.step,
+        Number(time.end()),
+        Number(strain),
     )
 }
 
@@ -49,20 +53,20 @@ fn disks_and_cost(scene: &GranularDisksScene) -> String {
             sweep.cases().iter().map(|case| steps(case.rate)).sum()
         }
     };
-    let cost = format!("cost       about {:.0} s of one core\n", count * steps / DISK_STEPS);
+    let cost = cost(count * steps / DISK_STEPS);
     disks(&scene.model, &scene.time) + &start + &scene.sweep.as_ref().map_or_else(String::new, cases) + &cost
 }
 
 /// The runs of a sweep.
 pub fn cases(sweep: &Sweep) -> String {
     format!(
-        "sweep      {} runs: {} seeds, {} viscosities, {} rates, {} area fractions, each to strain {:.4}\n",
+        "sweep      {} runs: {} seeds, {} viscosities, {} rates, {} area fractions, each to strain {:.6}\n",
         sweep.cases().len(),
         sweep.seeds.len(),
         sweep.viscosities.len(),
         sweep.rates.len(),
         sweep.area_fractions.len(),
-        sweep.strain
+        Number(sweep.strain)
     )
 }
 
@@ -73,25 +77,30 @@ pub fn cell(scene: &ShearCellScene) -> String {
     let fraction = scene.count as f64 * volume / model.edges().element_product();
     let engine = match scene.collisions {
         Collisions::EventDriven => "at their exact times".to_owned(),
-        Collisions::TimeStepped { step } => format!("on a time step of {step:e}"),
+        Collisions::TimeStepped { step } => format!("on a time step of {:.6}", Number(step)),
     };
     format!(
-        "grains     {}, solid fraction {fraction:.4}\n\
+        "grains     {}, solid fraction {:.4}\n\
          top        {}\n\
          collisions {engine}\n\
-         steps      {}, until time {}; measured from time {}\n",
+         steps      {}, until time {:.6}; measured from time {:.6}\n",
         scene.count,
+        Number(fraction),
         if model.is_lid_free() { "free under its load" } else { "fixed" },
         scene.time.steps,
-        scene.time.steps as f64 * scene.time.step,
-        scene.settle as f64 * scene.time.step,
+        Number(scene.time.end()),
+        Number(scene.settle as f64 * scene.time.step),
     )
 }
 
 fn cell_cost(scene: &ShearCellScene) -> String {
     let Collisions::TimeStepped { step } = scene.collisions else { return String::new() };
-    let steps = scene.time.steps as f64 * scene.time.step / step;
-    format!("cost       about {:.0} s of one core\n", scene.count as f64 * steps / GRAIN_STEPS)
+    let steps = scene.time.end() / step;
+    cost(scene.count as f64 * steps / GRAIN_STEPS)
+}
+
+fn cost(seconds: f64) -> String {
+    format!("cost       about {:.2} s of one core\n", Number(seconds))
 }
 
 /// The problems of a continuum.

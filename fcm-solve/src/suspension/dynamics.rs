@@ -3,6 +3,7 @@
 use super::approach::Approach;
 use super::fluid;
 use super::forces::Forces;
+use super::gap::Gap;
 use super::moving_box::MovingBox;
 use super::setup::Setup;
 use super::warm_start::WarmStart;
@@ -29,7 +30,7 @@ pub enum StepError {
     NotFinite(Failure),
     /// Near pairs come together faster than steps can follow.
     #[error(
-        "step {step}: two spheres {gap:.1e} apart come together faster than any time step can follow; give the scene a \
+        "step {step}: two spheres {gap} apart come together faster than any time step can follow; give the scene a \
          [repulsion], or a larger repulsion.strength, or hydrodynamics.lubrication = true, or time.integrator = \
          \"adams-bashforth\", which lets spheres overlap"
     )]
@@ -37,18 +38,18 @@ pub enum StepError {
         /// Steps taken before.
         step: u64,
         /// The smallest gap.
-        gap: f64,
+        gap: Gap,
     },
     /// The fluid could not be computed around spheres that overlap.
     #[error(
-        "step {step}: spheres overlap by {overlap:.1e}, and the flow around them can't be found; take a smaller time.step, \
+        "step {step}: spheres overlap by {overlap}, and the flow around them can't be found; take a smaller time.step, \
          a larger repulsion.strength, or time.integrator = \"adaptive\", which keeps spheres apart"
     )]
     Overlap {
         /// Steps taken before.
         step: u64,
         /// The largest overlap.
-        overlap: f64,
+        overlap: Gap,
     },
     /// The fluid could not be computed.
     #[error("step {step}")]
@@ -103,6 +104,7 @@ pub struct Dynamics {
     lubrication: Option<Range>,
     warm_start: WarmStart,
     rigid: bool,
+    smallest_radius: f64,
 }
 
 impl Dynamics {
@@ -118,6 +120,7 @@ impl Dynamics {
             warm_start: WarmStart::new(chosen.lubrication),
             forces: Forces::new(scene, setup.radii.largest())?,
             rigid: scene.hydrodynamics.multipoles == Multipoles::Dipole,
+            smallest_radius: setup.radii.smallest(),
             partition: setup.partition,
             moving: setup.moving,
             flow: setup.flow,
@@ -154,7 +157,12 @@ impl Dynamics {
     pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
         let nothing = [[0.0]; 2];
         let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
-        if gap < 0.0 { StepError::Overlap { step, overlap: -gap } } else { StepError::Solve { step, source } }
+        if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }
+    }
+
+    /// A length between surfaces, for a message.
+    pub(super) fn gap(&self, length: f64) -> Gap {
+        Gap { length, radius: self.smallest_radius }
     }
 
     fn check_positions(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {

@@ -3,9 +3,11 @@
 mod adaptive;
 mod approach;
 mod averages;
+mod cautions;
 mod dynamics;
 mod fluid;
 mod forces;
+mod gap;
 mod initial;
 mod moving_box;
 mod near;

@@ -1,5 +1,6 @@
 //! What is observed of a suspension in the course of time.
 
+use super::gap::Gap;
 use super::rheology::Rheology;
 use super::{StepReport, Suspension};
 use crate::statistics::{columns, counted};
@@ -17,6 +18,7 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
+    smallest_radius: f64,
 }
 
 /// How often spheres were seen to overlap.
@@ -29,11 +31,19 @@ struct Overlaps {
 
 impl Observer {
     /// An observer of a scene's species from step `step` on.
-    pub fn new(scene: &SuspensionScene, step: u64) -> Self {
+    pub fn new(scene: &SuspensionScene, step: u64, smallest_radius: f64) -> Self {
         let species = scene.species.iter().map(|s| s.name.clone()).collect();
         let columns = (scene.species.len() > 1).then(|| columns(scene));
         let (last, repels) = ((step, Instant::now()), scene.repulsion.is_some());
-        Self { species, rheology: Rheology::of(scene), columns, last, overlaps: Overlaps::default(), repels }
+        Self {
+            species,
+            rheology: Rheology::of(scene),
+            columns,
+            last,
+            overlaps: Overlaps::default(),
+            repels,
+            smallest_radius,
+        }
     }
 
     /// What to say of overlaps in the rows so far, if there were any.
@@ -42,8 +52,8 @@ impl Observer {
         let remedy = if self.repels { "a larger repulsion.strength or a shorter time.step" } else { "a [repulsion]" };
         (with_overlap > 0).then(|| {
             format!(
-                "spheres overlap in {with_overlap} of {rows} rows of the time series, by {largest:.1e} at most; try \
-                 {remedy}"
+                "spheres overlap in {with_overlap} of {rows} rows of the time series, by {} at most; try {remedy}",
+                Gap { length: largest, radius: self.smallest_radius }
             )
         })
     }

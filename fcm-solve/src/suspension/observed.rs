@@ -1,9 +1,10 @@
 //! A suspension as the march and the recorder see it.
 
 use super::averages::Averages;
+use super::cautions::cautions;
 use super::observe::Observer;
 use super::plan::Radii;
-use super::{ANGULAR_VELOCITY, STRESSLET, Suspension, steadiness};
+use super::{ANGULAR_VELOCITY, STRESSLET, Suspension};
 use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::simulation::Simulation;
@@ -37,10 +38,11 @@ impl Observed {
     }
 
     fn of(scene: &SuspensionScene, suspension: Suspension) -> Self {
-        let observer = Observer::new(scene, suspension.clock().step());
         let frame = suspension.gathered(Some(&FRAME));
         let comm = suspension.comm();
-        if let Some(caution) = steadiness::caution(scene, &Radii::shared(&frame, comm)).filter(|_| comm.is_first()) {
+        let radii = Radii::shared(&frame, comm);
+        let observer = Observer::new(scene, suspension.clock().step(), radii.smallest());
+        for caution in cautions(scene, &radii).iter().filter(|_| comm.is_first()) {
             eprintln!("warning: {caution}");
         }
         let averages = scene.statistics.map(|wanted| Averages::new(scene, wanted, &frame));

@@ -1,9 +1,10 @@
 //! A scene in numbers, before it is run.
 
+use super::cautions::cautions;
+use super::gap::Gap;
 use super::plan::problem;
 use super::setup::Setup;
-use super::steadiness;
-use domain::Comm;
+use domain::{Comm, Number};
 use fcm::Plan;
 use io::SuspensionScene;
 use std::fmt::{Display, Formatter};
@@ -18,14 +19,15 @@ const BYTES_A_PARTICLE: u64 = 8 * (6 + 4 * 3 + 3 + 4 * 5);
 pub struct Outline {
     particles: usize,
     fraction: f64,
-    gap: f64,
+    /// None for a sphere alone.
+    gap: Option<Gap>,
     steps: u64,
     end: f64,
     plan: Plan,
     /// Other plans, the fastest first.
     others: Vec<Plan>,
     ranks: usize,
-    caution: Option<String>,
+    cautions: Vec<String>,
 }
 
 impl Outline {
@@ -34,17 +36,17 @@ impl Outline {
         let setup = Setup::start(scene, comm)?;
         let mut others = Plan::ranked(&problem(scene, &setup.radii))?;
         others.retain(|plan| *plan != setup.plan);
-        let caution = steadiness::caution(scene, &setup.radii);
+        let cautions = cautions(scene, &setup.radii);
         Ok(Self {
             particles: setup.radii.count(),
             fraction: setup.radii.volume() / scene.cell.volume(),
-            gap: setup.smallest_gap(),
+            gap: Some(setup.gap()).filter(|gap| gap.length.is_finite()),
             steps: scene.time.steps,
-            end: scene.time.steps as f64 * scene.time.step,
+            end: scene.time.end(),
             plan: setup.plan,
             others,
             ranks: comm.size(),
-            caution,
+            cautions,
         })
     }
 
@@ -55,10 +57,11 @@ impl Outline {
 
 impl Display for Outline {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        let (percent, gap) = (100.0 * self.fraction, self.gap);
-        writeln!(f, "particles  {}, {percent:.2}% by volume, smallest gap {gap:.4}", self.particles)?;
+        write!(f, "particles  {}, {:.4}% by volume", self.particles, Number(100.0 * self.fraction))?;
+        self.gap.iter().try_for_each(|gap| write!(f, ", smallest gap {gap}"))?;
+        writeln!(f)?;
         write!(f, "{}", self.plan.describe())?;
-        writeln!(f, "steps      {}, until time {}", self.steps, self.end)?;
+        writeln!(f, "steps      {}, until time {:.6}", self.steps, Number(self.end))?;
         writeln!(f, "memory     about {:.1} MB on each of {} rank(s)", self.bytes_per_rank() as f64 / 1e6, self.ranks)?;
         let seconds = self.plan.predicted_seconds;
         writeln!(
@@ -69,6 +72,6 @@ impl Display for Outline {
             let label = if number == 0 { "instead" } else { "" };
             writeln!(f, "{label:<10} {:.2e} s: {}", plan.predicted_seconds, plan.in_short())?;
         }
-        self.caution.iter().try_for_each(|caution| writeln!(f, "warning: {caution}"))
+        self.cautions.iter().try_for_each(|caution| writeln!(f, "warning: {caution}"))
     }
 }

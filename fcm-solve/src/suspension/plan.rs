@@ -33,6 +33,11 @@ impl Radii {
         Some([smallest.next()?, smallest.next()?])
     }
 
+    /// The smallest; infinite without particles.
+    pub fn smallest(&self) -> f64 {
+        self.0.first().map_or(f64::INFINITY, |(radius, _)| *radius)
+    }
+
     /// The largest.
     pub fn largest(&self) -> f64 {
         self.0.last().map_or(0.0, |(radius, _)| *radius)

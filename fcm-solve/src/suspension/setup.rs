@@ -1,5 +1,6 @@
 //! A scene made ready: particles in place, the plan for the fluid, and who owns what.
 
+use super::gap::Gap;
 use super::initial;
 use super::moving_box::MovingBox;
 use super::near::smallest_gap;
@@ -33,12 +34,12 @@ impl Setup {
         let particles = if comm.is_first() { initial::particles(scene) } else { Ok(Particles::default()) };
         let particles = comm.agree(particles.map_err(|e| crate::run::in_full(&e)))?;
         let setup = Self::at(scene, particles, (comm, 0))?;
-        let gap = setup.smallest_gap();
+        let Gap { length: gap, radius } = setup.gap();
         // Touching spheres may touch, up to the round-off of a box's length.
         ensure!(
             gap > -1e-12 * scene.cell.edges().max_element(),
-            "two spheres overlap at the start, by {:.3e}; change [particles], or take fewer or smaller spheres",
-            -gap
+            "two spheres overlap at the start, by {}; change [particles], or take fewer or smaller spheres",
+            Gap { length: -gap, radius }
         );
         Ok(setup)
     }
@@ -60,7 +61,8 @@ impl Setup {
     }
 
     /// The smallest gap between the surfaces of two particles. Collective.
-    pub fn smallest_gap(&self) -> f64 {
-        smallest_gap(&self.particles, self.moving.cell(), &self.partition)
+    pub fn gap(&self) -> Gap {
+        let length = smallest_gap(&self.particles, self.moving.cell(), &self.partition);
+        Gap { length, radius: self.radii.smallest() }
     }
 }

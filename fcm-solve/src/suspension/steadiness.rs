@@ -3,6 +3,7 @@
 use super::forces::barrier;
 use super::plan::Radii;
 use crate::integrator::AdamsBashforth;
+use domain::Number;
 use io::{Integrator, Multipoles, SuspensionScene};
 use lubrication::{Detail, opening_mobility};
 
@@ -15,9 +16,11 @@ pub fn caution(scene: &SuspensionScene, radii: &Radii) -> Option<String> {
     let lower = if scene.integrator == (Integrator::AdamsBashforth { order: 2 }) { "" } else { " time.order = 2," };
     (step > longest).then(|| {
         format!(
-            "time.step = {step} is longer than the {longest:.1e} with which pairs are steady that repulsion holds \
+            "time.step = {} is longer than the {:.2} with which pairs are steady that repulsion holds \
              apart: near spheres may jitter; take a shorter time.step,{lower} a weaker or wider [repulsion], or \
-             time.integrator = \"adaptive\""
+             time.integrator = \"adaptive\"",
+            Number(step),
+            Number(longest),
         )
     })
 }

@@ -5,7 +5,7 @@ const SCENE: &str = r#"
 seed = 3
 box.edges = [14.0, 14.0, 14.0]
 fluid.viscosity = 1.0
-flow = { kind = "shear", rate = 0.5 }
+flow = { kind = "shear", rate = 0.5, lees_edwards = false }
 repulsion = { strength = 20.0, range = 0.1 }
 gravity.acceleration = [0.0, 0.0, -1.0]
 hydrodynamics = { tolerance = 1e-5, method = "direct", iteration_tolerance = 1e-9 }
@@ -246,7 +246,7 @@ fn overlaps_are_told_with_what_helps() {
     let scene = scene(&[&PRESSED[..], &["repulsion.strength=0", "time.step=0.1"]].concat());
     let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
     let mut suspension = Suspension::start(scene, &Comm::alone()).unwrap();
-    let mut observer = observe::Observer::new(scene, 0);
+    let mut observer = observe::Observer::new(scene, 0, 1.0);
     observer.observe(&mut suspension);
     assert_eq!(observer.warning(), None);
     suspension.step().unwrap();

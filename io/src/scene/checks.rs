@@ -1,7 +1,7 @@
 //! Ranges that numbers have to be in.
 
 use super::error::Fault;
-use domain::Vector;
+use domain::{Number, Vector};
 
 /// The largest volume fraction that spheres of a scene may have together.
 pub(super) const DENSEST: f64 = 0.64;
@@ -14,17 +14,19 @@ pub(super) fn finite(key: &str, value: f64) -> Result<f64, Fault> {
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(Fault::new(key, format!("is {value}; it needs to be a finite number")))
+        Err(Fault::new(key, format!("is {}; it needs to be a finite number", Number(value))))
     }
 }
 
 pub(super) fn positive(key: &str, value: f64) -> Result<f64, Fault> {
-    let fault = || Fault::new(key, format!("is {value}; it needs to be a finite number above 0"));
+    let fault = || Fault::new(key, format!("is {}; it needs to be a finite number above 0", Number(value)));
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err(fault()) }
 }
 
 pub(super) fn between(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Fault> {
-    let fault = || Fault::new(key, format!("is {value:?}; it needs to be between {low:e} and {high}"));
+    let fault = || {
+        Fault::new(key, format!("is {}; it needs to be between {} and {}", Number(value), Number(low), Number(high)))
+    };
     if (low..=high).contains(&value) { Ok(value) } else { Err(fault()) }
 }
 

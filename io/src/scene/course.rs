@@ -3,6 +3,7 @@
 use super::checks::positive;
 use super::error::Fault;
 use crate::Schedule;
+use domain::Number;
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -42,9 +43,27 @@ impl Time {
             (None, None) => return Err(Fault::new("time", "has neither steps nor duration; set one of them")),
             (Some(_), Some(_)) => return Err(Fault::new("time", "has both steps and duration; leave one of them out")),
         };
-        Ok(Self { step, steps })
+        let time = Self { step, steps };
+        if steps > MOST_STEPS {
+            let message =
+                format!("are {:.3} up to the end of the run; there can be {MOST_STEPS}", Number(steps as f64));
+            return Err(Fault::new("time.steps", message + ": take a longer time.step, or end earlier"));
+        }
+        if !time.end().is_finite() {
+            let message = format!("is {}; {steps} steps of it are no finite time: take a shorter one", Number(step));
+            return Err(Fault::new("time.step", message));
+        }
+        Ok(time)
+    }
+
+    /// The time at the end of the last step.
+    pub fn end(&self) -> f64 {
+        self.steps as f64 * self.step
     }
 }
+
+/// Steps that a run may have: as many as times that are multiples of the step can tell apart.
+const MOST_STEPS: u64 = 1 << 53;
 
 /// The steps that cover a time. One that is a whole number of steps up to round-off takes that number.
 pub(super) fn steps_in(duration: f64, step: f64) -> u64 {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use domain::Number;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -40,10 +41,10 @@ type Entry = Arc<OnceLock<Arc<TwoSphere>>>;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TwoSphereError {
     /// The ratio of the radii is outside the range of the tables.
-    #[error("ratio a2/a1 is {0}; the two-sphere functions are tabulated for ratios from 0.05 to 20")]
+    #[error("ratio a2/a1 is {}; the two-sphere functions are tabulated for ratios from 0.05 to 20", Number(*.0))]
     Ratio(f64),
     /// The spheres touch, overlap or are not anywhere.
-    #[error("gap is {0}; the two-sphere functions need spheres that do not touch: give a gap above 0")]
+    #[error("gap is {}; the two-sphere functions need spheres that do not touch: give a gap above 0", Number(*.0))]
     Gap(f64),
 }
 

@@ -104,7 +104,7 @@ impl Substep<'_> {
                 return Ok(Chosen { step, apart });
             }
             if !error.is_finite() || step < SHORTEST * self.clock.dt() {
-                return Err(StepError::Collision { step: self.clock.step(), gap: gaps.gap });
+                return Err(StepError::Collision { step: self.clock.step(), gap: dynamics.gap(gaps.gap) });
             }
             let order = self.ages.len() as f64;
             longest = step * 0.9 * error.max(1e-9).powf(-1.0 / order).min(1.0 / loss.max(1e-9)).clamp(0.1, 1.0);

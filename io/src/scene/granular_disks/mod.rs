@@ -4,6 +4,7 @@ mod raw;
 
 use super::course::{Output, Time, steps_in};
 use super::error::Fault;
+use domain::Number;
 use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species, Sweep};
 pub(super) use raw::Raw;
 use std::fmt::Display;
@@ -145,7 +146,8 @@ fn time(raw: &Raw, parameters: &Parameters) -> Result<Time, Fault> {
     let rate = parameters.flow.rate(parameters.edges[1]).abs();
     let possible = rate > 0.0 && strain > 0.0 && strain.is_finite();
     if !possible {
-        return Err(Fault::new("time.strain", format!("is {strain}; it needs to be above 0, in a flow that shears")));
+        let message = format!("is {}; it needs to be above 0, in a flow that shears", Number(strain));
+        return Err(Fault::new("time.strain", message));
     }
     Time::until(step, Some(steps_in(strain / rate, step)), None)
 }

@@ -4,6 +4,7 @@ mod raw;
 
 use super::course::{Output, Time};
 use super::error::Fault;
+use domain::Number;
 use drivers::shear_cell::{Collisions, Contact, FrictionLaw, Model, Parameters, Sampling, Top};
 pub(super) use raw::Raw;
 
@@ -44,7 +45,7 @@ impl ShearCellScene {
         let sampling = sampling(&raw, collisions)?;
         let agitation = raw.grains.agitation.unwrap_or(AGITATION * raw.cell.speed);
         if !(agitation >= 0.0 && agitation.is_finite()) {
-            let message = format!("is {agitation}; it needs to be a finite speed, 0 or more");
+            let message = format!("is {}; it needs to be a finite speed, 0 or more", Number(agitation));
             return Err(Fault::new("grains.agitation", message));
         }
         Ok(Self {
@@ -127,7 +128,10 @@ fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
 fn whole(key: &str, time: f64, (unit, length): (&str, f64)) -> Result<u64, Fault> {
     let times = time / length;
     let fits = time >= 0.0 && (times - times.round()).abs() <= 1e-6 * times && times < 1e15;
-    let fault = || Fault::new(key, format!("is {time}; it needs a whole number of {unit}, which is {length}"));
+    let fault = || {
+        let message = format!("is {}; it needs a whole number of {unit}, which is {}", Number(time), Number(length));
+        Fault::new(key, message)
+    };
     if fits { Ok(times.round() as u64) } else { Err(fault()) }
 }
 
@@ -144,7 +148,10 @@ fn count(raw: &raw::Grains, model: &Model) -> Result<usize, Fault> {
             Err(Fault::new("grains.count", message))
         }
         (None, Some(fraction)) => match model.count(fraction)? {
-            0 => Err(Fault::new("grains.solid_fraction", format!("is {fraction}, which is less than one grain"))),
+            0 => Err(Fault::new(
+                "grains.solid_fraction",
+                format!("is {}, which is less than one grain", Number(fraction)),
+            )),
             count => Ok(count),
         },
         (None, None) => Err(Fault::new("grains", "has neither count nor solid_fraction; set one of them")),

@@ -3,6 +3,7 @@
 mod raw;
 
 use super::error::Fault;
+use domain::Number;
 use drivers::continuum::{Grains, Parameters, Problem, RadialDistribution, Roughness, Start, Wall, WallShape};
 pub(super) use raw::Raw;
 use std::path::PathBuf;
@@ -63,7 +64,8 @@ fn wall(raw: &Raw) -> Result<Wall, Fault> {
     let walls = &raw.walls;
     let degrees = walls.theta.unwrap_or(90.0);
     if !(degrees > 0.0 && degrees <= 90.0) {
-        return Err(Fault::new("walls.theta", format!("is {degrees}; it needs 0 < theta <= 90 (degrees)")));
+        let message = format!("is {}; it needs 0 < theta <= 90 (degrees)", Number(degrees));
+        return Err(Fault::new("walls.theta", message));
     }
     let shape = match walls.shape {
         raw::Shape::Disk => WallShape::Disk,

@@ -8,7 +8,7 @@ use super::checks::{self, positive, vector};
 use super::course::{Output, Time, share};
 use super::error::Fault;
 use crate::Schedule;
-use domain::{PeriodicBox, Vector};
+use domain::{Number, PeriodicBox, Vector};
 pub use particles::{Lattice, Species, Start};
 pub use raw::{Evaluation, Multipoles};
 pub use statistics::{Axis, Statistics};
@@ -58,7 +58,7 @@ pub enum Flow {
     Shear {
         /// One over time.
         rate: f64,
-        /// Whether the box shears with the flow.
+        /// Whether the box shears with the flow, so that images of spheres move with it.
         lees_edwards: bool,
     },
 }
@@ -177,7 +177,7 @@ fn flow(raw: Option<&raw::Flow>, cell: &PeriodicBox) -> Result<Flow, Fault> {
         (raw::FlowKind::Shear, Some(rate)) => {
             checks::finite("flow.rate", rate)?;
             debug_assert!(cell.strain() == 0.0, "a run starts in a straight box");
-            Ok(Flow::Shear { rate, lees_edwards: raw.lees_edwards })
+            Ok(Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) })
         }
     }
 }
@@ -186,9 +186,9 @@ fn flow(raw: Option<&raw::Flow>, cell: &PeriodicBox) -> Result<Flow, Fault> {
 fn in_flow(flow: Flow, hydrodynamics: &raw::Hydrodynamics) -> Result<Flow, Fault> {
     match flow {
         Flow::Shear { lees_edwards: false, .. } if hydrodynamics.lubrication => {
-            let message = "is true, but the box of flow.kind = \"shear\" stays straight, and spheres on either side of its y \
-                           boundary would rub against images that do not move with the flow; set flow.lees_edwards = true, \
-                           or lubrication = false";
+            let message = "is true, but with flow.lees_edwards = false the box stays straight, and spheres on either side of \
+                           its y boundary would rub against images that do not move with the flow; set \
+                           flow.lees_edwards = true, or lubrication = false";
             Err(Fault::new("hydrodynamics.lubrication", message))
         }
         flow => Ok(flow),
@@ -197,10 +197,11 @@ fn in_flow(flow: Flow, hydrodynamics: &raw::Hydrodynamics) -> Result<Flow, Fault
 
 fn repulsion(raw: &raw::Repulsion) -> Result<Repulsion, Fault> {
     if raw.strength < 0.0 || !raw.strength.is_finite() {
-        let message = format!("is {}; the force at contact needs to be 0 or more", raw.strength);
+        let message = format!("is {}; the force at contact needs to be 0 or more", Number(raw.strength));
         return Err(Fault::new("repulsion.strength", message));
     }
     if let Some(range) = raw.range.filter(|r| !(*r > 0.0 && *r <= 1.0)) {
+        let range = Number(range);
         let message = format!("is {range}; the gap where the barrier starts needs 0 < range <= 1, in mean radii");
         return Err(Fault::new("repulsion.range", message));
     }
@@ -268,7 +269,8 @@ fn lubrication(raw: &raw::Hydrodynamics) -> Result<(), Fault> {
         }
         Some(cutoff) if !(cutoff > 1e-3 && cutoff <= 8.0) => {
             let message = format!(
-                "is {cutoff}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in radii of a pair's larger sphere"
+                "is {}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in radii of a pair's larger sphere",
+                Number(cutoff)
             );
             Err(Fault::new("hydrodynamics.lubrication_cutoff", message))
         }

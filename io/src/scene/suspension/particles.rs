@@ -2,7 +2,7 @@
 
 use super::super::checks::{DENSEST, finite, positive, vector, volume};
 use super::{Fault, raw};
-use domain::{PeriodicBox, Vector};
+use domain::{Number, PeriodicBox, Vector};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -72,7 +72,8 @@ pub(super) fn species(raw: &raw::Raw, cell: &PeriodicBox) -> Result<Vec<Species>
     let filled: f64 = species.iter().map(|s| s.count.unwrap_or(0) as f64 * volume(s.radius)).sum();
     let fraction = filled / cell.volume();
     if fraction >= DENSEST {
-        let message = format!("fill {fraction:.3} of the box together; spheres need less than {DENSEST}");
+        let filled = Number(fraction);
+        let message = format!("fill {filled:.3} of the box together; spheres need less than {DENSEST}");
         return Err(Fault::new("species", message));
     }
     Ok(species)
@@ -84,6 +85,7 @@ fn one_species(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Speci
     let radius = positive(&key("radius"), one.radius)?;
     let shortest = cell.edges().min_element();
     if 2.0 * radius >= shortest {
+        let (radius, shortest) = (Number(radius), Number(shortest));
         let message =
             format!("is {radius}; a sphere needs to be smaller than the box, whose shortest edge is {shortest}");
         return Err(Fault::new(key("radius"), message));
@@ -113,7 +115,7 @@ fn count(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Option<u64>
         (Some(0), None) => fault(".count", "is 0; a species needs at least one sphere".into()),
         (Some(count), None) => Ok(Some(count)),
         (None, Some(fraction)) if !(fraction > 0.0 && fraction < DENSEST) => {
-            let message = format!("is {fraction}; spheres need 0 < volume_fraction < {DENSEST}");
+            let message = format!("is {}; spheres need 0 < volume_fraction < {DENSEST}", Number(fraction));
             fault(".volume_fraction", message)
         }
         (None, Some(fraction)) => {
@@ -123,7 +125,7 @@ fn count(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Option<u64>
             }
             fault(
                 ".volume_fraction",
-                format!("is {fraction}, which is less than one sphere in this box; set count instead"),
+                format!("is {}, which is less than one sphere in this box; set count instead", Number(fraction)),
             )
         }
     }
@@ -159,7 +161,7 @@ pub(super) fn start(raw: &raw::Particles, species: &[Species], folder: &Path) ->
 }
 
 fn gap(gap: f64) -> Result<f64, Fault> {
-    let fault = || Fault::new("particles.minimum_gap", format!("is {gap}; it needs to be 0 or more"));
+    let fault = || Fault::new("particles.minimum_gap", format!("is {}; it needs to be 0 or more", Number(gap)));
     if gap >= 0.0 && gap.is_finite() { Ok(gap) } else { Err(fault()) }
 }
 

@@ -86,8 +86,7 @@ pub(super) enum Initial {
 pub(super) struct Flow {
     pub(super) kind: FlowKind,
     pub(super) rate: Option<f64>,
-    #[serde(default)]
-    pub(super) lees_edwards: bool,
+    pub(super) lees_edwards: Option<bool>,
 }
 
 #[derive(Deserialize, Clone, Copy)]

@@ -3,7 +3,7 @@
 use super::checks::{finite, positive};
 use super::{Fault, raw};
 use crate::Schedule;
-use domain::PeriodicBox;
+use domain::{Number, PeriodicBox};
 use serde::Deserialize;
 
 /// What is averaged in the course of a run, and when.
@@ -45,6 +45,7 @@ impl Statistics {
         };
         let shortest = cell.edges().min_element();
         if let Some(distance) = raw.distance.filter(|&d| d > shortest) {
+            let (distance, shortest) = (Number(distance), Number(shortest));
             let message = format!("is {distance}; pairs are told apart up to the box's shortest edge, {shortest}");
             return Err(Fault::new("statistics.distance", message));
         }

@@ -1,0 +1,30 @@
+//! Lengths between surfaces, for messages.
+
+use domain::Number;
+use std::fmt::{Display, Formatter};
+
+/// A gap or an overlap: by itself it says little in units that are not known, so that it is shown in radii too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// The length.
+    pub length: f64,
+    /// The smallest radius.
+    pub radius: f64,
+}
+
+impl Display for Gap {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.3} ({:.3} of the smallest radius)", Number(self.length), Number(self.length / self.radius))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_gaps_are_shown_in_radii_too() {
+        let gap = Gap { length: 5.2e-8, radius: 5e-6 };
+        assert_eq!(gap.to_string(), "5.2e-8 (0.0104 of the smallest radius)");
+    }
+}
