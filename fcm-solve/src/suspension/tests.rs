@@ -99,7 +99,11 @@ fn what_cannot_start_says_why() {
     };
     let two = "species=[{ radius = 1.0, count = 2 }]";
     let overlap = start(&[two, "particles={ initial = 'positions', positions = [[1, 1, 1], [1, 1, 2.5]] }"]);
-    assert!(overlap[0].contains("two spheres overlap at the start, by 5.000e-1"), "{}", overlap[0]);
+    assert!(
+        overlap[0].contains("two spheres overlap at the start, by 0.5 (0.5 of the smallest radius)"),
+        "{}",
+        overlap[0]
+    );
     assert_eq!(overlap[0], overlap[1], "every rank knows");
     let missing = start(&["particles={ initial = 'file', path = 'nowhere.csv' }"]);
     assert!(missing[1].contains("can't read nowhere.csv"), "{}", missing[1]);
@@ -193,7 +197,8 @@ fn spheres_that_overlap_are_named_where_no_flow_is_found() {
     let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
     let Suspension { dynamics, mut particles, .. } = Suspension::start(scene, &Comm::alone()).unwrap();
     let because = "step 7: the motion of the particles is not finite";
-    for (distance, said) in [(3.5, because), (1.5, "step 7: spheres overlap by 5.0e-1, and")] {
+    for (distance, said) in [(3.5, because), (1.5, "step 7: spheres overlap by 0.5 (0.5 of the smallest radius), and")]
+    {
         particles.positions[1] = particles.positions[0] + Vector::X * distance;
         let error = anyhow::Error::from(dynamics.unsolved(fcm::SolveError::NotFinite, &mut particles, 7));
         assert!(format!("{error:#}").starts_with(said), "{error:#}");
