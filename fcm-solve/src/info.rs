@@ -1,9 +1,10 @@
 //! `fcm-solve info`: what a result file holds.
 
-use anyhow::ensure;
+use crate::run::in_full;
+use anyhow::{anyhow, ensure};
 use domain::Comm;
 use io::Contents;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which file.
 #[derive(clap::Args)]
@@ -17,8 +18,8 @@ pub struct Args {
 
 /// Describes the file.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let contents = if comm.is_first() { Contents::read(&args.file).map(Some) } else { Ok(None) };
-    if let Some(contents) = comm.agree(contents)? {
+    let contents = if comm.is_first() { read(&args.file).map(Some) } else { Ok(None) };
+    if let Some(contents) = comm.agree(contents.map_err(|e| in_full(&e)))? {
         if args.scene {
             print!("{}", contents.scene);
         } else {
@@ -32,4 +33,14 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
         );
     }
     Ok(())
+}
+
+fn read(path: &Path) -> anyhow::Result<Contents> {
+    let is_scene = path.is_file() && path.extension().is_some_and(|extension| extension == "toml");
+    Contents::read(path).map_err(|error| match (is_scene, path.display()) {
+        (true, name) => {
+            anyhow!("{name} is a scene, not a file of results; to see what it computes: fcm-solve check {name}")
+        }
+        (false, _) => error.into(),
+    })
 }

@@ -15,6 +15,7 @@ mod machine;
 mod march;
 mod mobility;
 mod new;
+mod number;
 mod output;
 mod progress;
 mod resume;

@@ -2,26 +2,27 @@
 
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
 use crate::machine;
+use crate::number::tolerance;
 use anyhow::Context;
 use domain::{Comm, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, Problem};
 use io::{Answer, Case, Terms};
 use lubrication::Range;
 use solver::BackgroundFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What to evaluate.
 #[derive(clap::Args)]
 #[command(after_help = NAMES)]
 pub struct Args {
-    /// The case: JSON, or HDF5 with the same names if it ends in .h5 or .hdf5
+    /// The case: JSON, or HDF5 with the same names if it ends in .h5 or .hdf5; - reads JSON from the standard input
     case: PathBuf,
     /// Where the answer goes, HDF5 if it ends in .h5 or .hdf5, else JSON [default: the standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Relative error allowed, from 1e-12 to 0.5
-    #[arg(long, value_name = "T", default_value_t = 1e-3)]
+    #[arg(long, value_name = "T", default_value = "1e-3", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
 }
 
@@ -54,7 +55,7 @@ mod column {
 
 /// Evaluates the case. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let read = if comm.is_first() { Case::read(&args.case).map(Some) } else { Ok(None) };
+    let read = if comm.is_first() { read(&args.case).map(Some) } else { Ok(None) };
     let read = comm.agree(read)?;
     let case = Case::from_json(&comm.broadcast_text(&read.map_or_else(String::new, |case| case.to_json())));
     let cell = PeriodicBox::sheared(Vector::from_array(case.edges), case.strain)?;
@@ -73,6 +74,15 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let written = if comm.is_first() { write(args, &answer(all, &solved, &case, &plan, seconds)) } else { Ok(()) };
     comm.agree(written)?;
     Ok(())
+}
+
+fn read(path: &Path) -> Result<Case, io::FileError> {
+    if path != Path::new("-") {
+        return Case::read(path);
+    }
+    let name = Path::new("the standard input");
+    let unreadable = |error: std::io::Error| io::FileError::Read { path: name.to_owned(), reason: error.to_string() };
+    Case::parse(&std::io::read_to_string(std::io::stdin()).map_err(unreadable)?, name)
 }
 
 fn problem(case: &Case, cell: &PeriodicBox, (tolerance, costs): (f64, Costs)) -> Problem {

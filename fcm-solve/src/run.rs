@@ -86,7 +86,7 @@ fn read_here(path: &Path, overrides: &[String]) -> Result<Scene, io::SceneError>
     }
     let name = "standard input";
     let text = std::io::read_to_string(std::io::stdin());
-    let text = text.map_err(|source| io::SceneError::Unreadable { name: name.to_owned(), source })?;
+    let text = text.map_err(|reason| io::SceneError::Unreadable { name: name.to_owned(), reason })?;
     Scene::parse(&text, name, overrides)
 }
 

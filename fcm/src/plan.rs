@@ -40,10 +40,17 @@ pub enum PlanError {
     Tolerance(f64),
     /// A fixed grid that can't be transformed.
     #[error("hydrodynamics.grid: {0}")]
-    Grid(#[from] solver::GridError),
+    Grid(solver::GridError),
     /// Fixed choices that contradict each other.
     #[error("{0}")]
     Fixed(String),
+}
+
+/// Not as a source of the error: its message holds that of the grid already.
+impl From<solver::GridError> for PlanError {
+    fn from(error: solver::GridError) -> Self {
+        Self::Grid(error)
+    }
 }
 
 /// How an evaluation is made.

@@ -114,15 +114,22 @@ pub struct Answer {
 impl Case {
     /// Reads a case and checks it. Files whose name ends in `.h5` or `.hdf5` are HDF5, all others JSON.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let case = if is_hdf5(path) {
-            let contents = File::open(path).and_then(|file| contents(&file));
-            serde_json::from_value(contents.map_err(|e| FileError::read(path, &e))?)
-        } else {
+        if !is_hdf5(path) {
             let text = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
-            serde_json::from_str(&text)
-        };
-        let case: Self = case.map_err(|e| FileError::read(path, &e))?;
-        case.check().map_err(|reason| FileError::read(path, &reason))?;
+            return Self::parse(&text, path);
+        }
+        let contents = File::open(path).and_then(|file| contents(&file, true));
+        Self::checked(serde_json::from_value(contents.map_err(|e| FileError::read(path, &e))?), path)
+    }
+
+    /// Checks a case in JSON; `name` is what messages call it.
+    pub fn parse(text: &str, name: &Path) -> Result<Self, FileError> {
+        Self::checked(serde_json::from_str(text), name)
+    }
+
+    fn checked(case: serde_json::Result<Self>, name: &Path) -> Result<Self, FileError> {
+        let case = case.map_err(|e| FileError::read(name, &e))?;
+        case.check().map_err(|reason| FileError::read(name, &reason))?;
         Ok(case)
     }
 
@@ -246,23 +253,25 @@ fn is_hdf5(path: &Path) -> bool {
     path.extension().is_some_and(|e| e == "h5" || e == "hdf5")
 }
 
-/// The datasets, attributes and groups of a group as a JSON object.
-fn contents(group: &Group) -> hdf5::Result<Value> {
+/// The datasets and attributes of a group as a JSON object, and its groups, with what they hold if that `counts`: a case
+/// has groups without groups, and links may lead back.
+fn contents(group: &Group, counts: bool) -> hdf5::Result<Value> {
     let mut object = Map::new();
     for name in group.attr_names()? {
-        object.insert(name.clone(), value(&*group.attr(&name)?)?);
+        object.insert(name.clone(), value(&name, &*group.attr(&name)?)?);
     }
     for name in group.member_names()? {
         let value = match group.dataset(&name) {
-            Ok(dataset) => value(&dataset)?,
-            Err(_) => contents(&group.group(&name)?)?,
+            Ok(dataset) => value(&name, &dataset)?,
+            Err(_) if counts => contents(&group.group(&name)?, false)?,
+            Err(_) => json!({}),
         };
         object.insert(name, value);
     }
     Ok(Value::Object(object))
 }
 
-fn value(container: &Container) -> hdf5::Result<Value> {
+fn value(name: &str, container: &Container) -> hdf5::Result<Value> {
     match container.dtype()?.to_descriptor()? {
         TypeDescriptor::Boolean => return Ok(json!(container.read_scalar::<bool>()?)),
         TypeDescriptor::VarLenUnicode => return Ok(json!(container.read_scalar::<VarLenUnicode>()?.as_str())),
@@ -270,6 +279,10 @@ fn value(container: &Container) -> hdf5::Result<Value> {
         _ => {}
     }
     let numbers = container.read_dyn::<f64>()?;
+    if let Some(wrong) = numbers.iter().find(|number| !number.is_finite()) {
+        // JSON has no such numbers; without this they would count as absent.
+        return Err(format!("{name} contains {wrong}; every number needs to be finite").into());
+    }
     Ok(nested(&numbers.view()))
 }
 
@@ -289,6 +302,40 @@ mod tests {
         let path = folder.path().join("case.json");
         std::fs::write(&path, text).unwrap();
         Case::read(&path).map_err(|e| e.to_string().replace(&path.display().to_string(), "case.json"))
+    }
+
+    fn hdf5_case(write: impl FnOnce(&File)) -> Result<Case, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("case.h5");
+        let file = File::create(&path).unwrap();
+        file.new_dataset_builder().with_data(&[4.0, 5.0, 6.0]).create("box").unwrap();
+        file.new_dataset_builder().with_data(&ndarray::array![[1.0, 2.0, 3.0]]).create("positions").unwrap();
+        for (name, number) in [("viscosity", 2.0), ("radii", 0.5)] {
+            file.new_dataset::<f64>().create(name).unwrap().write_scalar(&number).unwrap();
+        }
+        write(&file);
+        drop(file);
+        Case::read(&path).map_err(|e| e.to_string().replace(&path.display().to_string(), "case.h5"))
+    }
+
+    #[test]
+    fn numbers_in_hdf5_that_are_none_are_refused_by_name() {
+        for wrong in [f64::NAN, f64::INFINITY] {
+            let error = hdf5_case(|file| {
+                file.new_dataset::<f64>().create("lubrication_cutoff").unwrap().write_scalar(&wrong).unwrap();
+            });
+            let expected =
+                format!("can't read case.h5: lubrication_cutoff contains {wrong}; every number needs to be finite");
+            assert_eq!(error.unwrap_err(), expected);
+        }
+    }
+
+    #[test]
+    fn links_that_lead_back_end() {
+        for name in ["loop", "background"] {
+            let error = hdf5_case(|file| file.link_hard("/", name).unwrap()).unwrap_err();
+            assert!(error.contains("unknown field"), "{error}");
+        }
     }
 
     #[test]

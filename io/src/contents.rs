@@ -3,8 +3,9 @@
 use crate::frames::Sums;
 use crate::{FileError, checksum, text};
 use domain::Number;
-use hdf5::{Dataset, File, Group};
+use hdf5::{Dataset, File, Group, LocationInfo, LocationToken};
 use std::fmt::{Display, Formatter};
+use std::io::Read;
 use std::path::Path;
 
 /// What an HDF5 file of a run holds.
@@ -44,6 +45,9 @@ impl Contents {
         if !path.is_file() {
             return Err(FileError::read(path, &"there is no such file"));
         }
+        if !starts_as_hdf5(path).map_err(|e| FileError::read(path, &e))? {
+            return Err(FileError::read(path, &"it is no HDF5 file; results have names such as trajectory.h5"));
+        }
         let file = File::open(path).map_err(|e| FileError::damaged(path, &e))?;
         if !file.link_exists("parameters") {
             return Err(FileError::read(
@@ -65,7 +69,7 @@ impl Contents {
             datasets: Vec::new(),
             damage: Vec::new(),
         };
-        contents.walk(&file.as_group()?)?;
+        contents.walk(&file.as_group()?, &mut Vec::new())?;
         let frames = contents.frames.map_or(0, |frames| frames.count);
         if let Some(sums) = Sums::open(file)? {
             contents.damage.extend((0..frames).filter_map(|frame| Some(sums.damage(frame)?.to_string())));
@@ -73,7 +77,13 @@ impl Contents {
         Ok(contents)
     }
 
-    fn walk(&mut self, group: &Group) -> hdf5::Result<()> {
+    /// Adds what a group holds, once: links may lead back to groups that were seen.
+    fn walk(&mut self, group: &Group, seen: &mut Vec<(u64, LocationToken)>) -> hdf5::Result<()> {
+        let LocationInfo { fileno, token, .. } = group.loc_info()?;
+        if seen.contains(&(fileno, token)) {
+            return Ok(());
+        }
+        seen.push((fileno, token));
         for dataset in group.datasets()? {
             let name = dataset.name();
             if name.ends_with("/step") && self.frames.is_none() {
@@ -84,9 +94,18 @@ impl Contents {
             }
             self.damage.extend(checksum::verify(&dataset).err().map(|e| e.to_string()));
         }
-        group.groups()?.iter().try_for_each(|group| self.walk(group))
+        group.groups()?.iter().try_for_each(|group| self.walk(group, seen))
     }
 }
+
+/// Whether a file begins with the signature of HDF5.
+fn starts_as_hdf5(path: &Path) -> std::io::Result<bool> {
+    let mut start = Vec::new();
+    std::fs::File::open(path)?.take(SIGNATURE.len() as u64).read_to_end(&mut start)?;
+    Ok(start == SIGNATURE)
+}
+
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     let times_name = times.name();

@@ -4,6 +4,7 @@ mod measure;
 mod spheres;
 
 use crate::machine;
+use crate::number::{fraction, ratio, tolerance};
 use clap::ValueEnum;
 use domain::Comm;
 use fcm::{Costs, Fixed, MethodName};
@@ -17,22 +18,22 @@ pub use spheres::Spheres;
 #[command(after_help = LINE)]
 pub struct Args {
     /// Numbers of spheres
-    #[arg(long, value_delimiter = ',', default_value = "3200", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_delimiter = ',', default_value = "3200", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     particles: Vec<u32>,
     /// Their volume fractions
-    #[arg(long, value_delimiter = ',', default_value = "0.12", value_parser = fraction)]
+    #[arg(long, value_delimiter = ',', default_value = "0.12", value_parser = fraction, allow_negative_numbers = true)]
     volume_fraction: Vec<f64>,
     /// Radius of every second sphere; the others have the radius 1
-    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = ratio)]
+    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = ratio, allow_negative_numbers = true)]
     size_ratio: Vec<f64>,
     /// Relative errors allowed
-    #[arg(long, value_delimiter = ',', default_value = "1e-3")]
+    #[arg(long, value_delimiter = ',', default_value = "1e-3", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Vec<f64>,
     /// How envelopes are evaluated
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     method: Choice,
     /// Grid points along each edge [default: what the tolerance needs]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     grid: Option<usize>,
     /// Forces alone: no torque, no stresslet
     #[arg(long)]
@@ -41,7 +42,7 @@ pub struct Args {
     #[arg(long, conflicts_with = "monopoles")]
     stresslets: bool,
     /// Evaluations, each at new positions, after one that is not counted
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     repeats: u32,
     /// Do not evaluate a second time, much tighter, to measure the error
     #[arg(long)]
@@ -66,16 +67,6 @@ enum Choice {
     Direct,
     /// One common Gaussian on the grid, pairs for the rest
     Split,
-}
-
-fn fraction(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if value > 0.0 && value <= 0.5 { Ok(value) } else { Err("needs to be above 0 and at most 0.5".to_owned()) }
-}
-
-fn ratio(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.05..=20.0).contains(&value) { Ok(value) } else { Err("needs to be between 0.05 and 20".to_owned()) }
 }
 
 /// One combination of the lists.

@@ -7,12 +7,12 @@ use super::places::{Places, line};
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The file can't be read.
-    #[error("can't read the scene {name}: {source}")]
+    #[error("can't read the scene {name}: {reason}")]
     Unreadable {
         /// The file.
         name: String,
         /// Why not.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
     /// A key is wrong.
     #[error("{}: {message}", place(.name, *.line))]

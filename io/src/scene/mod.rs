@@ -55,7 +55,7 @@ impl Scene {
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
         let name = path.display().to_string();
         let text =
-            std::fs::read_to_string(path).map_err(|source| SceneError::Unreadable { name: name.clone(), source })?;
+            std::fs::read_to_string(path).map_err(|reason| SceneError::Unreadable { name: name.clone(), reason })?;
         Self::parse(&text, &name, overrides)
     }
 
