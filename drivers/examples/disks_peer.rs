@@ -35,7 +35,7 @@ fn main() -> Outcome {
 /// Writes a prepared system in the form of LAMMPS's `read_data`, the origin at the centre.
 fn start(seed: u64, file: &str) -> Outcome {
     let model = Model::new(Parameters { seed, ..Parameters::default() })?;
-    let (particles, _) = Disks::prepared(&model).store();
+    let (particles, _) = Disks::prepared(&model)?.store();
     let mut text = format!("disks, seed {seed}\n\n{} atoms\n2 atom types\n\n", particles.len());
     text += "-50 50 xlo xhi\n-50 50 ylo yhi\n-0.5 0.5 zlo zhi\n0 0 0 xy xz yz\n\nAtoms # sphere\n\n";
     for row in 0..particles.len() {
@@ -129,7 +129,7 @@ fn compare(one: &str, other: &str) -> Outcome {
 fn speed(edge: f64, steps: u64) -> Outcome {
     let mut parameters = Parameters { edges: [edge; 2], ..Parameters::default() };
     parameters.preparation.mixed = parameters.preparation.settled;
-    let mut disks = Disks::prepared(&Model::new(parameters)?);
+    let mut disks = Disks::prepared(&Model::new(parameters)?)?;
     disks.advance(steps);
     let (cpu, clock) = (cpu_seconds()?, Instant::now());
     disks.advance(steps);

@@ -2,6 +2,7 @@
 
 pub mod continuum;
 pub mod disks;
+mod fraction;
 mod parameter;
 pub mod shear_cell;
 mod widest;

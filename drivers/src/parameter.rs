@@ -78,6 +78,13 @@ pub(crate) fn require(
     if holds { Ok(()) } else { Err(ParameterError { key, found: found.shown(), allowed: allowed.into() }) }
 }
 
+/// Passes 0 and numbers whose size is between `10^-power` and `10^power`: beyond, products of them would leave the range
+/// of numbers. Units from 1e-30 to 1e30 make no others of what can be measured.
+pub(crate) fn of_sensible_size(key: &'static str, found: f64, power: i32) -> Result<(), ParameterError> {
+    let sensible = found == 0.0 || (found.abs().log10()).abs() <= f64::from(power);
+    require(sensible, key, &found, format!("a size from 1e-{power} to 1e{power}: take another unit"))
+}
+
 /// Passes a positive, finite number.
 pub(crate) fn positive(key: &'static str, found: f64) -> Result<(), ParameterError> {
     require(found > 0.0 && found.is_finite(), key, &found, "a positive, finite number")

@@ -110,7 +110,7 @@ fn drag_pulls_toward_the_parabola() {
 fn gas(seed: u64) -> Disks {
     let parameters = Parameters { edges: [50.0; 2], seed, ..dry() };
     let model = Model::new(Parameters { restitution: 1.0, ..parameters.clone() }).unwrap();
-    let (mut particles, _) = Disks::prepared(&model).store();
+    let (mut particles, _) = Disks::prepared(&model).unwrap().store();
     for (id, v) in particles.vectors("velocity").iter_mut().enumerate() {
         let t = id as f64;
         *v = Vector::new((t * 12.9898).sin(), (t * 78.233).sin(), 0.0) * 0.1;
@@ -137,7 +137,7 @@ fn elastic_disks_keep_energy_and_momentum() {
 #[test]
 fn work_and_losses_balance_in_the_flow() {
     let parameters = Parameters { edges: [50.0; 2], measure_every: 1, ..Parameters::default() };
-    let mut disks = Disks::prepared(&Model::new(parameters).unwrap());
+    let mut disks = Disks::prepared(&Model::new(parameters).unwrap()).unwrap();
     disks.advance(3000);
     disks.restart_tally();
     disks.advance(13334);
@@ -167,7 +167,7 @@ fn other_sizes_and_flows_run() {
         [(spread, Flow::Shear { rate: -0.02 }), (Sizes::monodisperse(), Flow::Poiseuille { peak: 0.3 })]
     {
         let parameters = Parameters { edges: [30.0; 2], sizes, flow, measure_every: 1, ..Parameters::default() };
-        let mut disks = Disks::prepared(&Model::new(parameters).unwrap());
+        let mut disks = Disks::prepared(&Model::new(parameters).unwrap()).unwrap();
         disks.advance(2000);
         assert!(disks.tally().imbalance().abs() < 5e-3, "{}", disks.tally().imbalance());
         assert!(disks.tally().input > 0.0);

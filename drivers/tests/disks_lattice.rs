@@ -5,7 +5,7 @@ use drivers::disks::{Disks, Flow, Model, Parameters, Progress, Stage};
 
 fn sheared(edges: [f64; 2], rate: f64) -> Disks {
     let flow = Flow::Shear { rate };
-    Disks::prepared(&Model::new(Parameters { edges, flow, ..Parameters::default() }).unwrap())
+    Disks::prepared(&Model::new(Parameters { edges, flow, ..Parameters::default() }).unwrap()).unwrap()
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn a_preparation_can_be_resumed_too() {
         disks.enter_next_stage();
     }
     assert!(through.stage() == Stage::Flow && through.store().0 == resumed.store().0);
-    assert!(through.store().0 == Disks::prepared(&model).store().0);
+    assert!(through.store().0 == Disks::prepared(&model).unwrap().store().0);
 }
 
 /// The same disks seen from another cell of the same lattice: the origin moved by `up`, and with it the liquid's zero.

@@ -17,6 +17,7 @@ mod mobility;
 mod new;
 mod number;
 mod output;
+mod preparing;
 mod progress;
 mod resume;
 mod run;

@@ -1,7 +1,7 @@
 //! The input of the boundary value problem, checked.
 
 use super::{Grains, RadialDistribution, Roughness, Wall, WallShape, wall::Bumps};
-use crate::parameter::{ParameterError, positive, require};
+use crate::parameter::{ParameterError, of_sensible_size, positive, require};
 use std::f64::consts::FRAC_PI_2;
 
 /// Which of several solutions to look for.
@@ -82,6 +82,15 @@ impl Problem {
         for (key, r) in [("walls.r6", r6), ("walls.r7", r7), ("walls.r8", r8)] {
             require((0.0..=1.0).contains(&r), key, &r, "a factor from 0 (smooth) to 1 (rough)")?;
         }
+        let sizes = [
+            ("cell.gap", gap, 40),
+            ("grains.diameter", grains.diameter, 40),
+            ("walls.diameter", wall.diameter, 40),
+            ("cell.speeds", speed, 70),
+            ("grains.density", grains.density, 130),
+            ("cell.pressures", pressure, 130),
+        ];
+        sizes.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))?;
         if let Start::SolidFraction(v) = start {
             let packed = grains.radial.packed();
             require(v > 0.0 && v < packed, "start", &v, format!("0 < solid fraction < {packed}"))?;

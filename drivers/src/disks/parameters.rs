@@ -133,6 +133,8 @@ impl Model {
         require(settled >= 0.0 && settled.is_finite(), "preparation.settled", &settled, "a time, not negative")?;
         let ordered = mixed >= settled && mixed.is_finite();
         require(ordered, "preparation.mixed", &mixed, "a time that is not before preparation.settled")?;
+        let countable = mixed / p.preparation.time_step < MOST_STEPS;
+        require(countable, "preparation.mixed", &mixed, format!("less than {} steps", Number(MOST_STEPS)))?;
         require(p.measure_every > 0, "output.measure_every", &p.measure_every, "at least one step")?;
         let radii = || sizes.iter().map(|s| s.radius);
         let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
@@ -248,6 +250,9 @@ impl Model {
         }
     }
 }
+
+/// Steps of a preparation.
+const MOST_STEPS: f64 = 1e12;
 
 fn check_restitution(key: &'static str, found: f64) -> Result<(), ParameterError> {
     require(found > 0.0 && found <= 1.0, key, &found, "0 < restitution <= 1")

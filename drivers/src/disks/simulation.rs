@@ -5,7 +5,7 @@ use super::list::List;
 use super::motion::Task;
 use super::state::State;
 use super::{Measurement, Model, Stage, Tally};
-use crate::parameter::ParameterError;
+use crate::parameter::{ParameterError, require};
 use domain::{Particles, PeriodicBox, Random};
 use glam::DVec2;
 
@@ -19,7 +19,12 @@ pub struct Disks {
     pub(super) state: State,
     pub(super) list: List,
     pub(super) tally: Tally,
+    /// Whether a disk has left the liquid by more than half the cell in one go.
+    pub(super) lost: bool,
 }
+
+/// Disks that are moved by one call while they are made ready, times steps: a moment.
+const MOMENT: u64 = 1_000_000;
 
 impl Disks {
     /// The model's disks at random places, overlapping, at rest.
@@ -35,13 +40,39 @@ impl Disks {
     }
 
     /// A random start that has been through settling and mixing, at rest in the flow.
-    pub fn prepared(model: &Model) -> Self {
+    pub fn prepared(model: &Model) -> Result<Self, ParameterError> {
+        Self::prepare_and_tell(model, &mut |_| {})
+    }
+
+    /// The same; `tell` hears now and then which part of the steps is done.
+    pub fn prepare_and_tell(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
-        while disks.stage != Stage::Flow {
-            disks.advance(disks.left().unwrap_or(0));
-            disks.enter_next_stage();
+        let moment = (MOMENT / disks.state.len() as u64).max(1);
+        let all: u64 = [Stage::Settle, Stage::Mix].iter().filter_map(|&stage| model.law(stage).steps).sum();
+        let mut done = 0;
+        while let Some(left) = disks.left() {
+            if left == 0 {
+                disks.enter_next_stage();
+                continue;
+            }
+            let steps = left.min(moment);
+            disks.advance(steps);
+            disks.check()?;
+            done += steps;
+            tell(done as f64 / all as f64);
         }
-        disks
+        Ok(disks)
+    }
+
+    /// Refuses disks that have flown off, as they do where the contacts are unstable.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let key = if self.stage == Stage::Flow { "time.step" } else { "preparation.time_step" };
+        let allowed = format!(
+            "to be shorter, an integrator that bears it (\"gear-four\"), or a start without deep overlaps: disks flew off \
+             at step {}",
+            self.step
+        );
+        require(!self.lost, key, &self.law.dt, allowed)
     }
 
     /// The disks of a store in the flow. Without a column `velocity` they move with the liquid.
@@ -61,7 +92,7 @@ impl Disks {
     fn begin(model: Model, stage: Stage, mut state: State) -> Self {
         let law = model.law(stage);
         let list = List::make(&mut state, &model, &law, 0, None);
-        let mut disks = Self { model, stage, law, step: 0, state, list, tally: Tally::default() };
+        let mut disks = Self { model, stage, law, step: 0, state, list, tally: Tally::default(), lost: false };
         let contact = disks.list.push_apart(&mut disks.state, &law, 0, true);
         let motion = disks.state.measure(&law);
         disks.state.start(&law, |radius| disks.model.mass(radius));
@@ -89,10 +120,15 @@ impl Disks {
         if steps == 0 {
             return;
         }
-        let first = self.step + 1;
+        let [length, height] = self.model.parameters().edges;
+        let (first, farthest) = (self.step + 1, 0.25 * length.min(height).powi(2));
         let mut drift = self.state.advance(&self.law, Task::Predict, first - self.list.born, false).drift_squared;
         for left in (0..steps).rev() {
             self.step += 1;
+            if drift > farthest {
+                self.lost = true;
+                return;
+            }
             if self.list.is_stale(&self.law, self.step, drift.sqrt()) {
                 self.list = List::make(&mut self.state, &self.model, &self.law, self.step, Some(&self.list));
             }
@@ -105,6 +141,7 @@ impl Disks {
                 *total += begun;
             }
             if measure {
+                self.lost |= !motion.kinetic.is_finite();
                 self.tally.add(self.measurement(&motion, &contact));
             }
         }

@@ -1,5 +1,6 @@
 //! How big the disks are.
 
+use crate::fraction::ratio;
 use crate::parameter::{ParameterError, positive, require};
 
 /// Disks of one radius.
@@ -81,13 +82,24 @@ impl Sizes {
         }
     }
 
+    /// The same with the smallest radius 1, so that what follows does not depend on the unit of the radii.
+    fn relative(&self) -> Self {
+        match self {
+            Self::Species(list) => {
+                let smallest = list.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
+                Self::Species(list.iter().map(|s| Species { radius: ratio(s.radius, smallest), ..*s }).collect())
+            }
+            &Self::Spread { smallest, largest, exponent } => {
+                Self::Spread { smallest: 1.0, largest: ratio(largest, smallest), exponent }
+            }
+        }
+    }
+
     /// The disks that cover an area as nearly as whole numbers can. Species other than the most frequent one are as
     /// many as their shares say; the most frequent one fills what is left.
     pub(super) fn cover(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
-        let list = match self {
-            Self::Species(list) => list.clone(),
-            Self::Spread { .. } => return self.cover_by_spread(area, unit),
-        };
+        let relative = self.relative();
+        let Self::Species(list) = &relative else { return relative.cover_by_spread(area, unit) };
         let shares: f64 = list.iter().map(|s| s.share).sum();
         let length = match unit {
             LengthUnit::Mean => list.iter().map(|s| s.share * s.radius).sum::<f64>() / shares,

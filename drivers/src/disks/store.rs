@@ -51,7 +51,7 @@ impl Disks {
         let mut list = List::remake(&state, model, &law, progress.list_made);
         list.mark_touching(&state, &law, progress.step);
         let (model, stage, step) = (model.clone(), progress.stage, progress.step);
-        Ok(Self { model, stage, law, step, state, list, tally: progress.tally })
+        Ok(Self { model, stage, law, step, state, list, tally: progress.tally, lost: false })
     }
 }
 

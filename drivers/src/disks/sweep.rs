@@ -124,7 +124,7 @@ impl Sweep {
 
     /// Prepares a system, runs it and keeps records of it.
     fn records<K: Keeper>(&self, model: &Model, keeper: &K) -> Result<Vec<Record>, K::Error> {
-        let mut disks = Disks::prepared(model);
+        let mut disks = Disks::prepared(model)?;
         let p = model.parameters();
         let strain_per_step = p.flow.rate(p.edges[1]).abs() * p.time_step;
         let steps_in = |strain: f64| (strain / strain_per_step).round() as u64;
@@ -134,6 +134,7 @@ impl Sweep {
             keeper.go_on()?;
             disks.restart_tally();
             disks.advance(every.min(end - disks.steps()));
+            disks.check()?;
             records.push(disks.record());
         }
         Ok(records)

@@ -77,8 +77,24 @@ impl Engine {
     /// the last bit.
     pub fn checkpoint(&mut self, model: &Model) -> Result<State, ParameterError> {
         let state = State { grains: self.grains(), lid: self.lid(), tally: *self.tally() };
-        *self = Self::resume(model, &state, self.collisions())?;
+        *self = Self::resume(model, &state, self.collisions()).map_err(|error| self.cause(error))?;
         Ok(state)
+    }
+
+    /// Why an engine that came so far can't go on: on a time step, since that is too long.
+    fn cause(&self, error: ParameterError) -> ParameterError {
+        match self {
+            Self::TimeStepped(engine) => engine.too_long(),
+            Self::EventDriven(_) => error,
+        }
+    }
+
+    /// Why the engine gave up before its time, if that is due to the time step.
+    pub fn failure(&self) -> Option<ParameterError> {
+        match self {
+            Self::TimeStepped(engine) => engine.has_escaped().then(|| engine.too_long()),
+            Self::EventDriven(_) => None,
+        }
     }
 
     /// Which of the two it is.

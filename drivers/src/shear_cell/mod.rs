@@ -5,6 +5,7 @@ mod contact;
 mod engine;
 mod event_driven;
 mod grains;
+mod lengths;
 mod lid;
 mod measure;
 mod packing;

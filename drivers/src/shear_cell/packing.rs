@@ -1,5 +1,6 @@
 //! A random start: grains that grow while they fly (Lubachevsky and Stillinger 1990).
 
+use super::lengths::without_unit;
 use super::{Contact, EventDriven, FrictionLaw, Grains, Model, Motion, Parameters, State, Top};
 use domain::{Random, Vector};
 use std::collections::HashMap;
@@ -32,14 +33,21 @@ pub enum PackingError {
 }
 
 impl Model {
-    /// Places for `count` grains at random, without overlap, at rest. The same seed gives the same places.
+    /// Places for `count` grains at random, without overlap, at rest. The same seed gives the same places, in
+    /// diameters, in any unit.
     pub fn pack(&self, count: usize, seed: u64) -> Result<Grains, PackingError> {
-        let calm = self.calm();
-        let fraction = count as f64 * std::f64::consts::PI / 6.0 * self.parameters().diameter.powi(3)
-            / self.edges().element_product();
+        self.pack_and_tell(count, seed, &mut |_| {})
+    }
+
+    /// The same; `tell` hears now and then which part of their diameter the grains have grown to.
+    pub fn pack_and_tell(&self, count: usize, seed: u64, tell: &mut dyn FnMut(f64)) -> Result<Grains, PackingError> {
+        let p = self.parameters();
+        let [length, height, width, diameter] = without_unit([p.length, p.height, p.width, p.diameter]);
+        let calm = self.calm([length, height, width].map(|edge| edge / diameter));
+        let fraction = count as f64 * std::f64::consts::PI / 6.0 * diameter.powi(3) / (length * height * width);
         let mut reached: f64 = 0.0;
         for growth in GROWTH {
-            match calm.grow(count, growth, f64::cbrt(SEEDED / fraction), seed) {
+            match calm.grow((count, seed), [f64::cbrt(SEEDED / fraction), growth], tell) {
                 Ok(mut grains) => {
                     grains.motions.fill(Motion::default());
                     grains.positions.iter_mut().for_each(|x| *x *= self.parameters().diameter);
@@ -52,13 +60,12 @@ impl Model {
     }
 
     /// The same cell at rest with elastic, smooth contacts, in units of the diameter and of the thermal speed.
-    fn calm(&self) -> Model {
+    fn calm(&self, [length, height, width]: [f64; 3]) -> Model {
         let contact = Contact { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
-        let p = self.parameters();
         self.with(Parameters {
-            length: p.length / p.diameter,
-            height: p.height / p.diameter,
-            width: p.width / p.diameter,
+            length,
+            height,
+            width,
             diameter: 1.0,
             density: 1.0,
             grain_contact: contact,
@@ -72,8 +79,13 @@ impl Model {
         })
     }
 
-    /// Grows grains from a part of their diameter; on failure, the diameter reached.
-    fn grow(&self, count: usize, growth: f64, small: f64, seed: u64) -> Result<Grains, f64> {
+    /// Grows grains from a part of their diameter at a speed; on failure, the diameter reached.
+    fn grow(
+        &self,
+        (count, seed): (usize, u64),
+        [small, growth]: [f64; 2],
+        tell: &mut dyn FnMut(f64),
+    ) -> Result<Grains, f64> {
         let start = f64::min(small, 1.0);
         let mut grains = self.scatter(count, start, seed).ok_or(0.0)?;
         grains.stir(self, 1.0, seed);
@@ -81,7 +93,8 @@ impl Model {
         let lap = LAP * count as u64;
         while engine.diameter() < 1.0 - 1e-13 {
             let (before, left) = (engine.tally().time, (1.0 - engine.diameter()) / growth);
-            engine.run(left, lap);
+            engine.run(left, lap, &|| true);
+            tell(engine.diameter());
             if engine.tally().time - before < f64::min(JAMMED, 0.5 * left) {
                 return Err(engine.diameter());
             }
@@ -89,7 +102,7 @@ impl Model {
         }
         // The last flights end a rounding error short of the full diameter, or beyond.
         let mut engine = EventDriven::growing(self, &State::new(self, &engine.grains()), [1.0, 0.0]);
-        engine.run(f64::INFINITY, lap);
+        engine.run(f64::INFINITY, lap, &|| true);
         Ok(engine.grains())
     }
 

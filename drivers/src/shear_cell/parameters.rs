@@ -1,7 +1,7 @@
 //! The shear cell's input, checked.
 
 use super::{Contact, Face, FrictionLaw, Side};
-use crate::parameter::{ParameterError, positive, require};
+use crate::parameter::{ParameterError, of_sensible_size, positive, require};
 use domain::Vector;
 use std::f64::consts::PI;
 
@@ -106,6 +106,7 @@ impl Model {
             positive("top.pressure", pressure)?;
             positive("top.mass_per_area", mass_per_area)?;
         }
+        check_sizes(p)?;
         Ok(Self { parameters, walled: true, mid_radius: 0.0 }.with(parameters))
     }
 
@@ -234,6 +235,29 @@ impl Model {
         let along = if p.coriolis { velocity.x * velocity.z * curvature } else { 0.0 };
         Vector::new(along, -p.gravity, -velocity.x * velocity.x * curvature)
     }
+}
+
+fn check_sizes(p: &Parameters) -> Result<(), ParameterError> {
+    let (pressure, mass_per_area) = match p.top {
+        Top::Free { pressure, mass_per_area } => (pressure, mass_per_area),
+        Top::Fixed => (0.0, 0.0),
+    };
+    let sizes = [
+        ("cell.length", p.length, 40),
+        ("cell.height", p.height, 40),
+        ("cell.width", p.width, 40),
+        ("cell.circumference", p.circumference.unwrap_or(0.0), 40),
+        ("grains.diameter", p.diameter, 40),
+        ("grains.contact_time", p.contact_time, 60),
+        ("grains.friction", p.grain_contact.friction, 10),
+        ("walls.friction", p.wall_contact.friction, 10),
+        ("cell.speed", p.speed, 70),
+        ("cell.gravity", p.gravity, 100),
+        ("grains.density", p.density, 140),
+        ("top.mass_per_area", mass_per_area, 100),
+        ("top.pressure", pressure, 140),
+    ];
+    sizes.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))
 }
 
 fn check_contact(restitution: &'static str, friction: &'static str, contact: &Contact) -> Result<(), ParameterError> {

@@ -3,6 +3,7 @@
 use super::cell_tables::{WALLS, tables};
 use super::{on_one_rank, outline};
 use crate::clock::Clock;
+use crate::preparing::Preparing;
 use crate::signals::Heard;
 use crate::simulation::Simulation;
 use anyhow::ensure;
@@ -27,7 +28,9 @@ impl CellRun {
     /// A scene at time zero: grains packed at random and set moving.
     pub fn start(scene: &ShearCellScene, comm: &Comm) -> anyhow::Result<Self> {
         on_one_rank(comm)?;
-        let mut grains = scene.model.pack(scene.count, scene.seed)?;
+        let mut progress = Preparing::start(comm, "the grains grow to their size");
+        let mut grains = scene.model.pack_and_tell(scene.count, scene.seed, &mut |done| progress.show(done))?;
+        drop(progress);
         grains.stir(&scene.model, scene.agitation, scene.seed);
         let run = Run::new(&scene.model, &grains, scene.collisions, scene.sampling)?;
         Ok(Self::of(scene, run, (0, comm)))
@@ -83,11 +86,19 @@ impl Simulation for CellRun {
         let is_settling = self.clock.step() < self.settle;
         let take = if is_settling { Run::settle } else { Run::measure };
         let is_taken = take(&mut self.run, self.clock.dt(), &go_on);
+        if let Some(failure) = self.run.engine().failure() {
+            return Err(failure.into());
+        }
         ensure!(
             !self.run.engine().is_jammed(),
-            "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower \
-             grains.solid_fraction, let the top go with top.kind = \"free\", or take collisions = \"time-stepped\"",
-            Number(self.run.engine().tally().time)
+            "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower {}, or take \
+             collisions = \"time-stepped\"",
+            Number(self.run.engine().tally().time),
+            if self.model.is_lid_free() {
+                "top.pressure"
+            } else {
+                "grains.solid_fraction, let the top go with top.kind = \"free\""
+            }
         );
         if !is_taken {
             return Ok(self.run.go_back()?);

@@ -2,6 +2,7 @@
 
 use super::{on_one_rank, outline};
 use crate::clock::Clock;
+use crate::preparing::Preparing;
 use crate::simulation::Simulation;
 use anyhow::Context;
 use domain::{Comm, Particles};
@@ -40,7 +41,10 @@ impl DiskRun {
     pub fn start(scene: &GranularDisksScene, comm: &Comm) -> anyhow::Result<Self> {
         on_one_rank(comm)?;
         let disks = match &scene.start {
-            None => Disks::prepared(&scene.model),
+            None => {
+                let mut progress = Preparing::start(comm, "the disks settle");
+                Disks::prepare_and_tell(&scene.model, &mut |done| progress.show(done))?
+            }
             Some(path) => {
                 let parameters = scene.model.parameters().clone();
                 Disks::flowing(parameters, &placed(path)?).with_context(|| path.display().to_string())?
@@ -98,6 +102,7 @@ impl Simulation for DiskRun {
     fn advance(&mut self, last: u64) -> anyhow::Result<()> {
         let moment = (MOMENT / self.disks.model().sizes().len() as u64).max(1);
         self.disks.advance(moment.min(last - self.clock.step()));
+        self.disks.check()?;
         self.clock = Clock::at(self.disks.steps(), self.clock.dt());
         Ok(())
     }

@@ -42,7 +42,7 @@ fn listed_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
 }
 
 fn compare(parameters: Parameters, steps: u64, times: usize) {
-    let mut disks = Disks::prepared(&Model::new(parameters).unwrap());
+    let mut disks = Disks::prepared(&Model::new(parameters).unwrap()).unwrap();
     for _ in 0..times {
         disks.advance(steps);
         let (listed, all) = (listed_overlaps(&disks), all_overlaps(&disks));
@@ -71,7 +71,8 @@ fn so_it_is_for_a_spread_of_sizes_in_a_parabola() {
 
 #[test]
 fn a_new_list_remembers_who_touched() {
-    let mut disks = Disks::prepared(&Model::new(Parameters { edges: [40.0; 2], ..Parameters::default() }).unwrap());
+    let mut disks =
+        Disks::prepared(&Model::new(Parameters { edges: [40.0; 2], ..Parameters::default() }).unwrap()).unwrap();
     disks.advance(500);
     let marked = |disks: &Disks, step: u64| {
         let touched = disks.list.batches().flat_map(|b| &b.touched);

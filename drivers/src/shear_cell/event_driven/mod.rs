@@ -23,7 +23,7 @@ use super::{Grains, Lid, Model, Motion, State, Tally};
 use crate::parameter::ParameterError;
 use cells::{Cells, NEAR, Near};
 use contact_time::Approach;
-use domain::Vector;
+use domain::{Number, Vector};
 use flights::Flights;
 use grain::{Exit, Grain, Plan, Rest};
 use queue::Queue;
@@ -33,7 +33,7 @@ const TURN: f64 = 0.01;
 /// Events for each grain between two moments at which all are brought to the same time.
 const LAPS: u64 = 16;
 
-/// Hits from one look at whether to go on to the next: a fraction of a second.
+/// Hits, or events, from one look at whether to go on to the next: a fraction of a second.
 const LOOK: u64 = 200_000;
 
 /// No grain.
@@ -86,13 +86,19 @@ impl EventDriven {
         let deepest = state.grains.deepest_overlap(model);
         let apart = "grains apart: the event-driven engine can't start from overlaps";
         crate::parameter::require(deepest < 1e-9, "overlap", &format!("{deepest:.2e} diameters"), apart)?;
+        let (contact, horizon) = (model.parameters().contact_time, horizon(model));
+        let longest = format!(
+            "at most {:.3}: in a longer time gravity, the curved path or the load of the top move a grain by a hundredth of \
+             its diameter; take a shorter one, or less of those",
+            Number(horizon)
+        );
+        crate::parameter::require(contact <= horizon, "grains.contact_time", &contact, longest)?;
         Ok(Self::growing(model, state, [model.parameters().diameter, 0.0]))
     }
 
     /// The same with a diameter that grows to the model's.
     pub(super) fn growing(model: &Model, state: &State, size: [f64; 2]) -> Self {
         let accelerated = model.has_body_force();
-        let p = model.parameters();
         let cells = Cells::fitting(model, state.lid.height, state.grains.len());
         let (ids, grains) = in_order(&cells, &state.grains);
         let fly = |(&position, motion): (&Vector, &Motion)| Grain {
@@ -128,7 +134,7 @@ impl EventDriven {
             curving: vec![(NONE, Approach::default()); NEAR],
             now: 0.0,
             size,
-            horizon: if accelerated { (2.0 * TURN * p.diameter / model.turning()).sqrt() } else { f64::INFINITY },
+            horizon: horizon(model),
             accelerated,
             lid: lid::Moving::new(state.lid, -model.lid_fall()),
             tally: state.tally,
@@ -144,16 +150,16 @@ impl EventDriven {
         let mut left = duration;
         while !self.jammed {
             let before = self.tally.time;
-            left = self.run(left, LOOK);
+            left = self.run(left, LOOK, go_on);
             if left == 0.0 {
                 return true;
+            }
+            if !go_on() {
+                return false;
             }
             // Each hit is one of two grains.
             let pause = (self.tally.time - before) * self.grains.len() as f64 / (2 * LOOK) as f64;
             self.jammed = pause < self.model.parameters().contact_time;
-            if !go_on() {
-                return false;
-            }
         }
         false
     }
@@ -166,12 +172,12 @@ impl EventDriven {
 
     /// Runs until this many more hits have happened; stops early if none is left to come.
     pub fn advance_hits(&mut self, hits: u64) {
-        self.run(f64::INFINITY, hits);
+        self.run(f64::INFINITY, hits, &|| true);
     }
 
-    /// Runs for a time or a number of hits, whichever ends first. Returns the time left.
-    pub(super) fn run(&mut self, duration: f64, hits: u64) -> f64 {
-        let enough = self.events.hits.saturating_add(hits);
+    /// Runs for a time or a number of hits, whichever ends first, as long as `go_on` says so. Returns the time left.
+    pub(super) fn run(&mut self, duration: f64, hits: u64, go_on: &dyn Fn() -> bool) -> f64 {
+        let (enough, mut look) = (self.events.hits.saturating_add(hits), self.events.total() + LOOK);
         let mut left = duration;
         loop {
             let lap = self.events.total() + LAPS * self.grains.len() as u64;
@@ -189,6 +195,13 @@ impl EventDriven {
             self.gather();
             if idle || enough {
                 return if idle { 0.0 } else { left };
+            }
+            // There may be many other events for each hit.
+            if self.events.total() >= look {
+                look = self.events.total() + LOOK;
+                if !go_on() {
+                    return left;
+                }
             }
         }
     }
@@ -322,6 +335,12 @@ impl EventDriven {
         (0..self.grains.len()).for_each(|i| self.plan(i));
         self.plan_lid();
     }
+}
+
+/// How long an acceleration serves.
+fn horizon(model: &Model) -> f64 {
+    let turned = 2.0 * TURN * model.parameters().diameter;
+    if model.has_body_force() { (turned / model.turning()).sqrt() } else { f64::INFINITY }
 }
 
 /// Ids and grains in the order of their cells.

@@ -2,9 +2,9 @@
 
 mod neighbours;
 
-use super::{Grains, Lid, Model, Motion, Side, State, Tally, contact::Face, grains::wrap};
+use super::{Grains, Lid, Model, Motion, Side, State, Tally, Top, contact::Face, grains::wrap};
 use crate::parameter::{ParameterError, positive};
-use domain::Vector;
+use domain::{Number, Vector};
 use neighbours::Neighbours;
 
 /// Grains times steps from one look at whether to go on to the next: a fraction of a second.
@@ -22,6 +22,10 @@ pub struct TimeStepped {
     lid: Lid,
     near: Neighbours,
     tally: Tally,
+    /// Speed of the fastest grain at the start.
+    fastest: f64,
+    /// Whether a grain has passed through a wall, or the top has come down to the bottom.
+    escaped: bool,
 }
 
 impl TimeStepped {
@@ -39,6 +43,8 @@ impl TimeStepped {
             lid: state.lid,
             near: Neighbours::default(),
             tally: state.tally,
+            fastest: grains.motions.iter().map(|m| m.velocity.length()).fold(0.0, f64::max),
+            escaped: false,
         };
         engine.near.search(model, &mut engine.positions, &engine.velocities, engine.lid.height);
         Ok(engine)
@@ -49,11 +55,14 @@ impl TimeStepped {
         self.step
     }
 
-    /// Takes a number of steps, as long as `go_on` says so. Returns whether it took them all.
+    /// Takes a number of steps, as long as no grain escapes and `go_on` says so. Returns whether it took them all.
     pub fn advance(&mut self, steps: u64, go_on: &dyn Fn() -> bool) -> bool {
         let look = (LOOK / self.positions.len().max(1) as u64).max(1);
         for step in 1..=steps {
             self.take_step();
+            if self.escaped {
+                return false;
+            }
             if step.is_multiple_of(look) && step < steps && !go_on() {
                 return false;
             }
@@ -61,10 +70,36 @@ impl TimeStepped {
         true
     }
 
+    /// Whether a grain has passed through a wall, or the top has come down to the bottom: the step is too long.
+    pub fn has_escaped(&self) -> bool {
+        self.escaped
+    }
+
+    /// Why grains escape, and what step would do: one in which nothing moves by more than a hundredth of a diameter, at
+    /// the speed of the walls and at that to which gravity and the load can bring the top, `sqrt(2 (g + P/M) H)`.
+    pub fn too_long(&self) -> ParameterError {
+        let p = self.model.parameters();
+        let fall = (2.0 * (p.gravity + self.model.lid_fall()) * p.height).sqrt();
+        let enough = 0.01 * p.diameter / (p.speed + self.fastest + fall);
+        let load = match p.top {
+            Top::Free { pressure, .. } => format!(" under top.pressure = {}, or a lower pressure", Number(pressure)),
+            Top::Fixed => String::new(),
+        };
+        let allowed = format!(
+            "at most about {:.2}{load}: at time {:.4} grains were pushed through a wall or each other",
+            Number(enough),
+            Number(self.tally.time)
+        );
+        ParameterError { key: "time.collision_step", found: Number(self.step).to_string(), allowed }
+    }
+
     fn take_step(&mut self) {
         self.drift();
         self.lower_lid();
         self.strike_walls();
+        if self.escaped {
+            return;
+        }
         self.near.refresh(&self.model, &mut self.positions, &self.velocities, self.lid.height);
         self.strike_pairs();
         self.tally.time += self.step;
@@ -110,6 +145,7 @@ impl TimeStepped {
         self.tally.load_work += self.model.lid_mass().unwrap_or(0.0) * kick * (self.lid.velocity + 0.5 * kick);
         self.lid.velocity += kick;
         self.lid.height += self.lid.velocity * self.step;
+        self.escaped |= self.lid.height <= self.model.parameters().diameter;
     }
 
     fn strike_walls(&mut self) {
@@ -138,6 +174,7 @@ impl TimeStepped {
             Side::Inner => model.edges().z,
         };
         let overlap = radius - (x[face.axis] - plane) * normal[face.axis];
+        self.escaped |= overlap > model.parameters().diameter;
         let mut motion = Motion { velocity: self.velocities[i], spin: self.spins[i] };
         if overlap <= 0.0 || (motion.velocity - face.velocity).dot(normal) >= 0.0 {
             return;

@@ -34,20 +34,18 @@ pub struct ShearCellScene {
     pub output: Output,
 }
 
+/// The default contact time, in times in which a grain crosses a diameter.
+const CONTACT: f64 = 2e-4;
 /// Initial standard deviation of the velocities over the walls' speed.
 const AGITATION: f64 = 0.05;
 
 impl ShearCellScene {
     pub(super) fn checked(raw: Raw) -> Result<Self, Fault> {
-        let model = Model::new(parameters(&raw)?)?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
+        let agitation = agitation(&raw)?;
+        let model = Model::new(parameters(&raw, agitation)?)?;
         let collisions = collisions(&raw)?;
         let sampling = sampling(&raw, collisions)?;
-        let agitation = raw.grains.agitation.unwrap_or(AGITATION * raw.cell.speed);
-        if !(agitation >= 0.0 && agitation.is_finite()) {
-            let message = format!("is {}; it needs to be a finite speed, 0 or more", Number(agitation));
-            return Err(Fault::new("grains.agitation", message));
-        }
         Ok(Self {
             title: raw.title.unwrap_or_default(),
             seed: raw.seed,
@@ -63,7 +61,26 @@ impl ShearCellScene {
     }
 }
 
-fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
+fn agitation(raw: &Raw) -> Result<f64, Fault> {
+    let agitation = raw.grains.agitation.unwrap_or(AGITATION * raw.cell.speed);
+    // Its square is part of the energy.
+    if (0.0..=1e70).contains(&agitation) {
+        return Ok(agitation);
+    }
+    let message = format!("is {}; it needs to be a speed from 0 to 1e70", Number(agitation));
+    Err(Fault::new("grains.agitation", message))
+}
+
+/// The time within which two hits are one contact by default: a small part of that in which a grain crosses a diameter,
+/// at the speed of the walls and its own or from rest under gravity and the load of the top.
+fn contact_time(raw: &Raw, agitation: f64) -> f64 {
+    let fall = raw.cell.gravity + raw.top.pressure.zip(raw.top.mass_per_area).map_or(0.0, |(p, m)| p / m);
+    let crossings = (raw.cell.speed + agitation) / raw.grains.diameter + (fall / raw.grains.diameter).sqrt();
+    // Where nothing moves, any time will do.
+    if crossings > 0.0 { CONTACT / crossings } else { CONTACT * raw.time.step }
+}
+
+fn parameters(raw: &Raw, agitation: f64) -> Result<Parameters, Fault> {
     let (cell, grains, walls) = (&raw.cell, &raw.grains, &raw.walls);
     let law = match walls.friction_law {
         raw::FrictionLaw::Box => FrictionLaw::Box,
@@ -82,7 +99,7 @@ fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
         gravity: cell.gravity,
         circumference: cell.circumference,
         coriolis: cell.coriolis,
-        contact_time: grains.contact_time.unwrap_or(Parameters::default().contact_time),
+        contact_time: grains.contact_time.unwrap_or_else(|| contact_time(raw, agitation)),
     })
 }
 
@@ -114,7 +131,7 @@ fn collisions(raw: &Raw) -> Result<Collisions, Fault> {
 fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
     let usual = Sampling::default();
     let sampling = Sampling {
-        window: raw.measure.window.unwrap_or(usual.window),
+        window: raw.measure.window.unwrap_or(raw.time.step),
         every: 1,
         layers: raw.measure.layers.unwrap_or(usual.layers),
         pixels: raw.measure.pixels.unwrap_or(usual.pixels),

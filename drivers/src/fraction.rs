@@ -1,0 +1,59 @@
+//! Ratios as the fractions of whole numbers that they are meant to be.
+//!
+//! A random start is chaotic: grains that collide a hundred times make something else of the last bit of a ratio of two
+//! lengths. That bit depends on the unit in which a file gives them: 0.004 / 0.000787 and 4 / 0.787 may differ in it,
+//! but both mean 4000 / 787.
+
+/// Largest denominator: what two lengths of a few digits make. Hardly any other number is as near to such a fraction.
+const LARGEST: u64 = 100_000;
+/// Round-off of two numbers and their ratio, over the ratio.
+const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
+
+/// The fraction with the least denominator that a positive ratio is up to round-off, by its continued fraction.
+pub fn fraction(ratio: f64) -> Option<[u64; 2]> {
+    let (mut before, mut now, mut rest) = ([0_u64, 1], [1_u64, 0], ratio);
+    while rest.is_finite() && rest < 1e15 {
+        let next = [0, 1].map(|k| (rest.floor() as u64).checked_mul(now[k]).and_then(|n| n.checked_add(before[k])));
+        let [Some(above), Some(below)] = next else { return None };
+        (before, now) = (now, [above, below]);
+        if below > LARGEST {
+            return None;
+        }
+        if above > 0 && (above as f64 / below as f64 - ratio).abs() <= ROUND_OFF * ratio {
+            return Some(now);
+        }
+        rest = 1.0 / (rest - rest.floor());
+    }
+    None
+}
+
+/// The ratio of two positive numbers, of which it does not matter in which unit both are given.
+pub fn ratio(a: f64, b: f64) -> f64 {
+    fraction(a / b).map_or(a / b, |[above, below]| above as f64 / below as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_of_decimal_numbers_are_the_same_in_any_unit() {
+        for (a, b, exact) in [("4", "0.787", [4000, 787]), ("0.7", "2.1", [1, 3]), ("1.4142", "1", [7071, 5000])] {
+            for power in -30..=30 {
+                let [a, b] = [a, b].map(|digits| format!("{digits}e{power}").parse::<f64>().unwrap());
+                for factor in [1.0, 2_f64.powi(-77), 2_f64.powi(9)] {
+                    assert_eq!(fraction(a * factor / (b * factor)), Some(exact));
+                    assert!((ratio(a, b) - exact[0] as f64 / exact[1] as f64).abs() == 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn other_ratios_stay_as_they_are() {
+        for number in [std::f64::consts::PI, 2_f64.sqrt(), 1.234_567_890_123e7, 1e-9 / 3.0, 1e300, f64::INFINITY] {
+            assert!(fraction(number).is_none(), "{number}");
+        }
+        assert!((ratio(std::f64::consts::PI, 1.0) - std::f64::consts::PI).abs() == 0.0);
+    }
+}

@@ -1,0 +1,60 @@
+//! How far the preparation of a start is, for whoever waits.
+
+use domain::Comm;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Time between two lines where there is no terminal.
+const PAUSE: Duration = Duration::from_secs(5);
+
+/// A bar on a terminal, which is gone in the end; now and then a line elsewhere; nothing from other ranks than the
+/// first.
+pub struct Preparing {
+    display: Display,
+    what: &'static str,
+}
+
+enum Display {
+    Bar(ProgressBar),
+    Lines { said: Instant },
+    Nothing,
+}
+
+impl Preparing {
+    /// What happens, in a few words.
+    pub fn start(comm: &Comm, what: &'static str) -> Self {
+        let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
+            (false, _) => Display::Nothing,
+            (true, true) => Display::Bar(bar(what)),
+            (true, false) => Display::Lines { said: Instant::now() },
+        };
+        Self { display, what }
+    }
+
+    /// Shows which part is done, from 0 to 1.
+    pub fn show(&mut self, part: f64) {
+        let percent = (100.0 * part.clamp(0.0, 1.0)) as u64;
+        match &mut self.display {
+            Display::Bar(bar) => bar.set_position(percent),
+            Display::Lines { said } if said.elapsed() >= PAUSE => {
+                eprintln!("{}: {percent}%", self.what);
+                *said = Instant::now();
+            }
+            Display::Lines { .. } | Display::Nothing => {}
+        }
+    }
+}
+
+impl Drop for Preparing {
+    fn drop(&mut self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar(what: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {percent}%, {msg}").expect("a good template");
+    ProgressBar::new(100).with_style(style).with_message(what)
+}
