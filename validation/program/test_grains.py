@@ -45,6 +45,89 @@ def end_state(out):
     return state
 
 
+CELL = """
+kind = "shear-cell"
+collisions = "{collisions}"
+[cell]
+length = {length}
+height = {height}
+width = {length}
+speed = {speed}
+gravity = {gravity}
+[top]
+kind = "free"
+pressure = {pressure}
+mass_per_area = {mass_per_area}
+[grains]
+diameter = {diameter}
+density = {density}
+solid_fraction = 0.3
+restitution = 0.9
+friction = 0.3
+[walls]
+restitution = 0.9
+[time]
+step = {step}
+steps = 2
+{more}
+"""
+
+
+def cell(collisions, length, time, mass):
+    """A small cell in other units, given as powers of ten; what has a default in time is left out."""
+
+    def of(digits, power):
+        return f"{digits}e{power}"
+
+    step = f"collision_step = {of(5, time - 7)}" if collisions == "time-stepped" else ""
+    return CELL.format(
+        collisions=collisions,
+        length=of(3.5, length - 3),
+        height=of(3, length - 3),
+        diameter=of(7.87, length - 4),
+        speed=of(1.4, length - time),
+        gravity=of(9.81, length - 2 * time),
+        pressure=of(3, mass - length - 2 * time + 2),
+        mass_per_area=of(2, mass - 2 * length - 1),
+        density=of(2.55, mass - 3 * length + 3),
+        step=of(1, time - 4),
+        more=step,
+    )
+
+
+class Units(unittest.TestCase):
+    """A cell in other units, as a user writes it: the defaults and the messages have no unit either."""
+
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.addCleanup(self.place.cleanup)
+        self.scene = pathlib.Path(self.place.name) / "cell.toml"
+
+    def first_rows(self, collisions, powers):
+        self.scene.write_text(cell(collisions, *powers))
+        outline = run(["check", self.scene])
+        self.assertTrue(all(len(word) < 14 for word in outline.split()), outline)
+        out = pathlib.Path(self.place.name) / "-".join([collisions, *map(str, powers)])
+        run(["run", self.scene, "--out", out])
+        return rows(out / "observables.csv")
+
+    def test_a_cell_is_the_same_in_any_units(self):
+        for collisions in ("event-driven", "time-stepped"):
+            expected = self.first_rows(collisions, (0, 0, 0))
+            for powers in [(30, 0, 0), (-30, 0, 0), (0, 30, 0), (0, -30, 0), (0, 0, 30), (30, -30, 30), (-30, 30, -30), (3, 6, 3)]:
+                length, time, mass = powers
+                units = {"height": length, "temperature": 2 * (length - time), "wall_stress": mass - length - 2 * time, "time": time}
+                for found, wanted in zip(self.first_rows(collisions, powers), expected, strict=True):
+                    for key, value in wanted.items():
+                        power = units.get(key.split("_normal")[0].split("_along")[0].split("_across")[0], 0)
+                        if key.endswith("_imbalance") or not np.isfinite(value):
+                            continue
+                        # Some hits for each grain, each of which multiplies round-off by about ten. Stresses of Pa are small.
+                        least = 1.0 if key.startswith("wall_stress") else 1e-3
+                        off = abs(found[key] / 10.0**power - value) / max(abs(value), least)
+                        self.assertLess(off, 1e-8, (collisions, powers, key))
+
+
 class Grains(unittest.TestCase):
     def setUp(self):
         self.place = tempfile.TemporaryDirectory()

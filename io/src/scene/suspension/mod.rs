@@ -145,7 +145,7 @@ impl SuspensionScene {
             seed: raw.seed,
             viscosity: positive("fluid.viscosity", raw.fluid.viscosity)?,
             start: particles::start(&raw.particles, &species, folder)?,
-            flow: in_flow(flow(raw.flow.as_ref(), &cell)?, &raw.hydrodynamics)?,
+            flow: in_flow(for_a_time(flow(raw.flow.as_ref(), &cell)?, &time)?, &raw.hydrodynamics)?,
             repulsion: raw.repulsion.as_ref().map(repulsion).transpose()?,
             hydrodynamics: hydrodynamics(&raw.hydrodynamics)?,
             output: output(raw.output, time.steps),
@@ -179,6 +179,23 @@ fn flow(raw: Option<&raw::Flow>, cell: &PeriodicBox) -> Result<Flow, Fault> {
             debug_assert!(cell.strain() == 0.0, "a run starts in a straight box");
             Ok(Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) })
         }
+    }
+}
+
+/// The largest strain of a run: beyond, the box's offset has lost more than half of its digits.
+const LARGEST_STRAIN: f64 = 1e9;
+
+/// The strain at the end of a run needs to be a number that tells where images are.
+fn for_a_time(flow: Flow, time: &Time) -> Result<Flow, Fault> {
+    match flow {
+        Flow::Shear { rate, .. } if (rate * time.end()).abs() > LARGEST_STRAIN => {
+            let (rate, end, largest) = (Number(rate), Number(time.end()), Number(LARGEST_STRAIN));
+            let message = format!(
+                "is {rate}; until time {end:.6} that is a strain above {largest}, the most that a run can have"
+            );
+            Err(Fault::new("flow.rate", message))
+        }
+        flow => Ok(flow),
     }
 }
 
