@@ -217,7 +217,7 @@ fn bad_input_is_refused_by_key() {
     let mut grains = model.pack(20, 1).unwrap();
     let window = Sampling { window: 7e-7, ..Sampling::default() };
     let error = Run::new(&model, &grains, STEPPED, window).err().unwrap().to_string();
-    assert!(error.starts_with("measure.window is 0.0000007; it needs a whole number of time steps"), "{error}");
+    assert!(error.starts_with("measure.window is 7e-7; it needs a whole number of time steps"), "{error}");
     grains.positions[1] = grains.positions[0];
     let error = Engine::new(&model, &grains, Collisions::EventDriven).err().unwrap().to_string();
     assert!(error.starts_with("overlap is 1.00e0 diameters; it needs grains apart"), "{error}");
