@@ -14,7 +14,7 @@ pub struct Args {
     #[command(subcommand)]
     pub command: Command,
     /// Threads of each rank [default: the cores of this machine, shared out among its ranks]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_hyphen_values = true)]
     pub threads: Option<u16>,
 }
 

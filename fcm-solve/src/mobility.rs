@@ -22,7 +22,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Relative error allowed, from 1e-12 to 0.5
-    #[arg(long, value_name = "T", default_value = "1e-3", value_parser = tolerance, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", default_value = "1e-3", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: f64,
 }
 

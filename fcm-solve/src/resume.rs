@@ -15,7 +15,7 @@ pub struct Args {
     /// The folder of the run
     folder: PathBuf,
     /// Go on until this step instead of the scene's last
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     steps: Option<u64>,
 }
 

@@ -14,16 +14,16 @@ pub struct Args {
     /// The folder of a run
     folder: PathBuf,
     /// Leave out what was before this time
-    #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     from: Option<f64>,
     /// Leave out what was after this time
-    #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     to: Option<f64>,
     /// Time lag from which motion is diffusive [default: a quarter of the time taken in]
-    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = positive, allow_hyphen_values = true)]
     diffusive_from: Option<f64>,
     /// Largest distance of pairs [default: 8 of the largest radius]
-    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", value_parser = positive, allow_hyphen_values = true)]
     distance: Option<f64>,
     /// Folder of the tables [default: stats in the folder of the run]
     #[arg(long, value_name = "DIR")]

@@ -8,10 +8,10 @@ use serde_json::{Map, Value};
 #[derive(clap::Args)]
 pub struct Args {
     /// Radius of sphere 2 over that of sphere 1, from 0.05 to 20
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
     ratio: f64,
     /// Gap between the surfaces over the radius of sphere 1, above 0
-    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    #[arg(long, value_name = "G", allow_hyphen_values = true)]
     gap: f64,
     /// Print one JSON object
     #[arg(long)]

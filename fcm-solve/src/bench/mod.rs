@@ -18,22 +18,22 @@ pub use spheres::Spheres;
 #[command(after_help = LINE)]
 pub struct Args {
     /// Numbers of spheres
-    #[arg(long, value_delimiter = ',', default_value = "3200", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', default_value = "3200", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
     particles: Vec<u32>,
     /// Their volume fractions
-    #[arg(long, value_delimiter = ',', default_value = "0.12", value_parser = fraction, allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', default_value = "0.12", value_parser = fraction, allow_hyphen_values = true)]
     volume_fraction: Vec<f64>,
     /// Radius of every second sphere; the others have the radius 1
-    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = ratio, allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = ratio, allow_hyphen_values = true)]
     size_ratio: Vec<f64>,
     /// Relative errors allowed
-    #[arg(long, value_delimiter = ',', default_value = "1e-3", value_parser = tolerance, allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', default_value = "1e-3", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Vec<f64>,
     /// How envelopes are evaluated
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     method: Choice,
     /// Grid points along each edge [default: what the tolerance needs]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
     grid: Option<usize>,
     /// Forces alone: no torque, no stresslet
     #[arg(long)]
@@ -42,7 +42,7 @@ pub struct Args {
     #[arg(long, conflicts_with = "monopoles")]
     stresslets: bool,
     /// Evaluations, each at new positions, after one that is not counted
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
     repeats: u32,
     /// Do not evaluate a second time, much tighter, to measure the error
     #[arg(long)]
