@@ -2,7 +2,8 @@
 
    FAULT_FOLDER  only files below this folder count, given as an absolute path
    FAULT_RANK    only this rank of an MPI job counts, 0 by default
-   FAULT_LOG     a file that gets a line `call path` for each call that counts, or for the one that fails
+   FAULT_LOG     a file that gets a line `call path` for each call that counts, or for the one that fails; and in a list of
+                 calls a line `long path` after a write that goes over the end of a page of memory
    FAULT_CALL    which call: open, write, sync, rename, unlink, truncate, mkdir or close
    FAULT_AT      the n-th such call fails; 0, the default, lets all pass and lists them in the log
    FAULT_ERROR   the number of the error (errno)
@@ -105,6 +106,7 @@ static size_t part(int descriptor, size_t size, off_t place, int *failed) {
     int is_second = cut;
     *failed = fails("write", path_of(descriptor, path), 1);
     off_t boundary = (place + (off_t)size - 1) / page * page;
+    if (at == 0 && boundary > place && is_below(path)) note("long", path);
     if (!*failed || !is_short || is_second || boundary <= place) return 0;
     cut = 1;
     return (size_t)(boundary - place);

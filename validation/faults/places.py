@@ -53,19 +53,18 @@ class Place:
 
     def stop_halfway(self):
         """From now on runs that are tried go on with one that found the disk full in its middle."""
-        writes = self.count()["write"]
+        writes = sum(call == "write" for call in self.calls())
         self.reset()
         self.run.call(self.arguments(), self.environment(Fault("write", 3 * writes // 4, errno.ENOSPC, "stays")))
         shutil.copytree(self.out, self.former)
 
-    def count(self, rank=0):
-        """How many calls of each kind there are in a run in which all of them pass."""
+    def calls(self, rank=0):
+        """The calls of a run in which all of them pass, in order, as the library's log names them."""
         self.reset()
         code, said = self.run.call(self.arguments(), self.environment(rank=rank))
         if code != 0 or differences(end_state(self.out), self.expected):
             raise RuntimeError(f"{self.run.name} with all calls listed ended with {code}:\n{said}")
-        lines = self.log.read_text().splitlines() if self.log.exists() else []
-        return collections.Counter(line.split()[0] for line in lines)
+        return [line.split()[0] for line in self.log.read_text().splitlines()] if self.log.exists() else []
 
     def survives(self, fault):
         """None if the run bears the fault; else what went wrong."""
@@ -96,13 +95,15 @@ class Place:
         return f"other results: {missed}" if missed else None
 
 
-def faults(counts, ways):
-    """The faults to try: at every call each of the ways, all errors in turn."""
-    for call in CALLS:
-        for at in range(1, counts[call] + 1):
-            for number, way in enumerate(ways):
-                if way != "short" or call == "write":
-                    yield Fault(call, at, ERRORS[(at + number) % len(ERRORS)], way)
+def faults(calls, ways):
+    """The faults to try: at every call each of the ways, all errors in turn. Only long writes can end early."""
+    counts = collections.Counter()
+    for place, call in enumerate(calls):
+        counts[call] += 1
+        for number, way in enumerate(ways):
+            fault = Fault(call, counts[call], ERRORS[(place + number) % len(ERRORS)], way)
+            if call in CALLS and (way != "short" or calls[place + 1 : place + 2] == ["long"]):
+                yield fault
 
 
 def sample(all_faults, most):
@@ -113,18 +114,19 @@ def sample(all_faults, most):
 
 
 def try_run(run, folder, library, ways, most):
-    """Tries faults from the run's start and when it goes on; returns numbers tried and survived, and what did not."""
+    """Tries faults from the run's start and when it goes on; returns how many, what was not survived, and how many calls
+    other ranks than the first make."""
     os.makedirs(folder)
     place = Place(run, folder, library)
     tried, failures = 0, []
+    others = sum(len(place.calls(rank)) for rank in range(1, run.ranks or 1))
     for start in ("from the start", "going on"):
         if start == "going on":
             place.stop_halfway()
-        for fault in sample(faults(place.count(), ways), most):
+        for fault in sample(faults(place.calls(), ways), most):
             wrong = place.survives(fault)
             tried += 1
             if wrong:
                 failures.append(f"{run.name}, {start}, {fault}: {wrong}")
                 print(failures[-1], flush=True)
-    others = sum(sum(place.count(rank).values()) for rank in range(1, run.ranks or 1))
     return tried, failures, others

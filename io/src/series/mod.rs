@@ -1,8 +1,11 @@
 //! Time series of what a run observes, as CSV for reading and as HDF5 for programs.
 
+mod former;
+
 use crate::durable;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
 use crate::{FileError, Provenance};
+use former::Former;
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
@@ -161,106 +164,5 @@ fn table(frames: &Frames, quantities: &[Quantity], former: &Former) -> Result<St
     Ok(table)
 }
 
-/// What the table of a former run has: whole rows until a step.
-#[derive(Default)]
-struct Former {
-    rows: Vec<Row>,
-}
-
-/// Step, time, and the numbers of each quantity in turn.
-type Row = ((u64, f64), Vec<Vec<f64>>);
-
-impl Former {
-    /// Reads what there is.
-    fn read(path: &Path, quantities: &[Quantity], last: u64) -> Result<Self, FileError> {
-        if !path.exists() {
-            return Ok(Self::default());
-        }
-        let bytes = std::fs::read(path).map_err(|e| FileError::read(path, &e))?;
-        let text = String::from_utf8_lossy(&bytes);
-        let Some(rows) = text.strip_prefix(&header(quantities)) else { return Ok(Self::default()) };
-        let whole = rows.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
-        let rows = whole.filter_map(|line| row(line, quantities)).filter(|(clock, _)| clock.0 <= last).collect();
-        Ok(Self { rows })
-    }
-}
-
-fn row(line: &str, quantities: &[Quantity]) -> Option<Row> {
-    let mut words = line.split(',');
-    let clock = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
-    let mut number = || words.next()?.parse().ok();
-    let mut values =
-        |quantity: &Quantity| (0..quantity.columns().len()).map(|_| number()).collect::<Option<Vec<f64>>>();
-    let values = quantities.iter().map(&mut values).collect::<Option<Vec<_>>>()?;
-    words.next().is_none().then_some((clock, values))
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_go_to_both_files_and_none_is_doubled() {
-        let folder = tempfile::tempdir().unwrap();
-        let provenance =
-            Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
-        let quantities =
-            [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["a".into(), "b".into()])];
-        let row = |step: u64| vec![vec![step as f64], (0..6).map(|i| 0.1 * f64::from(i) + step as f64).collect()];
-        let mut series = Series::create(folder.path(), &provenance, &quantities, 4).unwrap();
-        for step in 0..4 {
-            series.append((step, 0.1 * step as f64), &row(step)).unwrap();
-        }
-        drop(series);
-        let csv = folder.path().join("observables.csv");
-        let whole = std::fs::read_to_string(&csv).unwrap();
-        assert!(whole.starts_with("step,time,gap,mean_x[a],mean_y[a],mean_z[a],mean_x[b],mean_y[b],mean_z[b]\n"));
-        std::fs::write(&csv, whole.clone() + "4,0.").unwrap(); // cut short
-        let mut series = Series::resume(folder.path(), &provenance, &quantities, (1, 9)).unwrap();
-        assert_eq!(series.last_step().unwrap(), Some(1));
-        for step in 2..4 {
-            series.append((step, 0.1 * step as f64), &row(step)).unwrap();
-        }
-        assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
-        drop(series);
-        let file = hdf5::File::open(folder.path().join("observables.h5")).unwrap();
-        let means: Vec<f64> = file.dataset("observables/mean/value").unwrap().read_raw().unwrap();
-        assert_eq!(means, (0..4).flat_map(|step| row(step)[1].clone()).collect::<Vec<_>>());
-    }
-
-    #[test]
-    fn each_of_the_two_files_is_mended_from_the_other() {
-        let folder = tempfile::tempdir().unwrap();
-        let provenance =
-            Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
-        let quantities = [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["a".into()])];
-        let row = |step: u64| vec![vec![1.0 / (3.0 + step as f64)], vec![f64::NAN, -0.0, 1e300 * step as f64]];
-        let mut series = Series::create(folder.path(), &provenance, &quantities, 4).unwrap();
-        for step in 0..4 {
-            series.append((step, 0.1 * step as f64), &row(step)).unwrap();
-        }
-        drop(series);
-        let (csv, h5) = (folder.path().join("observables.csv"), folder.path().join("observables.h5"));
-        let (whole, frames) = (std::fs::read_to_string(&csv).unwrap(), std::fs::read(&h5).unwrap());
-        let resume = || Series::resume(folder.path(), &provenance, &quantities, (3, 4)).unwrap();
-        let second = whole.lines().nth(2).unwrap();
-        for damaged in ["", "step,time\n", &whole[..50], &whole.replace(second, "?"), &whole.replace("0.1", "0.7")] {
-            std::fs::write(&csv, damaged).unwrap();
-            assert!(resume().damage().is_empty());
-            assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
-        }
-        std::fs::remove_file(&csv).unwrap();
-        resume();
-        assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
-        std::fs::remove_file(&h5).unwrap();
-        assert_eq!(resume().last_step().unwrap(), Some(3));
-        assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
-        let number = 0.25_f64.to_le_bytes();
-        let place = frames.windows(8).position(|bytes| bytes == number).unwrap();
-        let mut damaged = frames;
-        damaged[place + 3] ^= 8;
-        std::fs::write(&h5, damaged).unwrap();
-        assert_eq!(resume().damage()[0].elements, ["observables/gap"]);
-        assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
-    }
-}
+mod tests;
