@@ -10,6 +10,10 @@ use neighbours::Neighbours;
 /// Grains times steps from one look at whether to go on to the next: a fraction of a second.
 const LOOK: u64 = 5_000_000;
 
+/// Way of the fastest in a step, over the diameter, with which loads up to a million times a grain layer's weight were
+/// borne.
+const WAY: f64 = 0.0025;
+
 /// Grains on a fixed time step. Each step: `v += a dt`, `x += v dt`; then the operator of every wall that a grain
 /// penetrates and approaches; then that of every pair that overlaps and approaches, in a fixed order.
 pub struct TimeStepped {
@@ -75,12 +79,13 @@ impl TimeStepped {
         self.escaped
     }
 
-    /// Why grains escape, and what step would do: one in which nothing moves by more than a hundredth of a diameter, at
-    /// the speed of the walls and at that to which gravity and the load can bring the top, `sqrt(2 (g + P/M) H)`.
+    /// Why grains escape, and what step would do: one in which nothing moves by more than [`WAY`] diameters, at the
+    /// speed of the walls and at that to which gravity and the load can bring the top, `sqrt(2 (g + P/M) H)`; and a tenth
+    /// of this one where that is not enough.
     pub fn too_long(&self) -> ParameterError {
         let p = self.model.parameters();
         let fall = (2.0 * (p.gravity + self.model.lid_fall()) * p.height).sqrt();
-        let enough = 0.01 * p.diameter / (p.speed + self.fastest + fall);
+        let enough = (WAY * p.diameter / (p.speed + self.fastest + fall)).min(0.1 * self.step);
         let load = match p.top {
             Top::Free { pressure, .. } => format!(" under top.pressure = {}, or a lower pressure", Number(pressure)),
             Top::Fixed => String::new(),
