@@ -4,6 +4,7 @@
 mod cells;
 mod comm;
 mod exchange;
+mod interrupt;
 mod neighbours;
 mod number;
 mod packing;
@@ -15,8 +16,9 @@ mod random;
 mod traceless;
 mod vicinity;
 
-pub use comm::{Comm, CommError, Failure, Window};
+pub use comm::{Comm, CommError, Failure, Launcher, Window};
 pub use exchange::{Exchange, Reach};
+pub use interrupt::{Interrupt, Interrupted};
 pub use neighbours::{Neighbour, Neighbours};
 pub use number::Number;
 pub use packing::{PackingError, random_packing};

@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::{bench, check, info, machine, mobility, new, resume, run, stats, two_sphere};
+use crate::{bench, check, info, machine, mobility, new, resume, run, stats, streams, two_sphere};
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use domain::Comm;
@@ -13,9 +13,12 @@ pub struct Args {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Threads of each rank [default: the cores of this machine, shared out among its ranks]
+    /// Threads of each rank [default: the cores that it is bound to, shared out among the ranks bound to the same]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_hyphen_values = true)]
     pub threads: Option<u16>,
+    /// Run as one rank, whatever launcher started this process: for many runs side by side under srun
+    #[arg(long, global = true)]
+    pub alone: bool,
 }
 
 const EXAMPLES: &str = "\
@@ -25,6 +28,7 @@ Examples:
   fcm-solve run my.toml --out results/my  run it
   mpirun -n 4 fcm-solve run my.toml       run it on four ranks
   fcm-solve resume results/my             go on after Ctrl-C, a crash, or the end of a queue's time
+  fcm-solve run my.toml --continue        start, or go on, or do nothing if it is finished: for job scripts
   fcm-solve mobility case.json            how given particles move, once
   fcm-solve info results/my/trajectory.h5 see what a result file holds";
 
@@ -81,10 +85,11 @@ impl Command {
             Self::TwoSphere(args) => two_sphere::run(args, comm)?,
             Self::New(args) => new::run(args, comm)?,
             Self::Info(args) => info::run(args, comm)?,
-            Self::Completions { shell } if comm.is_first() => {
-                clap_complete::generate(*shell, &mut Args::command(), "fcm-solve", &mut std::io::stdout());
+            Self::Completions { shell } => {
+                let mut script = Vec::new();
+                clap_complete::generate(*shell, &mut Args::command(), "fcm-solve", &mut script);
+                streams::print(comm, &String::from_utf8_lossy(&script))?;
             }
-            Self::Completions { .. } => {}
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -3,6 +3,7 @@
 use crate::granular;
 use crate::machine::on_this_machine;
 use crate::run::read;
+use crate::streams;
 use crate::suspension::Outline;
 use domain::Comm;
 use io::Kind;
@@ -25,8 +26,5 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
         Kind::Suspension(scene) => Outline::of(scene, comm)?.to_string(),
         other => granular::outline(other),
     };
-    if comm.is_first() {
-        print!("{outline}");
-    }
-    Ok(())
+    streams::print(comm, &outline)
 }

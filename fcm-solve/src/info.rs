@@ -1,6 +1,7 @@
 //! `fcm-solve info`: what a result file holds.
 
 use crate::run::in_full;
+use crate::streams;
 use anyhow::{anyhow, ensure};
 use domain::Comm;
 use io::Contents;
@@ -19,19 +20,15 @@ pub struct Args {
 /// Describes the file.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let contents = if comm.is_first() { read(&args.file).map(Some) } else { Ok(None) };
-    if let Some(contents) = comm.agree(contents.map_err(|e| in_full(&e)))? {
-        if args.scene {
-            print!("{}", contents.scene);
-        } else {
-            print!("{contents}");
-        }
-        let path = args.file.display();
-        ensure!(
-            contents.damage.is_empty(),
-            "{path} is damaged: {}; restore it from a copy, or go on without that: stats leaves damaged frames out",
-            contents.damage.join("; ")
-        );
-    }
+    let contents = comm.agree(contents.map_err(|e| in_full(&e)))?;
+    let text = |contents: &Contents| if args.scene { contents.scene.clone() } else { contents.to_string() };
+    streams::print(comm, &contents.as_ref().map(text).unwrap_or_default())?;
+    let damage = contents.map(|contents| contents.damage.join("; ")).unwrap_or_default();
+    ensure!(
+        damage.is_empty(),
+        "{} is damaged: {damage}; restore it from a copy, or go on without that: stats leaves damaged frames out",
+        args.file.display()
+    );
     Ok(())
 }
 

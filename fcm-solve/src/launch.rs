@@ -1,7 +1,8 @@
 //! How the program was started: ranks, threads, and what to say when that went wrong.
 
+use crate::streams;
 use anyhow::Context;
-use domain::{Comm, CommError};
+use domain::{Comm, CommError, Launcher};
 use std::process::ExitCode;
 
 /// Lets others read the HDF5 files of a run while it goes on. Must come first of all.
@@ -23,38 +24,36 @@ pub fn keep_memory() {
 
 /// Says why the ranks could not be reached; once, where the launcher tells which process this is.
 pub fn refused(error: &CommError) -> ExitCode {
-    if number(&["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"]).unwrap_or(0) == 0 {
-        eprintln!("error: {error}");
+    failed(Launcher::of_this_process().is_first(), error)
+}
+
+/// Says why the program fails, on the first rank.
+pub fn failed(is_first: bool, error: &dyn std::fmt::Display) -> ExitCode {
+    if is_first {
+        streams::log(format_args!("error: {error:#}"));
+        streams::finish_log();
     }
     ExitCode::FAILURE
 }
 
 /// Prints help, or a mistake in the command line, once.
 pub fn explain(comm: &Comm, message: &clap::Error) -> ExitCode {
-    if comm.is_first() {
+    match if comm.is_first() { message.print() } else { Ok(()) } {
         // Nobody listens to a closed pipe, as in `fcm-solve --help | head`.
-        let _ = message.print();
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            failed(true, &format_args!("can't write what was asked for: {error}"))
+        }
+        _ => ExitCode::from(u8::try_from(message.exit_code()).unwrap_or(1)),
     }
-    ExitCode::from(u8::try_from(message.exit_code()).unwrap_or(1))
 }
 
-/// Starts the threads of this rank: as many as asked for, or this rank's share of the machine's cores.
-pub fn start_threads(asked: Option<u16>) -> anyhow::Result<()> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = asked.map_or_else(|| (cores / ranks_on_this_machine()).max(1), usize::from);
+/// Starts the threads of this rank: as many as asked for, or as there are cores for it. Collective.
+pub fn start_threads(asked: Option<u16>, comm: &Comm) -> anyhow::Result<()> {
+    let cores = comm.cores();
+    let threads = asked.map_or(cores, usize::from);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .use_current_thread()
         .build_global()
         .context("can't start the threads")
-}
-
-/// As the launchers of Open MPI, MPICH and Slurm announce it.
-fn ranks_on_this_machine() -> usize {
-    number(&["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"]).unwrap_or(1).max(1)
-}
-
-/// The first of these variables of the environment that is a number.
-fn number(names: &[&str]) -> Option<usize> {
-    names.iter().find_map(|name| std::env::var(name).ok()?.parse().ok())
 }

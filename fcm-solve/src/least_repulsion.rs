@@ -29,7 +29,8 @@ pub fn with_least_repulsion(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> 
     };
     let strength = least(repulsion.strength, suffices)?;
     if comm.is_first() {
-        eprintln!("repulsion  strength {:.5} keeps the spheres apart in a trial", Number(strength));
+        let strength = Number(strength);
+        crate::streams::log(format_args!("repulsion  strength {strength:.5} keeps the spheres apart in a trial"));
     }
     Ok(with(strength)?)
 }

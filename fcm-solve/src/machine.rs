@@ -3,6 +3,7 @@
 
 use crate::bench::{Case, Kind, Spheres, Task};
 use crate::run::in_full;
+use crate::streams;
 use anyhow::{Context, anyhow};
 use domain::Comm;
 use fcm::{Costs, Fixed, Seconds};
@@ -25,15 +26,13 @@ pub fn calibrate(comm: &Comm) -> anyhow::Result<()> {
     let costs = measured(&Comm::alone())?;
     let kept = if comm.is_first() { keep(costs) } else { Ok(PathBuf::new()) };
     let path = comm.agree(kept.map_err(|e| in_full(&e)))?;
-    if comm.is_first() {
-        let Costs { stencils, transforms, pairs } = costs;
-        println!(
-            "stencils   {stencils:.2}\ntransforms {transforms:.2}\npairs      {pairs:.2}\ntimes those of the machine that the \
-             planner was made on; kept in {}",
-            path.display()
-        );
-    }
-    Ok(())
+    let Costs { stencils, transforms, pairs } = costs;
+    let text = format!(
+        "stencils   {stencils:.2}\ntransforms {transforms:.2}\npairs      {pairs:.2}\ntimes those of the machine that the \
+         planner was made on; kept in {}\n",
+        path.display()
+    );
+    streams::print(comm, &text)
 }
 
 /// Medians over evaluations of two tolerances, over what the planner expects.

@@ -1,5 +1,8 @@
 //! Particles in viscous flow by the force-coupling method: the program.
 
+// These panic where a stream is full or closed; `streams` does not.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod args;
 mod bench;
 mod check;
@@ -25,31 +28,34 @@ mod signals;
 mod simulation;
 mod statistics;
 mod stats;
+mod stop;
+mod streams;
 mod suspension;
 mod two_sphere;
+mod walltime;
 
 use args::Args;
 use domain::Comm;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    walltime::starts_now();
     launch::leave_files_unlocked();
     launch::keep_memory();
-    let comm = match Comm::world() {
+    let args = Args::read();
+    let is_alone = args.as_ref().is_ok_and(|args| args.alone);
+    let comm = match if is_alone { Ok(Comm::alone()) } else { Comm::world() } {
         Ok(comm) => comm,
         Err(error) => return launch::refused(&error),
     };
-    let args = match Args::read() {
+    let args = match args {
         Ok(args) => args,
         Err(message) => return launch::explain(&comm, &message),
     };
-    match launch::start_threads(args.threads).and_then(|()| args.command.carry_out(&comm)) {
+    let code = match launch::start_threads(args.threads, &comm).and_then(|()| args.command.carry_out(&comm)) {
         Ok(code) => code,
-        Err(error) => {
-            if comm.is_first() {
-                eprintln!("error: {error:#}");
-            }
-            ExitCode::FAILURE
-        }
-    }
+        Err(error) => launch::failed(comm.is_first(), &error),
+    };
+    streams::finish_log();
+    code
 }

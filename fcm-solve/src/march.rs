@@ -2,26 +2,31 @@
 
 use crate::output::Recorder;
 use crate::progress::Progress;
+use crate::resume::resume_command;
 use crate::signals::Signals;
 use crate::simulation::Simulation;
+use crate::stop::Stop;
+use anyhow::bail;
 use std::process::ExitCode;
 
-/// Steps until step `last` or a signal, and records what is due. Collective.
-pub fn march(simulation: &mut dyn Simulation, recorder: &mut Recorder, last: u64) -> anyhow::Result<ExitCode> {
-    let signals = Signals::watch(simulation.comm())?;
-    simulation.listen(signals.heard());
+/// Steps until step `last` or a request to stop, and records what is due. Collective.
+pub fn march(
+    simulation: &mut dyn Simulation,
+    recorder: &mut Recorder,
+    last: u64,
+    signals: &Signals,
+) -> anyhow::Result<ExitCode> {
+    simulation.listen(signals.interrupt());
+    signals.run_begins(resume_command(recorder.folder(), None));
     let mut progress = Progress::start(simulation.comm(), simulation.clock(), last);
     progress.say(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
     recorder.record(simulation)?;
+    let first = simulation.clock().step();
     while simulation.clock().step() < last {
+        signals.checkpoint_took(recorder.longest_checkpoint());
         if let Some(stop) = signals.received() {
             recorder.checkpoint(simulation)?;
-            progress.say(&format!(
-                "stopped after step {} of {last}; go on with: fcm-solve resume {}",
-                simulation.clock().step(),
-                recorder.folder().display()
-            ));
-            return Ok(stop.exit_code());
+            return stopped(stop, [first, simulation.clock().step(), last], &progress, &signals.command());
         }
         let due = recorder.next_due(simulation.clock().step()).map_or(last, |due| due.min(last));
         simulation.advance(due)?;
@@ -38,4 +43,17 @@ pub fn march(simulation: &mut dyn Simulation, recorder: &mut Recorder, last: u64
         recorder.folder().display()
     ));
     Ok(ExitCode::SUCCESS)
+}
+
+/// A run that stops after step `now`. One that was given too little time for a single step would be started again and
+/// again for nothing, so that is an error.
+fn stopped(stop: Stop, [first, now, last]: [u64; 3], progress: &Progress, command: &str) -> anyhow::Result<ExitCode> {
+    if stop == Stop::TimeIsUp && now == first {
+        bail!(
+            "the run's time is too short for a single step and its checkpoint: it stands at step {now}; give it more time \
+             (--walltime, or the job's limit), or a smaller time.step"
+        );
+    }
+    progress.say(&format!("stopped after step {now} of {last} by {stop}; go on with: {command}"));
+    Ok(stop.into())
 }

@@ -1,8 +1,9 @@
 //! `fcm-solve mobility`: one evaluation for positions that the user brings.
 
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
-use crate::machine;
 use crate::number::tolerance;
+use crate::run::in_full;
+use crate::{machine, streams};
 use anyhow::Context;
 use domain::{Comm, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, Problem};
@@ -72,8 +73,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     record(&mut particles, &solved);
     let all = particles.gathered(&partition);
     let written = if comm.is_first() { write(args, &answer(all, &solved, &case, &plan, seconds)) } else { Ok(()) };
-    comm.agree(written)?;
-    Ok(())
+    Ok(comm.agree(written.map_err(|e| in_full(&e)))?)
 }
 
 fn read(path: &Path) -> Result<Case, io::FileError> {
@@ -192,10 +192,9 @@ fn answer(mut all: Particles, solved: &Solved, case: &Case, plan: &Plan, seconds
     }
 }
 
-fn write(args: &Args, answer: &Answer) -> Result<(), io::FileError> {
-    if let Some(path) = &args.out {
-        return answer.write(path);
+fn write(args: &Args, answer: &Answer) -> anyhow::Result<()> {
+    match &args.out {
+        Some(path) => Ok(answer.write(path)?),
+        None => streams::print_here(&answer.to_json()),
     }
-    print!("{}", answer.to_json());
-    Ok(())
 }

@@ -1,8 +1,8 @@
 //! `fcm-solve new`: scenes to start from.
 
+use crate::streams;
 use clap::ValueEnum;
 use domain::Comm;
-use std::io::Write;
 
 /// What to print.
 #[derive(clap::Args)]
@@ -52,10 +52,7 @@ impl Template {
 
 /// Prints the scene.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    if comm.is_first() {
-        std::io::stdout().write_all(args.kind.text().as_bytes())?;
-    }
-    Ok(())
+    streams::print(comm, args.kind.text())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! How far the preparation of a start is, for whoever waits.
 
+use crate::streams;
 use domain::Comm;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -38,7 +39,7 @@ impl Preparing {
         match &mut self.display {
             Display::Bar(bar) => bar.set_position(percent),
             Display::Lines { said } if said.elapsed() >= PAUSE => {
-                eprintln!("{}: {percent}%", self.what);
+                streams::log(format_args!("{}: {percent}%", self.what));
                 *said = Instant::now();
             }
             Display::Lines { .. } | Display::Nothing => {}

@@ -1,6 +1,7 @@
 //! How far a run is, for whoever waits.
 
 use crate::clock::Clock;
+use crate::streams;
 use domain::{Comm, Number};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -43,7 +44,8 @@ impl Progress {
                 bar.set_message(format!("time {:.6}, {pace}", Number(clock.time())));
             }
             Display::Lines { said } if said.elapsed() >= PAUSE || clock.step() == self.last => {
-                eprintln!("step {} of {}, time {:.6}, {pace}", clock.step(), self.last, Number(clock.time()));
+                let time = Number(clock.time());
+                streams::log(format_args!("step {} of {}, time {time:.6}, {pace}", clock.step(), self.last));
                 *said = Instant::now();
             }
             Display::Lines { .. } | Display::Nothing => {}
@@ -65,8 +67,8 @@ impl Progress {
     /// Says something beside the progress.
     pub fn say(&self, message: &str) {
         match &self.display {
-            Display::Bar(bar) => bar.suspend(|| eprintln!("{message}")),
-            Display::Lines { .. } => eprintln!("{message}"),
+            Display::Bar(bar) => bar.suspend(|| streams::log(message)),
+            Display::Lines { .. } => streams::log(message),
             Display::Nothing => {}
         }
     }

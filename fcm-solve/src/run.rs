@@ -1,14 +1,17 @@
-//! `fcm-solve run`: a scene from its start.
+//! `fcm-solve run`: a scene from its start, or from where it stands.
 
 use crate::least_repulsion::with_least_repulsion;
 use crate::machine::on_this_machine;
 use crate::march::march;
-use crate::output::{Folder, Recorder};
-use crate::{granular, simulation};
-use anyhow::Context;
+use crate::output::{Folder, Former, Recorder};
+use crate::resume::{go_on, latest, resume_command};
+use crate::signals::Signals;
+use crate::walltime::{self, Walltime};
+use crate::{granular, simulation, streams};
+use anyhow::{Context, ensure};
 use domain::Comm;
 use drivers::disks::Sweep;
-use io::{ContinuumScene, Kind, Scene};
+use io::{Checkpoint, ContinuumScene, Kind, Scene};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -26,23 +29,130 @@ pub struct Args {
     /// Replace the results of a former run in that folder
     #[arg(long)]
     force: bool,
+    /// Go on with the run in that folder, if there is one and it is not finished
+    #[arg(long = "continue", conflicts_with = "force")]
+    goes_on: bool,
+    /// Stop in time before so long has passed, as 23:50:00 or 1-12:00:00 [default: the end of the job, if Slurm says]
+    #[arg(long, value_name = "TIME", value_parser = walltime::parse)]
+    walltime: Option<Walltime>,
 }
 
 /// Runs the scene. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
-    let scene = on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
-    let scene = with_least_repulsion(scene, comm)?;
-    let folder = args.out.clone().or_else(|| scene.kind().folder().map(Path::to_owned));
-    let folder = folder.unwrap_or_else(|| default_folder(&args.scene));
-    let folder = comm.agree(Folder::claim(&folder, comm, args.force).map_err(|e| in_full(&e)))?;
+    let scene = read(&args.scene, &args.overrides, comm)?;
+    let path = args.folder(&scene);
+    let signals = Signals::watch(comm, args.command(&path), walltime::end(args.walltime));
+    let signals = comm.agree(signals)?;
+    let folder = comm.agree(Folder::claim(&path, comm, args.former()).map_err(|e| in_full(&e)))?;
+    if args.goes_on && folder.holds_run(comm) {
+        return start_or_go_on(scene, folder, comm, &signals);
+    }
+    start(scene, folder, comm, &signals)
+}
+
+/// A run from its start. Collective.
+fn start(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+    let scene = with_least_repulsion(on_this_machine(scene, comm)?, comm)?;
     if let Some(work) = Whole::of(&scene) {
         granular::on_one_rank(comm)?;
         folder.start_with(scene.text())?;
+        signals.go_on_with(resume_command(folder.path(), None));
         return work.carry_out(&scene, &folder, comm);
     }
     let mut started = simulation::start(&scene, comm)?;
     let mut recorder = Recorder::create(folder, &scene, &mut *started)?;
-    march(&mut *started, &mut recorder, scene.kind().steps())
+    march(&mut *started, &mut recorder, scene.kind().steps(), signals)
+}
+
+/// The run that a folder holds, on to the end that the scene has now. Collective.
+fn start_or_go_on(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+    let kept = read(&folder.scene(), &[], comm)?;
+    refuse_another(&scene, &kept, folder.path())?;
+    let end = scene.kind().steps();
+    if let Some(work) = Whole::of(&kept) {
+        return if folder.has(work.last_file(), comm) {
+            Ok(finished("", &folder, comm))
+        } else {
+            signals.go_on_with(resume_command(folder.path(), None));
+            work.carry_out(&kept, &folder, comm)
+        };
+    }
+    let has_checkpoint = if comm.is_first() { Checkpoint::is_in(folder.path()) } else { Ok(false) };
+    if !comm.any(comm.agree(has_checkpoint)?) {
+        return start(scene, folder, comm, signals);
+    }
+    let checkpoint = comm.agree(latest(&folder, comm))?;
+    if comm.any(checkpoint.as_ref().is_some_and(|checkpoint| checkpoint.step >= end)) {
+        return Ok(finished(&format!(" after step {end}"), &folder, comm));
+    }
+    let other_end = (end != kept.kind().steps()).then_some(end);
+    go_on(folder, checkpoint, other_end, (comm, signals))
+}
+
+fn finished(when: &str, folder: &Folder, comm: &Comm) -> ExitCode {
+    if comm.is_first() {
+        streams::log(format_args!("finished before{when}; results in {}", folder.path().display()));
+    }
+    ExitCode::SUCCESS
+}
+
+/// Refuses to go on with the run of another scene. Its end may be another, for that says only how far the run goes.
+fn refuse_another(scene: &Scene, kept: &Scene, folder: &Path) -> anyhow::Result<()> {
+    let says = |key: &str| scene.differences(kept).iter().any(|d| d.key.starts_with(key) && d.values[0].is_some());
+    let calibrates = matches!(scene.kind(), Kind::Suspension(s) if s.repulsion.is_some_and(|r| r.calibrate));
+    let may_differ = |key: &str| {
+        ["time.steps", "time.duration", "time.strain", "output.folder"].contains(&key)
+            || key.starts_with(COSTS) && !says(COSTS)
+            || calibrates && ["repulsion.strength", "repulsion.calibrate"].contains(&key)
+    };
+    let differences = scene.differences(kept).into_iter().filter(|d| !may_differ(&d.key));
+    let lines: Vec<String> = differences.map(|d| d.to_string()).collect();
+    ensure!(
+        lines.is_empty(),
+        "{} holds the run of another scene: {}{}; name another folder with --out, or replace that run with --force",
+        folder.display(),
+        lines[..lines.len().min(NAMED)].join(", "),
+        if lines.len() > NAMED { format!(", and {} more", lines.len() - NAMED) } else { String::new() }
+    );
+    Ok(())
+}
+
+/// What a run writes into its scene unless that has it: what evaluations cost on the machine where it started.
+const COSTS: &str = "hydrodynamics.costs";
+/// Differences that are named.
+const NAMED: usize = 5;
+
+impl Args {
+    fn folder(&self, scene: &Scene) -> PathBuf {
+        let named = self.out.clone().or_else(|| scene.kind().folder().map(Path::to_owned));
+        named.unwrap_or_else(|| default_folder(&self.scene))
+    }
+
+    fn former(&self) -> Former {
+        match (self.force, self.goes_on) {
+            (true, _) => Former::IsReplaced,
+            (_, true) => Former::GoesOn,
+            _ => Former::Stays,
+        }
+    }
+
+    /// What starts this run again, or goes on with it.
+    fn command(&self, folder: &Path) -> String {
+        let how = if self.force { "force" } else { "continue" };
+        let sets: String = self.overrides.iter().fold(String::new(), |sets, set| sets + " --set " + &quoted(set));
+        let [scene, folder] = [&self.scene, folder].map(|path| quoted(&path.display().to_string()));
+        format!("fcm-solve run {scene} --out {folder}{sets} --{how}")
+    }
+}
+
+/// A word as a shell takes it.
+pub fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./=+-:,@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
 }
 
 /// A scene that has no steps of its own to march through.
@@ -68,6 +178,14 @@ impl<'a> Whole<'a> {
         match self {
             Self::Continuum(problems) => granular::solve(problems, scene, folder.path(), comm),
             Self::Sweep(runs) => granular::sweep(runs, scene, folder.path(), comm),
+        }
+    }
+
+    /// The file that is written last.
+    fn last_file(&self) -> &'static str {
+        match self {
+            Self::Continuum(_) => "solution.h5",
+            Self::Sweep(_) => "sweep.h5",
         }
     }
 }
@@ -97,4 +215,17 @@ pub fn in_full(error: &anyhow::Error) -> String {
 
 fn default_folder(scene: &Path) -> PathBuf {
     Path::new("results").join(scene.file_stem().unwrap_or(scene.as_os_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_needs_it() {
+        assert_eq!(quoted("results/my-run_1.toml"), "results/my-run_1.toml");
+        assert_eq!(quoted("species[0].count=3"), "'species[0].count=3'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
+    }
 }

@@ -1,66 +1,194 @@
-//! Ctrl-C and the requests of queueing systems to stop.
+//! Requests to stop: Ctrl-C, the signals of queueing systems, and the end of the time that a run has.
 
-use domain::Comm;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use crate::stop::Stop;
+use crate::streams;
+use domain::{Comm, Interrupt};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
-/// Remembers a signal until the step is over. A second Ctrl-C ends the program at once; a second request to terminate
-/// does not, for launchers like to send several.
+/// All that stop a run alike.
+const SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU];
+
+/// Time that the end of a program takes besides its last checkpoint.
+const ENDING: Duration = Duration::from_secs(1);
+
+/// Who hears signals, from now until the program ends. What has nothing to save yet is left at once; a run is told, and
+/// stops when it can be gone on with. A second Ctrl-C ends either at once; a second request to terminate does not, for
+/// launchers like to send several.
 pub struct Signals {
-    heard: Heard,
+    requests: Arc<Requests>,
     comm: Comm,
 }
 
-/// What this process alone has heard, for any of its threads.
-#[derive(Clone)]
-pub struct Heard(Arc<AtomicUsize>);
+/// What this process has heard.
+struct Requests {
+    /// The number of the first [`Stop`]; 0 is none.
+    stop: AtomicU8,
+    /// Whether Ctrl-C was pressed before.
+    pressed: AtomicBool,
+    /// Whether there is a run, which looks here and saves its state.
+    has_run: AtomicBool,
+    /// When the run has to be over, and what it is known to take.
+    end: Option<Instant>,
+    pace: Mutex<Pace>,
+    is_first: bool,
+    /// The command that goes on.
+    command: Mutex<String>,
+}
 
-/// The signal that a run ends on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("stopped by signal {0}")]
-pub struct Stop(u8);
+/// What a run takes to stop.
+#[derive(Default)]
+struct Pace {
+    looked: Option<Instant>,
+    /// The longest time between two looks: an evaluation, or what is written between two.
+    pause: Duration,
+    /// The longest time for a checkpoint.
+    checkpoint: Duration,
+}
 
 impl Signals {
-    /// From now on.
-    pub fn watch(comm: &Comm) -> std::io::Result<Self> {
-        let received = Arc::new(AtomicUsize::new(0));
-        let again = Arc::new(AtomicBool::new(false));
-        signal_hook::flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, again.clone())?;
-        signal_hook::flag::register(SIGINT, again)?;
-        for signal in [SIGINT, SIGTERM] {
-            signal_hook::flag::register_usize(signal, received.clone(), signal as usize)?;
+    /// Listens from now on. `command` is what the user goes on with, and `end` when the run has to be over.
+    pub fn watch(comm: &Comm, command: String, end: Option<Instant>) -> std::io::Result<Self> {
+        let requests = Arc::new(Requests {
+            stop: AtomicU8::new(0),
+            pressed: AtomicBool::new(false),
+            has_run: AtomicBool::new(false),
+            end,
+            pace: Mutex::default(),
+            is_first: comm.is_first(),
+            command: Mutex::new(command),
+        });
+        let mut signals = signal_hook::iterator::Signals::new(heeded())?;
+        let listener = requests.clone();
+        let listen = move || signals.forever().for_each(|signal| listener.receive(Stop::Signal(signal as u8)));
+        std::thread::Builder::new().name("signals".to_owned()).spawn(listen)?;
+        if let Some(end) = end {
+            let timer = requests.clone();
+            let wait = move || {
+                std::thread::sleep(end.saturating_duration_since(Instant::now() + ENDING));
+                timer.receive(Stop::TimeIsUp);
+            };
+            std::thread::Builder::new().name("walltime".to_owned()).spawn(wait)?;
         }
-        Ok(Self { heard: Heard(received), comm: comm.clone() })
+        Ok(Self { requests, comm: comm.clone() })
     }
 
-    /// The signal that any rank has received. Collective.
+    /// Says that from now on there is a run to save, which looks for requests, and how the user goes on with it.
+    pub fn run_begins(&self, command: String) {
+        self.go_on_with(command);
+        self.requests.has_run.store(true, Ordering::SeqCst);
+        self.requests.pace().looked = None;
+    }
+
+    /// Whatever any rank is asked. Collective.
     pub fn received(&self) -> Option<Stop> {
-        let mut signal = [self.heard.0.load(Ordering::Relaxed) as f64];
-        self.comm.max(&mut signal);
-        (signal[0] > 0.0).then_some(Stop(signal[0] as u8))
+        let mut number = [f64::from(self.requests.look())];
+        self.comm.max(&mut number);
+        let stop = Stop::of_number(number[0] as u8)?;
+        self.requests.ask(stop);
+        Some(stop)
     }
 
-    /// What this process hears.
-    pub fn heard(&self) -> Heard {
-        self.heard.clone()
+    /// For computations to look at: whether this rank is asked to stop.
+    pub fn interrupt(&self) -> Interrupt {
+        let requests = self.requests.clone();
+        Interrupt::when(move || requests.look() != 0)
+    }
+
+    /// Notes how long a checkpoint took, so that there will be time for the last one.
+    pub fn checkpoint_took(&self, time: Duration) {
+        let mut pace = self.requests.pace();
+        pace.checkpoint = pace.checkpoint.max(time);
+    }
+
+    /// Says what the user goes on with from now on.
+    pub fn go_on_with(&self, command: String) {
+        *self.requests.command() = command;
+    }
+
+    /// The command that the user goes on with.
+    pub fn command(&self) -> String {
+        self.requests.command().clone()
     }
 }
 
-impl Heard {
-    /// `Err` once a signal has been received.
-    pub fn none(&self) -> Result<(), Stop> {
-        match self.0.load(Ordering::Relaxed) {
-            0 => Ok(()),
-            signal => Err(Stop(signal as u8)),
+impl Requests {
+    /// The number of what is asked, 0 for nothing. Asks to stop itself when there is just time enough left for what a
+    /// stop takes.
+    fn look(&self) -> u8 {
+        if let Some(end) = self.end {
+            let now = Instant::now();
+            if now + self.pace().look(now) >= end {
+                self.ask(Stop::TimeIsUp);
+            }
+        }
+        self.stop.load(Ordering::SeqCst)
+    }
+
+    /// The first request counts.
+    fn ask(&self, stop: Stop) {
+        let _ = self.stop.compare_exchange(0, stop.number(), Ordering::SeqCst, Ordering::SeqCst);
+    }
+
+    fn receive(&self, stop: Stop) {
+        self.ask(stop);
+        let is_second = stop == Stop::Signal(SIGINT as u8) && self.pressed.swap(true, Ordering::SeqCst);
+        if is_second || !self.has_run.load(Ordering::SeqCst) {
+            self.leave(stop);
         }
     }
+
+    /// Ends the program as it is; its files are whole at any time.
+    fn leave(&self, stop: Stop) -> ! {
+        if self.is_first {
+            streams::log(format_args!("stopped by {stop}; go on with: {}", self.command()));
+            streams::finish_log();
+        }
+        signal_hook::low_level::exit(i32::from(stop.exit_code()))
+    }
+
+    fn pace(&self) -> MutexGuard<'_, Pace> {
+        self.pace.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn command(&self) -> MutexGuard<'_, String> {
+        self.command.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
-impl Stop {
-    /// What a shell expects of a program that a signal stopped.
-    pub fn exit_code(self) -> ExitCode {
-        ExitCode::from(128 + self.0)
+impl Pace {
+    /// Takes note of a look, and says how long a stop may take from here: until the next look, and two checkpoints, for
+    /// a file system may be busy when many jobs end.
+    fn look(&mut self, now: Instant) -> Duration {
+        if let Some(before) = self.looked.replace(now) {
+            self.pause = self.pause.max(now - before);
+        }
+        self.pause + 2 * self.checkpoint + ENDING
+    }
+}
+
+/// The signals that whoever started the program did not tell it to ignore, as `nohup` does with SIGHUP and shells with
+/// the SIGINT of what runs in the background.
+fn heeded() -> Vec<i32> {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    let is_ignored = |signal: i32| mask.unwrap_or(0) >> (signal - 1) & 1 == 1;
+    SIGNALS.into_iter().filter(|&signal| !is_ignored(signal)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run looks every 3 s and takes 2 s for a checkpoint.
+    #[test]
+    fn a_stop_is_given_the_time_that_it_takes() {
+        let (start, mut pace) = (Instant::now(), Pace::default());
+        assert_eq!(pace.look(start), ENDING);
+        assert_eq!(pace.look(start + Duration::from_secs(3)), ENDING + Duration::from_secs(3));
+        pace.checkpoint = Duration::from_secs(2);
+        assert_eq!(pace.look(start + Duration::from_secs(4)), ENDING + Duration::from_secs(7));
     }
 }

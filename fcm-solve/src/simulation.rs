@@ -2,10 +2,9 @@
 
 use crate::clock::Clock;
 use crate::granular::{CellRun, DiskRun};
-use crate::signals::Heard;
 use crate::suspension::Observed;
 use anyhow::bail;
-use domain::Comm;
+use domain::{Comm, Interrupt};
 use io::{Checkpoint, FileError, Frame, Kind, Provenance, Quantity, Scene};
 use std::path::Path;
 
@@ -20,9 +19,9 @@ pub trait Simulation {
     /// How it is computed, in words.
     fn plan(&mut self) -> String;
 
-    /// Tells it where to look for signals. One whose steps may be long looks there within a step, and returns from
+    /// Tells it where to look for requests to stop. One whose steps may be long looks there within a step, and returns from
     /// [`Self::advance`] where that step began.
-    fn listen(&mut self, _heard: Heard) {}
+    fn listen(&mut self, _interrupt: Interrupt) {}
 
     /// Takes a step, or as many as take no time worth speaking of, none of them beyond step `last`. `Err` on every rank
     /// or on none.

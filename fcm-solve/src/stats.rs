@@ -3,6 +3,7 @@
 use crate::number::{finite, positive};
 use crate::run::in_full;
 use crate::statistics::Statistics;
+use crate::streams;
 use anyhow::{Context, bail, ensure};
 use domain::Comm;
 use io::{Kind, Provenance, Recorded, Scene, Table, write_tables};
@@ -72,9 +73,7 @@ fn take(args: &Args) -> anyhow::Result<()> {
         seed: suspension.seed,
     };
     write_tables(&out, "statistics", &provenance, &statistics.tables()).context("the statistics are lost")?;
-    print!("{}", in_columns(&statistics.summary()));
-    println!("tables     {}", out.display());
-    Ok(())
+    streams::print_here(&format!("{}tables     {}\n", in_columns(&statistics.summary()), out.display()))
 }
 
 /// The summary for reading: quantity, species, value and error.

@@ -1,5 +1,6 @@
 //! `fcm-solve two-sphere`: the exact resistance functions of two spheres.
 
+use crate::streams;
 use domain::Comm;
 use lubrication::two_sphere::{TwoSphere, named};
 use serde_json::{Map, Value};
@@ -23,17 +24,12 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let functions = TwoSphere::with_ratio(args.ratio).and_then(|table| table.resistance(args.gap));
     let values = named(&comm.agree(functions)?);
-    if !comm.is_first() {
-        return Ok(());
-    }
-    if args.json {
+    let text = if args.json {
         let object: Map<String, Value> =
             values.into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect();
-        println!("{}", Value::Object(object));
+        format!("{}\n", Value::Object(object))
     } else {
-        for (name, value) in values {
-            println!("{name}  {value:+.10e}");
-        }
-    }
-    Ok(())
+        values.into_iter().map(|(name, value)| format!("{name}  {value:+.10e}\n")).collect()
+    };
+    streams::print(comm, &text)
 }

@@ -1,6 +1,6 @@
 //! Preconditioned conjugate gradients on unknowns shared out among ranks.
 
-use domain::{Comm, Traceless};
+use domain::{Comm, Interrupt, Traceless};
 
 /// A list of unknowns, of which each rank holds its own part.
 pub trait Unknowns: Clone {
@@ -45,15 +45,19 @@ pub struct Outcome {
     pub residual: f64,
     /// Whether that is at most what was asked for.
     pub converged: bool,
+    /// Whether the iteration ended before that since some rank was asked to stop.
+    pub interrupted: bool,
 }
 
 /// When to stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+#[derive(Clone, Copy)]
+pub struct Limits<'a> {
     /// Largest error allowed, `(r . P^-1 r / x . P x)^(1/2)`.
     pub tolerance: f64,
     /// Most applications of the matrix.
     pub iterations: usize,
+    /// Looked at after each of them.
+    pub interrupt: &'a Interrupt,
 }
 
 /// Solves `A x = b` from the starting point in `x`, whose residual `b - A x` is given and left behind as it is at the
@@ -62,18 +66,19 @@ pub struct Limits {
 /// Directions are made conjugate by the rule of Polak and Ribière, which bears a preconditioner that is itself an
 /// iteration (Golub & Ye 1999). It stops when the error that the preconditioned residual estimates is small against
 /// `x`, both in the energy norm of the preconditioner; or, not converged, when `r . P^-1 r` is below zero and the
-/// preconditioner can't be made more exact.
+/// preconditioner can't be made more exact, or when any rank is asked to stop.
 pub fn conjugate_gradients<S: System>(
     comm: &Comm,
     system: &mut S,
     (x, residual): (&mut S::Unknowns, &mut S::Unknowns),
-    limits: Limits,
+    limits: Limits<'_>,
 ) -> Outcome {
-    let small = |sums: [f64; 3]| sums[0].abs() <= limits.tolerance * limits.tolerance * sums[1] || sums[0] == 0.0;
-    let (mut z, mut sums) = precondition(comm, system, (x, residual), None);
+    let small = |sums: [f64; 4]| sums[0].abs() <= limits.tolerance * limits.tolerance * sums[1] || sums[0] == 0.0;
+    let (mut z, mut sums) = precondition(comm, system, (x, residual, limits.interrupt), None);
     let mut direction = z.clone();
     let mut iterations = 0;
-    while !small(sums) && iterations < limits.iterations && sums[0].is_finite() && sums[0] > 0.0 {
+    let goes_on = |sums: [f64; 4]| sums[0].is_finite() && sums[0] > 0.0 && sums[3] == 0.0;
+    while !small(sums) && iterations < limits.iterations && goes_on(sums) {
         let image = system.apply(&direction);
         iterations += 1;
         let mut curvature = [direction.dot(&image)];
@@ -84,27 +89,29 @@ pub fn conjugate_gradients<S: System>(
         x.add(length, &direction);
         residual.add(-length, &image);
         let before = sums[0];
-        let (mut next, now) = precondition(comm, system, (x, residual), Some(&z));
+        let (mut next, now) = precondition(comm, system, (x, residual, limits.interrupt), Some(&z));
         (sums, z) = (now, next.clone());
         next.add((sums[0] - sums[2]) / before, &direction);
         direction = next;
     }
     // Not a number stays none, whatever it is measured against.
     let residual = if sums[0] == 0.0 { 0.0 } else { (sums[0] / sums[1]).abs().sqrt() };
-    Outcome { iterations, residual, converged: small(sums) }
+    let converged = small(sums);
+    Outcome { iterations, residual, converged, interrupted: !converged && sums[3] > 0.0 }
 }
 
-/// `z = P^-1 r`, as exact as `r . z` above zero needs, and the sums `r . z`, `x . P x` and `r` times the former `z`.
-/// Collective.
+/// `z = P^-1 r`, as exact as `r . z` above zero needs, and the sums `r . z`, `x . P x`, `r` times the former `z`, and
+/// the number of ranks that are asked to stop. Collective.
 fn precondition<S: System>(
     comm: &Comm,
     system: &mut S,
-    (x, residual): (&S::Unknowns, &S::Unknowns),
+    (x, residual, interrupt): (&S::Unknowns, &S::Unknowns, &Interrupt),
     former: Option<&S::Unknowns>,
-) -> (S::Unknowns, [f64; 3]) {
+) -> (S::Unknowns, [f64; 4]) {
     loop {
         let z = system.precondition(residual);
-        let mut sums = [residual.dot(&z), system.size(x), former.map_or(0.0, |former| residual.dot(former))];
+        let asked = f64::from(u8::from(interrupt.is_requested()));
+        let mut sums = [residual.dot(&z), system.size(x), former.map_or(0.0, |former| residual.dot(former)), asked];
         comm.sum(&mut sums);
         if sums[0] >= 0.0 || sums[0].is_nan() || !system.sharpen() {
             return (z, sums);
@@ -127,6 +134,7 @@ impl Unknowns for Vec<Traceless> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     impl Unknowns for [f64; 2] {
         fn dot(&self, other: &Self) -> f64 {
@@ -171,7 +179,7 @@ mod tests {
 
     fn solved(left: usize, can: usize) -> ([f64; 2], Outcome) {
         let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
-        let limits = Limits { tolerance: 1e-12, iterations: 10 };
+        let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
         let outcome = conjugate_gradients(&Comm::alone(), &mut Wrong { left, can }, (&mut x, &mut residual), limits);
         (x, outcome)
     }
@@ -188,6 +196,30 @@ mod tests {
     #[test]
     fn one_that_stays_so_ends_the_solve_with_its_residual() {
         let (x, outcome) = solved(3, 1);
-        assert_eq!((x, outcome), ([1.0, 0.0], Outcome { iterations: 0, residual: 68_f64.sqrt(), converged: false }));
+        assert_eq!(
+            (x, outcome),
+            ([1.0, 0.0], Outcome { iterations: 0, residual: 68_f64.sqrt(), converged: false, interrupted: false })
+        );
+    }
+
+    /// The last rank alone is asked to stop, after a number of looks.
+    #[test]
+    fn one_rank_that_is_asked_to_stop_stops_all() {
+        for looks in 0..3 {
+            let outcomes = Comm::threads(3, |comm| {
+                let left = AtomicUsize::new(looks);
+                let last = comm.rank() == 2;
+                let one_less = move || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1));
+                let asked = move || last && one_less().is_err();
+                let interrupt = Interrupt::when(asked);
+                let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &interrupt };
+                let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
+                conjugate_gradients(&comm, &mut Wrong { left: 0, can: 0 }, (&mut x, &mut residual), limits)
+            });
+            for outcome in outcomes {
+                assert_eq!((outcome.interrupted, outcome.converged), (looks < 2, looks == 2), "{outcome:?}");
+                assert_eq!(outcome.iterations, looks);
+            }
+        }
     }
 }

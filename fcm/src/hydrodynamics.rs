@@ -6,7 +6,7 @@ use crate::mobility::{Evaluation, Mobility};
 use crate::plan::Plan;
 use crate::problem::Multipoles;
 use crate::work::Work;
-use domain::{Comm, Particles, Partition, PeriodicBox, Traceless};
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless};
 use std::f64::consts::PI;
 
 /// A solve that did not end well; known to all ranks.
@@ -28,6 +28,9 @@ pub enum SolveError {
     /// Positions or loads are not numbers.
     #[error("the motion of the particles is not finite; look for non-finite forces, or for particles at one point")]
     NotFinite,
+    /// Some rank was asked to stop.
+    #[error("the solve was interrupted")]
+    Interrupted(#[from] Interrupted),
 }
 
 /// The motions of rigid spheres and what was needed to find them.
@@ -52,6 +55,7 @@ pub struct Solved {
 pub struct Hydrodynamics {
     mobility: Mobility,
     comm: Comm,
+    interrupt: Interrupt,
 }
 
 /// Stresslet iterations after which a solve has failed.
@@ -60,7 +64,18 @@ const MOST_ITERATIONS: usize = 500;
 impl Hydrodynamics {
     /// Prepares what `plan` decided, for ranks that share out the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
-        Self { mobility: Mobility::new(plan, partition), comm: partition.comm().clone() }
+        let (mobility, comm) = (Mobility::new(plan, partition), partition.comm().clone());
+        Self { mobility, comm, interrupt: Interrupt::NEVER }
+    }
+
+    /// Looks at this interrupt at each evaluation of a solve from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.interrupt = interrupt;
+    }
+
+    /// What it looks at.
+    pub fn interrupt(&self) -> &Interrupt {
+        &self.interrupt
     }
 
     /// The mobility, for its fields and its record of work.
@@ -116,10 +131,14 @@ impl Hydrodynamics {
         let mut residual: Vec<_> = motion.strain_rates.iter().map(|&e| -(e + background)).collect();
         let viscosity = self.mobility.plan().viscosity;
         let diagonal: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
-        let limits = Limits { tolerance: self.mobility.plan().iteration_tolerance, iterations: MOST_ITERATIONS };
+        let tolerance = self.mobility.plan().iteration_tolerance;
+        let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &self.interrupt };
         let mut strain = Strain { mobility: &mut self.mobility, diagonal, motion, step: Motion::default() };
         let outcome = conjugate_gradients(&self.comm, &mut strain, (&mut resistances, &mut residual), limits);
         let motion = strain.motion;
+        if outcome.interrupted {
+            return Err(Interrupted.into());
+        }
         if !outcome.residual.is_finite() {
             return Err(SolveError::NotFinite);
         }

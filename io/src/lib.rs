@@ -30,9 +30,9 @@ pub use placed::Placed;
 pub use provenance::Provenance;
 pub use recorded::Recorded;
 pub use scene::{
-    Adaptive, Axis, ContinuumScene, Evaluation, Flow, GranularDisksScene, Hydrodynamics, Integrator, Kind, Lattice,
-    Multipoles, Output, Repulsion, Scene, SceneError, ShearCellScene, Species, Start, Statistics, SuspensionScene,
-    Time,
+    Adaptive, Axis, ContinuumScene, Difference, Evaluation, Flow, GranularDisksScene, Hydrodynamics, Integrator, Kind,
+    Lattice, Multipoles, Output, Repulsion, Scene, SceneError, ShearCellScene, Species, Start, Statistics,
+    SuspensionScene, Time,
 };
 pub use schedule::Schedule;
 pub use series::{Quantity, Series};

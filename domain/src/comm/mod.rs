@@ -1,7 +1,9 @@
 //! The ranks. Nothing outside this folder knows what a rank is made of: a lone process, a thread of a test, or a
 //! process under `mpirun`.
 
+mod cores;
 mod failure;
+mod launcher;
 #[cfg(all(feature = "mpi", target_os = "linux"))]
 mod mapped;
 mod threads;
@@ -20,6 +22,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use failure::Failure;
+use launcher::Job;
+pub use launcher::Launcher;
 use window::Segment;
 pub use window::Window;
 
@@ -28,17 +32,31 @@ pub use window::Window;
 pub enum CommError {
     /// The launcher started several processes, the program was built for one.
     #[error(
-        "a launcher started {found} processes, but this program was built without MPI and every one of them would \
-         run the whole scene; build with `cargo build --release --features mpi` or run without mpirun"
+        "a launcher started {} processes, but this program was built without MPI and every one of them would \
+         run the whole scene; build with `cargo build --release --features mpi`, run without mpirun or srun, or say by \
+         --alone that each is a run of its own",
+         found.map_or_else(|| "several".to_owned(), |found| found.to_string())
     )]
     BuiltWithout {
-        /// Processes that the launcher announced.
-        found: usize,
+        /// Processes that the launcher announced, if it said how many.
+        found: Option<usize>,
+    },
+    /// Slurm started several processes that cannot find each other.
+    #[error(
+        "srun started {launched} processes that can't find each other, and every one of them would run the whole scene; \
+         start them by `srun --mpi=pmix` if the program was built with Open MPI, `srun --mpi=pmi2` with MPICH or Intel \
+         MPI (`srun --mpi=list` names what this Slurm has), or by mpirun in the job; or say by --alone that each is a run \
+         of its own"
+    )]
+    Unconnected {
+        /// Processes that Slurm announced.
+        launched: usize,
     },
     /// The launcher and the library are of different makes.
     #[error(
         "the launcher started {launched} processes, but the MPI library sees {seen}: the program was built for \
-         another MPI than the one that runs it; build it again with this machine's mpicc first in PATH"
+         another MPI than the one that runs it; build it again with this machine's mpicc first in PATH, or start it by \
+         that MPI's own mpirun"
     )]
     WrongLauncher {
         /// Processes that the launcher announced.
@@ -79,9 +97,11 @@ impl Comm {
 
     /// All the processes that a launcher such as `mpirun` started, or one rank alone without a launcher.
     pub fn world() -> Result<Self, CommError> {
-        match launched() {
-            None => Ok(Self::alone()),
-            Some(ranks) => processes::Rank::world(ranks).map(|rank| Self::of(Backend::Processes(rank))),
+        let launcher = Launcher::of_this_process();
+        match launcher.job {
+            Job::Alone => Ok(Self::alone()),
+            Job::Of(1) if cfg!(not(feature = "mpi")) => Ok(Self::alone()),
+            _ => processes::Rank::world(&launcher).map(|rank| Self::of(Backend::Processes(rank))),
         }
     }
 
@@ -297,11 +317,6 @@ fn consecutive(counts: &[usize]) -> Vec<Range<usize>> {
         start..end
     };
     counts.iter().map(range).collect()
-}
-
-/// How many processes the launcher of this one says that it started.
-fn launched() -> Option<usize> {
-    ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE"].iter().find_map(|name| std::env::var(name).ok()?.parse().ok())
 }
 
 #[cfg(test)]

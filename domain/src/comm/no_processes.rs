@@ -1,7 +1,7 @@
 //! Stands for the processes of a launcher in a program that was built without MPI: there are none.
 
 use super::window::Segment;
-use super::{Comm, CommError};
+use super::{Comm, CommError, Job, Launcher};
 use bytemuck::Pod;
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,8 +11,9 @@ use std::sync::Arc;
 pub(super) enum Rank {}
 
 impl Rank {
-    pub(super) fn world(launched: usize) -> Result<Self, CommError> {
-        Err(CommError::BuiltWithout { found: launched })
+    pub(super) fn world(launcher: &Launcher) -> Result<Self, CommError> {
+        let Job::Of(found) = launcher.job else { return Err(CommError::BuiltWithout { found: None }) };
+        Err(CommError::BuiltWithout { found: Some(found) })
     }
 
     pub(super) fn rank(&self) -> usize {

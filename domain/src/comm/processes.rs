@@ -1,13 +1,14 @@
 //! Ranks that are processes under a launcher such as `mpirun`: the one place that speaks MPI.
 
 use super::window::Segment;
-use super::{Comm, CommError};
+use super::{Comm, CommError, Job, Launcher};
 use bytemuck::Pod;
 use mpi::Threading;
 use mpi::datatype::{Equivalence, Partition, PartitionMut};
 use mpi::environment::Universe;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives};
+use std::io::Write as _;
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -20,16 +21,25 @@ pub(super) struct Rank {
 }
 
 impl Rank {
-    pub(super) fn world(launched: usize) -> Result<Self, CommError> {
+    pub(super) fn world(launcher: &Launcher) -> Result<Self, CommError> {
+        let disagree = |seen| match launcher.job {
+            Job::Of(launched) if launched != seen && launcher.connects => {
+                Err(CommError::WrongLauncher { launched, seen })
+            }
+            Job::Of(launched) if launched != seen => Err(CommError::Unconnected { launched }),
+            _ => Ok(()),
+        };
+        // Open MPI would end the program here with a page of its own; others go on, each process alone.
+        if !launcher.connects && mpi::environment::library_version().is_ok_and(|name| name.contains("Open MPI")) {
+            disagree(1)?;
+        }
         let (universe, granted) =
             mpi::initialize_with_threading(Threading::Funneled).expect("the ranks are asked for once");
         if granted < Threading::Funneled {
             return Err(CommError::NoThreads);
         }
         let world = universe.world();
-        if world.size() as usize != launched {
-            return Err(CommError::WrongLauncher { launched, seen: world.size() as usize });
-        }
+        disagree(world.size() as usize)?;
         abort_all_on_panic(world.rank());
         Ok(Self { communicator: Rc::new(world), universe: Rc::new(universe) })
     }
@@ -117,7 +127,9 @@ fn counts_and_starts(ranges: &[Range<usize>], words: usize) -> (Vec<i32>, Vec<i3
 fn abort_all_on_panic(rank: i32) {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
-        eprintln!("rank {rank} met a fault of the program itself and ends the run on all ranks; please report:");
+        let message = "met a fault of the program itself and ends the run on all ranks; please report:";
+        // Whether anybody reads it or not.
+        let _ = writeln!(std::io::stderr(), "rank {rank} {message}");
         print(info);
         SimpleCommunicator::world().abort(101);
     }));

@@ -3,8 +3,8 @@
 mod measure;
 mod spheres;
 
-use crate::machine;
 use crate::number::{fraction, ratio, tolerance};
+use crate::{machine, streams};
 use clap::ValueEnum;
 use domain::Comm;
 use fcm::{Costs, Fixed, MethodName};
@@ -96,9 +96,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {
             let measured = args.task(tolerance, costs).measure(&spheres, comm)?;
-            if comm.is_first() {
-                println!("{}", serde_json::to_string(&Line { case, measured })?);
-            }
+            streams::print(comm, &(serde_json::to_string(&Line { case, measured })? + "\n"))?;
         }
     }
     Ok(())

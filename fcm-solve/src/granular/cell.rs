@@ -4,10 +4,9 @@ use super::cell_tables::{WALLS, tables};
 use super::{on_one_rank, outline};
 use crate::clock::Clock;
 use crate::preparing::Preparing;
-use crate::signals::Heard;
 use crate::simulation::Simulation;
 use anyhow::ensure;
-use domain::{Comm, Number, PeriodicBox, Vector};
+use domain::{Comm, Interrupt, Number, PeriodicBox, Vector};
 use drivers::shear_cell::{Grains, Model, Run, Sample, Side};
 use io::{Checkpoint, FileError, Frame, Provenance, Quantity, ShearCellScene, write_tables};
 use std::path::Path;
@@ -20,7 +19,7 @@ pub struct CellRun {
     settle: u64,
     sample: Option<Sample>,
     plan: String,
-    heard: Option<Heard>,
+    interrupt: Interrupt,
     comm: Comm,
 }
 
@@ -55,7 +54,7 @@ impl CellRun {
             settle: scene.settle,
             sample: None,
             plan,
-            heard: None,
+            interrupt: Interrupt::NEVER,
             comm: comm.clone(),
         }
     }
@@ -74,15 +73,15 @@ impl Simulation for CellRun {
         self.plan.clone()
     }
 
-    fn listen(&mut self, heard: Heard) {
-        self.heard = Some(heard);
+    fn listen(&mut self, interrupt: Interrupt) {
+        self.interrupt = interrupt;
     }
 
     /// Takes one step. The engine starts anew after each, as it does from a checkpoint, so that a run is the same
     /// wherever it was interrupted; a step in which a signal comes is not taken.
     fn advance(&mut self, _last: u64) -> anyhow::Result<()> {
         let before = *self.run.engine().tally();
-        let go_on = || self.heard.as_ref().is_none_or(|heard| heard.none().is_ok());
+        let go_on = || !self.interrupt.is_requested();
         let is_settling = self.clock.step() < self.settle;
         let take = if is_settling { Run::settle } else { Run::measure };
         let is_taken = take(&mut self.run, self.clock.dt(), &go_on);

@@ -2,6 +2,7 @@
 
 use super::outline;
 use crate::output::provenance;
+use crate::streams;
 use anyhow::Context;
 use domain::{Comm, Number};
 use drivers::continuum::{Point, Problem, Solution};
@@ -25,7 +26,7 @@ pub fn solve(problems: &ContinuumScene, scene: &Scene, folder: &Path, comm: &Com
     }
     let provenance = provenance(scene, outline::continuum(problems), comm);
     write_tables(folder, "solution", &provenance, &[summary, profile])?;
-    eprintln!("finished; results in {}", folder.display());
+    streams::log(format_args!("finished; results in {}", folder.display()));
     failure.map_or(Ok(ExitCode::SUCCESS), Err)
 }
 
@@ -35,15 +36,15 @@ fn title(problem: &Problem) -> String {
 }
 
 fn report(problem: &Problem, solution: &Solution) {
-    eprintln!(
+    streams::log(format_args!(
         "{}: mean solid fraction {:.4}, slip {:.4} of the speed, shear stress {:.5}",
         title(problem),
         Number(solution.mean_solid_fraction()),
         Number(solution.slip() / problem.parameters().speed),
         Number(solution.shear_stress())
-    );
+    ));
     if let Some(notice) = solution.notice() {
-        eprintln!("warning: {notice}");
+        streams::log(format_args!("warning: {notice}"));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Who keeps the runs of a sweep, so that none is made twice.
 
-use crate::signals::Heard;
+use crate::streams;
 use anyhow::{Context, ensure};
 use domain::Number;
 use drivers::disks::{Case, Keeper, Record};
@@ -11,7 +11,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Keeps each run's records in a file of the folder `cases`.
 pub struct Cases {
     folder: PathBuf,
-    heard: Heard,
     count: usize,
     done: AtomicUsize,
 }
@@ -28,10 +27,10 @@ fn name(case: &Case) -> [f64; 4] {
 
 impl Cases {
     /// Those of a run's folder, `count` in all.
-    pub fn of(folder: &Path, heard: Heard, count: usize) -> anyhow::Result<Self> {
+    pub fn of(folder: &Path, count: usize) -> anyhow::Result<Self> {
         let folder = folder.join("cases");
         std::fs::create_dir_all(&folder).with_context(|| format!("can't make the folder {}", folder.display()))?;
-        Ok(Self { folder, heard, count, done: AtomicUsize::new(0) })
+        Ok(Self { folder, count, done: AtomicUsize::new(0) })
     }
 
     fn path(&self, case: &Case) -> PathBuf {
@@ -43,7 +42,7 @@ impl Cases {
         let Case { seed, viscosity, rate, area_fraction, .. } = case;
         let [viscosity, rate, area_fraction] = [viscosity, rate, area_fraction].map(|&value| Number(value));
         let run = format!("seed {seed}, viscosity {viscosity}, rate {rate}, area fraction {area_fraction}");
-        eprintln!("run {done} of {}: {run}{what}", self.count);
+        streams::log(format_args!("run {done} of {}: {run}{what}", self.count));
     }
 }
 
@@ -74,9 +73,5 @@ impl Keeper for Cases {
         replace_file(&self.path(case), table.to_csv().as_bytes())?;
         self.say(case, "");
         Ok(())
-    }
-
-    fn go_on(&self) -> anyhow::Result<()> {
-        Ok(self.heard.none()?)
     }
 }

@@ -2,34 +2,23 @@
 
 use super::{keeper::Cases, outline};
 use crate::output::provenance;
-use crate::signals::{Signals, Stop};
+use crate::streams;
 use domain::Comm;
 use drivers::disks::{Branch, Record, Sweep, estimated_free_path};
 use io::{Scene, Table, write_tables};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Makes the runs that are left to make, several at a time, and writes the averages.
+/// Makes the runs that are left to make, several at a time, and writes the averages. A signal ends the program at once:
+/// runs that are made are kept.
 pub fn sweep(sweep: &Sweep, scene: &Scene, folder: &Path, comm: &Comm) -> anyhow::Result<ExitCode> {
-    let signals = Signals::watch(comm)?;
     let plan = outline::cases(sweep);
-    eprintln!("{plan}results    {}", folder.display());
-    let cases = Cases::of(folder, signals.heard(), sweep.cases().len())?;
-    let runs = match sweep.run(&cases) {
-        Ok(runs) => runs,
-        Err(error) => return stopped(error, folder),
-    };
+    streams::log(format_args!("{plan}results    {}", folder.display()));
+    let runs = sweep.run(&Cases::of(folder, sweep.cases().len())?)?;
     let branches = sweep.branches(&runs)?;
     write_tables(folder, "sweep", &provenance(scene, plan, comm), &[averages(&branches), summary(&branches)])?;
-    eprintln!("finished; results in {}", folder.display());
+    streams::log(format_args!("finished; results in {}", folder.display()));
     Ok(ExitCode::SUCCESS)
-}
-
-/// A signal is no error.
-fn stopped(error: anyhow::Error, folder: &Path) -> anyhow::Result<ExitCode> {
-    let stop: Stop = error.downcast()?;
-    eprintln!("stopped; go on with: fcm-solve resume {}", folder.display());
-    Ok(stop.exit_code())
 }
 
 /// What a branch is of.

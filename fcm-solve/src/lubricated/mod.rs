@@ -8,7 +8,7 @@ mod screw;
 mod stiffness;
 
 use coupled::{Coupled, PairsAndMoments};
-use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Limits, Loads, Mobility, Motion, Plan, SolveError, Unknowns, conjugate_gradients};
 use lubrication::{PairFactor, PairForce, PairForceError, Range};
 use near_pairs::NearPairs;
@@ -78,6 +78,16 @@ impl Hydrodynamics {
         self.far.mobility()
     }
 
+    /// Looks at this interrupt at each evaluation of a solve from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.far.listen(interrupt);
+    }
+
+    /// What it looks at.
+    pub fn interrupt(&self) -> &Interrupt {
+        self.far.interrupt()
+    }
+
     /// The motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`;
     /// `loads.stresslets` are ignored and solved for. Where no pair is near, this is the far field alone. Collective;
     /// an error is an error on all ranks.
@@ -92,10 +102,12 @@ impl Hydrodynamics {
         if let Some((force, stiffness)) = &self.lubrication {
             let near = NearPairs::find((force, stiffness), particles, cell, &self.partition);
             if self.partition.comm().any(!near.list().is_empty()) {
+                let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
                 mobility.arrange(cell, particles);
                 let parts = (mobility, &near, self.preconditioned);
-                return lubricated(self.partition.comm(), parts, &particles.radii, (loads, background), guess);
+                let group = (self.partition.comm(), &interrupt);
+                return lubricated(group, parts, &particles.radii, (loads, background), guess);
             }
         }
         let solved = self.far.solve(cell, particles, loads, background, &guess.stresslets_far)?;
@@ -106,14 +118,14 @@ impl Hydrodynamics {
 }
 
 fn lubricated(
-    comm: &Comm,
+    (comm, interrupt): (&Comm, &Interrupt),
     (mobility, near, preconditioned): (&mut Mobility, &NearPairs, bool),
     radii: &[f64],
     (loads, background): (&Loads, Traceless),
     guess: &Guess,
 ) -> Result<Solved, SolveError> {
     let viscosity = mobility.plan().viscosity;
-    let limits = Limits { tolerance: mobility.plan().iteration_tolerance, iterations: MOST_ITERATIONS };
+    let limits = Limits { tolerance: mobility.plan().iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
     let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
     let mut x = start(comm, near, background, guess, radii.len());
@@ -122,6 +134,9 @@ fn lubricated(
     let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&loads, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
+    if outcome.interrupted {
+        return Err(Interrupted.into());
+    }
     if !outcome.residual.is_finite() {
         return Err(SolveError::NotFinite);
     }

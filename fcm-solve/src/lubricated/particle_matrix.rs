@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::near_pairs::{Modes, NearPairs};
 use super::screw::{Screw, Screws};
-use domain::{Comm, Exchange};
+use domain::{Comm, Exchange, Interrupt};
 use fcm::{Limits, System, conjugate_gradients};
 use rayon::prelude::*;
 
@@ -89,7 +89,7 @@ impl<'a> ParticleMatrix<'a> {
     fn solve(&mut self, loads: Screws) -> Screws {
         let (mut motions, mut residual) = (Screws(vec![Screw::default(); loads.0.len()]), loads);
         let comm = self.comm.clone();
-        let limits = Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS };
+        let limits = Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
         conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
         motions
     }

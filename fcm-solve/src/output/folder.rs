@@ -6,6 +6,17 @@ use io::{Checkpoint, replace_file};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
+/// What becomes of a run that a folder holds already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Former {
+    /// It stays, and no other starts there.
+    Stays,
+    /// Another takes its place.
+    IsReplaced,
+    /// It goes on.
+    GoesOn,
+}
+
 /// A folder that belongs to this run until it ends.
 pub struct Folder {
     path: PathBuf,
@@ -14,15 +25,15 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Takes a folder for a run from its start. One that holds a run already is refused unless `force` is set.
-    pub fn claim(path: &Path, comm: &Comm, force: bool) -> anyhow::Result<Self> {
+    /// Takes a folder for a run, unless it holds one that stays.
+    pub fn claim(path: &Path, comm: &Comm, former: Former) -> anyhow::Result<Self> {
         if comm.is_first() {
             std::fs::create_dir_all(path).with_context(|| format!("can't make the folder {}", path.display()))?;
-            if path.join(SCENE).exists() && !force {
+            if path.join(SCENE).exists() && former == Former::Stays {
                 let name = path.display();
                 bail!(
-                    "{name} already holds the results of a run: go on with it by `fcm-solve resume {name}`, name \
-                     another folder with --out, or replace it with --force"
+                    "{name} already holds the results of a run: go on with it by --continue, name another folder with \
+                     --out, or replace it with --force"
                 );
             }
         }
@@ -32,7 +43,10 @@ impl Folder {
     /// Takes the folder of a run to go on with.
     pub fn reopen(path: &Path, comm: &Comm) -> anyhow::Result<Self> {
         if comm.is_first() && !path.join(SCENE).exists() {
-            bail!("{} holds no run to go on with: it has no {SCENE}; start one with `fcm-solve run`", path.display());
+            let name = path.display();
+            bail!(
+                "{name} holds no run to go on with: it has no {SCENE}; start one by `fcm-solve run SCENE --out {name}`"
+            );
         }
         Self::hold(path, comm)
     }
@@ -45,6 +59,16 @@ impl Folder {
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether a run has begun here. Collective.
+    pub fn holds_run(&self, comm: &Comm) -> bool {
+        comm.any(comm.is_first() && self.scene().exists())
+    }
+
+    /// Whether one of the files that end a run is here. Collective.
+    pub fn has(&self, name: &str, comm: &Comm) -> bool {
+        comm.any(comm.is_first() && self.path.join(name).exists())
     }
 
     /// The scene that is run here.

@@ -5,9 +5,10 @@ mod folder;
 use crate::simulation::Simulation;
 use anyhow::Context;
 use domain::Comm;
-pub use folder::Folder;
+pub use folder::{Folder, Former};
 use io::{FileError, Frame, Output, Provenance, Quantity, Scene, Series, Trajectory, drop_fields_after};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// Writes what is due, when it is due. The first rank writes; every call is collective.
 pub struct Recorder {
@@ -22,6 +23,8 @@ pub struct Recorder {
     saved: Option<u64>,
     /// The step at which the run ends.
     last: u64,
+    /// The longest time that a checkpoint took.
+    longest_checkpoint: Duration,
 }
 
 /// The files that grow: on the first rank, and if they are ever due.
@@ -74,7 +77,7 @@ impl Recorder {
         files.warn_of_damage();
         let from = last.map_or(0, |step| step + 1);
         let steps = scene.kind().steps();
-        Ok(Self { folder, output, provenance, files, comm, from, saved: last, last: steps })
+        Ok(Self { folder, output, provenance, files, comm, from, saved: last, last: steps, longest_checkpoint: Duration::ZERO })
     }
 
     /// The folder of the results.
@@ -104,7 +107,7 @@ impl Recorder {
             self.comm.agree(simulation.write_field(self.folder.path(), &self.provenance))?;
         }
         simulation.sample();
-        if self.output.checkpoints.is_due(step) {
+        if self.output.checkpoints.is_due(step) || step == 0 {
             self.checkpoint(simulation)?;
         }
         self.from = step + 1;
@@ -125,6 +128,11 @@ impl Recorder {
         Ok(self.comm.agree(self.files.series.as_mut().map_or(Ok(()), append))?)
     }
 
+    /// The longest time that a checkpoint took.
+    pub fn longest_checkpoint(&self) -> Duration {
+        self.longest_checkpoint
+    }
+
     /// Writes a checkpoint, unless there is one of this step already, and the averages so far. The last checkpoint of a
     /// run comes after all else: a run that has it is finished.
     pub fn checkpoint(&mut self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {
@@ -132,12 +140,16 @@ impl Recorder {
         if self.saved == Some(step) {
             return Ok(());
         }
+        let began = Instant::now();
         if step == self.last {
             self.averages(simulation)?;
-            return self.state(simulation);
+            self.state(simulation)?;
+        } else {
+            self.state(simulation)?;
+            self.averages(simulation)?;
         }
-        self.state(simulation)?;
-        self.averages(simulation)
+        self.longest_checkpoint = self.longest_checkpoint.max(began.elapsed());
+        Ok(())
     }
 
     fn state(&mut self, simulation: &mut dyn Simulation) -> anyhow::Result<()> {

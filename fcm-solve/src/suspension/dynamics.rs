@@ -10,7 +10,7 @@ use super::warm_start::WarmStart;
 use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
-use domain::{Failure, Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, SolveError};
 use io::{Multipoles, SuspensionScene};
 use lubrication::Range;
@@ -59,6 +59,9 @@ pub enum StepError {
         /// Why not.
         source: SolveError,
     },
+    /// Some rank was asked to stop.
+    #[error("the step was interrupted")]
+    Interrupted(#[from] Interrupted),
 }
 
 /// Edges of the box that a particle may be away from it at the end of a step, as far as counting them goes.
@@ -135,10 +138,28 @@ impl Dynamics {
         }
     }
 
+    /// Looks at this interrupt at each evaluation of the mobility from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.hydrodynamics.listen(interrupt);
+    }
+
+    /// Where the box is in time, to go back to.
+    pub fn moving_box(&self) -> &MovingBox {
+        &self.moving
+    }
+
+    /// Goes back to a box of the past.
+    pub fn go_back(&mut self, moving: MovingBox) {
+        self.moving = moving;
+    }
+
     /// Brings the particles into the box and to their ranks, and computes their velocities, angular velocities and
     /// stresslets at a moment. Collective; fails on every rank or on none.
     pub fn evaluate(&mut self, particles: &mut Particles, moment: &Moment) -> Result<Outcome, StepError> {
         let clock = &moment.clock;
+        if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
+            return Err(Interrupted.into());
+        }
         self.check_positions(particles, clock)?;
         self.moving.go_to(clock.time_at(moment.fraction), particles);
         let cell = *self.moving.cell();
@@ -155,6 +176,9 @@ impl Dynamics {
 
     /// Why the flow could not be found at a step. Collective.
     pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
+        if let SolveError::Interrupted(interrupted) = source {
+            return interrupted.into();
+        }
         let nothing = [[0.0]; 2];
         let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
         if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }

@@ -23,7 +23,7 @@ mod warm_start;
 
 use crate::clock::Clock;
 use crate::integrator::{self, AdamsBashforth};
-use domain::{Column, Comm, Particles, PeriodicBox, Vector};
+use domain::{Column, Comm, Interrupt, Particles, PeriodicBox, Vector};
 pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
 use dynamics::{Dynamics, Moment, Outcome};
 use integrator::VELOCITY;
@@ -83,15 +83,31 @@ impl Suspension {
         let (integrator, outcome) = (scene.integrator, Outcome::default());
         let mut resumed = Self { particles, dynamics, clock, integrator, outcome, evaluations: 0, comm: comm.clone() };
         if then.is_some_and(|plan| plan != resumed.plan()) {
-            eprintln!(
-                "warning: the fluid is computed in another way than before, so the run goes on, but not bit for bit"
+            crate::streams::log(
+                "warning: the fluid is computed in another way than before, so the run goes on, but not bit for bit",
             );
         }
         Ok(resumed)
     }
 
-    /// Takes one step. `Err` on every rank or on none.
+    /// Looks at this interrupt at each evaluation of the mobility from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.dynamics.listen(interrupt);
+    }
+
+    /// Takes one step. `Err` on every rank or on none. An interrupted step is not taken: all is as it was before it,
+    /// to the last bit.
     pub fn step(&mut self) -> Result<(), StepError> {
+        let (particles, moving) = (self.particles.clone(), self.dynamics.moving_box().clone());
+        let taken = self.take_step();
+        if let Err(StepError::Interrupted(_)) = taken {
+            self.particles = particles;
+            self.dynamics.go_back(moving);
+        }
+        taken
+    }
+
+    fn take_step(&mut self) -> Result<(), StepError> {
         let Self { particles, dynamics, clock, outcome, integrator, .. } = self;
         let before = dynamics.evaluations();
         *outcome = match integrator {
@@ -187,7 +203,7 @@ fn fixed_step(
     dynamics.remember(particles);
     integrator::advance(particles, clock, method, |particles, fraction| {
         outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction))?;
-        Ok(())
+        Ok::<(), StepError>(())
     })?;
     Ok(outcome)
 }

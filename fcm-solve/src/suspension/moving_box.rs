@@ -6,6 +6,7 @@ use domain::{Particles, PeriodicBox, Tensor, Vector};
 /// A box that shears with the background flow, or rests in it. Beyond each of its sides the flow is faster by
 /// `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and enters on the other is
 /// seen in another frame of reference from then on, and so is its past.
+#[derive(Clone)]
 pub struct MovingBox {
     start: PeriodicBox,
     gradient: Tensor,

@@ -4,11 +4,11 @@ use super::averages::Averages;
 use super::cautions::cautions;
 use super::observe::Observer;
 use super::plan::Radii;
-use super::{ANGULAR_VELOCITY, STRESSLET, Suspension};
+use super::{ANGULAR_VELOCITY, STRESSLET, StepError, Suspension};
 use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::simulation::Simulation;
-use domain::Comm;
+use domain::{Comm, Interrupt};
 use io::{Checkpoint, FileError, Frame, Provenance, Quantity, SuspensionScene, VelocityField};
 use std::path::Path;
 
@@ -43,7 +43,7 @@ impl Observed {
         let radii = Radii::shared(&frame, comm);
         let observer = Observer::new(scene, suspension.clock().step(), radii.smallest());
         for caution in cautions(scene, &radii).iter().filter(|_| comm.is_first()) {
-            eprintln!("warning: {caution}");
+            crate::streams::log(format_args!("warning: {caution}"));
         }
         let averages = scene.statistics.map(|wanted| Averages::new(scene, wanted, &frame));
         Self { suspension, observer, averages }
@@ -63,8 +63,15 @@ impl Simulation for Observed {
         self.suspension.plan()
     }
 
+    fn listen(&mut self, interrupt: Interrupt) {
+        self.suspension.listen(interrupt);
+    }
+
     fn advance(&mut self, _last: u64) -> anyhow::Result<()> {
-        Ok(self.suspension.step()?)
+        match self.suspension.step() {
+            Err(StepError::Interrupted(_)) => Ok(()),
+            taken => Ok(taken?),
+        }
     }
 
     fn frame(&self) -> Frame {

@@ -1,5 +1,7 @@
 use super::*;
 use io::{Kind, Scene};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 const SCENE: &str = r#"
 seed = 3
@@ -259,4 +261,64 @@ fn overlaps_are_told_with_what_helps() {
     let warning = observer.warning().unwrap();
     assert!(warning.starts_with("spheres overlap in 1 of 2 rows of the time series, by "), "{warning}");
     assert!(warning.ends_with("at most; try a larger repulsion.strength or a shorter time.step"), "{warning}");
+}
+
+/// An interrupt that comes at a rank's look number `looks`, from 0, and stays until it is called off.
+fn interrupt_after(looks: usize) -> (Interrupt, Arc<AtomicBool>) {
+    let (left, called_off) = (AtomicUsize::new(looks), Arc::new(AtomicBool::new(false)));
+    let seen = called_off.clone();
+    let one_less = move || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1));
+    (Interrupt::when(move || one_less().is_err() && !seen.load(Ordering::Relaxed)), called_off)
+}
+
+/// Steps of a scene, each interrupted once at each of so many looks of the last rank before it is taken. Returns how
+/// often a step was interrupted.
+fn run_with_interruptions(
+    scene: &Scene,
+    ranks: usize,
+    looks: impl Iterator<Item = usize> + Clone + Sync,
+) -> (Particles, usize) {
+    let all = Comm::threads(ranks, |comm| {
+        let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+        let mut suspension = Suspension::start(scene, &comm).unwrap();
+        let mut interrupted = 0;
+        for _ in 0..scene.time.steps {
+            let before = (suspension.gathered(None), *suspension.cell());
+            let step = suspension.clock().step();
+            for looks in looks.clone() {
+                let (interrupt, called_off) = interrupt_after(looks);
+                suspension.listen(if comm.rank() + 1 == ranks { interrupt } else { Interrupt::NEVER });
+                match suspension.step() {
+                    Err(StepError::Interrupted(_)) => interrupted += 1,
+                    // It had fewer looks.
+                    taken => {
+                        taken.unwrap();
+                        break;
+                    }
+                }
+                called_off.store(true, Ordering::Relaxed);
+                assert_eq!((suspension.gathered(None), *suspension.cell()), before, "after {looks} looks");
+            }
+            if suspension.clock().step() == step {
+                suspension.listen(Interrupt::NEVER);
+                suspension.step().unwrap();
+            }
+        }
+        (suspension.gathered(None), interrupted)
+    });
+    all.into_iter().next().unwrap()
+}
+
+#[test]
+fn an_interrupted_step_is_not_taken_and_leaves_no_trace() {
+    let lees_edwards = ["flow.lees_edwards=true", "flow.rate=7.0", "time.steps=4", "hydrodynamics.tolerance=1e-2"];
+    let adaptive = ["time.integrator=adaptive", "hydrodynamics.lubrication=true", "time.step=0.2", "time.steps=2"];
+    let monopoles = ["hydrodynamics.multipoles=monopole", "time.steps=3"];
+    let both = [&lees_edwards[..], &adaptive].concat();
+    for (overrides, ranks) in [(&lees_edwards[..], 1), (&lees_edwards, 3), (&both, 1), (&both, 2), (&monopoles, 2)] {
+        let scene = scene(overrides);
+        let (particles, interrupted) = run_with_interruptions(&scene, ranks, (0..40).step_by(3));
+        assert!(interrupted >= 3, "{interrupted}");
+        assert_eq!(particles, run(&scene, ranks), "{overrides:?} on {ranks} ranks");
+    }
 }

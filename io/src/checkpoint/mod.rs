@@ -38,6 +38,11 @@ impl Checkpoint {
         Ok(path)
     }
 
+    /// Whether a folder has any checkpoint, whole or not.
+    pub fn is_in(folder: &Path) -> Result<bool, FileError> {
+        Ok(!checkpoints(folder)?.is_empty())
+    }
+
     /// The last checkpoint of a folder that is whole, and what is wrong with those that came after it.
     pub fn latest(folder: &Path) -> Result<(Self, Vec<FileError>), FileError> {
         let mut damaged = Vec::new();
@@ -50,7 +55,8 @@ impl Checkpoint {
         Err(damaged.into_iter().next().unwrap_or_else(|| {
             FileError::read(
                 folder,
-                &"there is no checkpoint in this folder, so there is nothing to resume; start with `run`",
+                &"there is no checkpoint in this folder: its run was stopped before the first; start it by `fcm-solve run SCENE \
+                   --continue`",
             )
         }))
     }

@@ -2,6 +2,7 @@
 
 mod checks;
 mod course;
+mod differences;
 mod error;
 mod granular_disks;
 mod names;
@@ -12,6 +13,7 @@ mod shear_cell_continuum;
 mod suspension;
 
 pub use course::{Output, Time};
+pub use differences::Difference;
 pub use error::SceneError;
 use error::{Explain, Fault};
 pub use granular_disks::GranularDisksScene;

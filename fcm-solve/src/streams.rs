@@ -1,0 +1,81 @@
+//! What the program says: results on the standard output, and a log of what goes on on the standard error. Whatever
+//! happens to a stream, nothing here panics.
+
+use anyhow::Context;
+use domain::Comm;
+use std::fmt::Display;
+use std::io::{IsTerminal, Write};
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::time::Duration;
+
+/// Lines of the log that wait for a slow reader; more are lost.
+const WAITING: usize = 1000;
+/// How long the program waits at its end for whoever reads the log.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Prints a result, which the first rank brings. Fails on all ranks if it can't be written. Collective.
+pub fn print(comm: &Comm, text: &str) -> anyhow::Result<()> {
+    let printed = if comm.is_first() { print_here(text) } else { Ok(()) };
+    Ok(comm.agree(printed.map_err(|e| format!("{e:#}")))?)
+}
+
+/// The same for one rank alone.
+pub fn print_here(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("can't write to the standard output")
+}
+
+/// Adds a line to the log. A reader that is slow, or has gone, does not hold up the program.
+pub fn log(line: impl Display) {
+    let line = format!("{line}\n");
+    match LOG.get_or_init(start) {
+        None => write(&line),
+        Some(log) => match log.try_send(Entry::Line(line)) {
+            Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
+        },
+    }
+}
+
+/// Waits until the log is written, but not for ever.
+pub fn finish_log() {
+    let (done, written) = sync_channel(1);
+    if let Some(Some(log)) = LOG.get()
+        && log.try_send(Entry::End(done)).is_ok()
+    {
+        let _ = written.recv_timeout(PATIENCE);
+    }
+}
+
+/// What goes to the thread that writes the log.
+enum Entry {
+    Line(String),
+    /// Asks for word when all before it is written.
+    End(SyncSender<()>),
+}
+
+/// The way to that thread; none where lines are written at once, on a terminal.
+static LOG: OnceLock<Option<SyncSender<Entry>>> = OnceLock::new();
+
+fn start() -> Option<SyncSender<Entry>> {
+    if std::io::stderr().is_terminal() {
+        return None;
+    }
+    let (log, entries) = sync_channel(WAITING);
+    std::thread::Builder::new().name("log".to_owned()).spawn(move || write_all(&entries)).ok()?;
+    Some(log)
+}
+
+fn write_all(entries: &Receiver<Entry>) {
+    for entry in entries {
+        match entry {
+            Entry::Line(line) => write(&line),
+            Entry::End(done) => drop(done.send(())),
+        }
+    }
+}
+
+/// Nobody is left to be told of an error here.
+fn write(line: &str) {
+    let _ = std::io::stderr().write_all(line.as_bytes());
+}

@@ -1,0 +1,121 @@
+//! In what two scenes differ.
+
+use super::Scene;
+use toml::{Table, Value};
+
+/// A key that two scenes have different values for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Difference {
+    /// The key, as `species[0].radius`.
+    pub key: String,
+    /// Its value in either scene; none where it is absent.
+    pub values: [Option<String>; 2],
+}
+
+impl std::fmt::Display for Difference {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [one, other] = self.values.each_ref().map(|value| value.as_deref().unwrap_or("absent"));
+        write!(f, "{} is {one} here and {other} there", self.key)
+    }
+}
+
+impl Scene {
+    /// The keys whose values differ in another scene, in the order of the alphabet. Comments, order, and how numbers are
+    /// written make no difference; a default that is written out does.
+    pub fn differences(&self, other: &Self) -> Vec<Difference> {
+        let [mut here, mut there] = [self, other].map(|scene| {
+            let mut leaves = Vec::new();
+            let table: Table = toml::from_str(scene.text()).expect("the scene was read from it");
+            collect(Value::Table(table), String::new(), &mut leaves);
+            leaves
+        });
+        let mut keys: Vec<String> = here.iter().chain(&there).map(|(key, _)| key.clone()).collect();
+        keys.sort();
+        keys.dedup();
+        let mut take = |key: &String| [&mut here, &mut there].map(|leaves| remove(leaves, key));
+        let pairs = keys.into_iter().map(|key| (take(&key), key)).collect::<Vec<_>>();
+        let differ = pairs.into_iter().filter(|([one, other], _)| !is_same(one.as_ref(), other.as_ref()));
+        differ.map(|(values, key)| Difference { key, values: values.map(|v| v.map(|v| v.to_string())) }).collect()
+    }
+}
+
+fn remove(leaves: &mut Vec<(String, Value)>, key: &str) -> Option<Value> {
+    let place = leaves.iter().position(|(other, _)| other == key)?;
+    Some(leaves.swap_remove(place).1)
+}
+
+/// All that is no table, nor an array of tables, with its key.
+fn collect(value: Value, key: String, leaves: &mut Vec<(String, Value)>) {
+    match value {
+        Value::Table(table) => {
+            for (name, value) in table {
+                let key = if key.is_empty() { name } else { format!("{key}.{name}") };
+                collect(value, key, leaves);
+            }
+        }
+        Value::Array(items) if items.iter().any(Value::is_table) => {
+            for (index, item) in items.into_iter().enumerate() {
+                collect(item, format!("{key}[{index}]"), leaves);
+            }
+        }
+        leaf => leaves.push((key, leaf)),
+    }
+}
+
+fn is_same(one: Option<&Value>, other: Option<&Value>) -> bool {
+    match (one, other) {
+        (Some(one), Some(other)) => is_equal(one, other),
+        _ => false,
+    }
+}
+
+/// Whether values are equal; whole numbers may be written with a point or without.
+fn is_equal(one: &Value, other: &Value) -> bool {
+    match (one, other) {
+        (Value::Integer(n), Value::Float(x)) | (Value::Float(x), Value::Integer(n)) => (*n as f64).total_cmp(x).is_eq(),
+        (Value::Array(one), Value::Array(other)) => {
+            one.len() == other.len() && one.iter().zip(other).all(|(one, other)| is_equal(one, other))
+        }
+        _ => one == other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"
+box.edges = [14.0, 14.0, 14.0]
+fluid.viscosity = 1.0
+time = { step = 0.02, steps = 30 }
+[[species]]
+name = "a"
+radius = 1.0
+count = 25
+"#;
+
+    fn differences(other: &str) -> Vec<String> {
+        let scene = |text: &str| Scene::parse(text, "scene.toml", &[]).unwrap();
+        scene(TEXT).differences(&scene(other)).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn what_means_the_same_does_not_differ() {
+        let other = "[[species]]\ncount = 25\nradius = 1\nname = 'a' # a comment\n[time]\nsteps = 30\nstep = 2e-2\n\
+            [fluid]\nviscosity = 1\n[box]\nedges = [14, 14.0, 14]\n";
+        assert_eq!(differences(other), [""; 0]);
+    }
+
+    #[test]
+    fn what_differs_is_named_with_both_values() {
+        let changed =
+            TEXT.replace("0.02", "0.03").replace("[14.0,", "[15.0,") + "[[species]]\nradius = 2.0\ncount = 1\n";
+        let expected = [
+            "box.edges is [14.0, 14.0, 14.0] here and [15.0, 14.0, 14.0] there",
+            "species[1].count is absent here and 1 there",
+            "species[1].radius is absent here and 2.0 there",
+            "time.step is 0.02 here and 0.03 there",
+        ];
+        assert_eq!(differences(&changed), expected);
+    }
+}

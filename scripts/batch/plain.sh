@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Runs a scene on a machine without a queue, and goes on after each stop that asks for it:
+#   nohup scripts/batch/plain.sh SCENE [arguments of fcm-solve run] > my.log 2>&1 &
+# It may be called again after anything, at the machine's start too: what is finished is left alone. `kill` stops it with
+# a checkpoint. From the environment: LAUNCH, what starts the ranks (`mpirun`), and FCM_SOLVE, the program.
+set -u
+if [ $# = 0 ]; then
+    sed -n 's/^#   //p' "$0" >&2
+    exit 2
+fi
+code=75 stop=''
+while [ $code = 75 ] && [ -z "$stop" ]; do
+    # shellcheck disable=SC2086
+    ${LAUNCH:-mpirun} "${FCM_SOLVE:-fcm-solve}" run "$@" --continue &
+    run=$!
+    # Open MPI's mpirun gives its ranks a second after SIGTERM; SIGUSR1 it passes on.
+    trap 'stop=yes; kill -USR1 $run' TERM INT HUP
+    code=128
+    while [ $code -ge 128 ] && kill -0 $run 2>/dev/null; do
+        wait $run
+        code=$?
+    done
+done
+exit $code

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+#SBATCH --job-name=fcm-solve
+#SBATCH --nodes=1
+#SBATCH --ntasks=2
+#SBATCH --cpus-per-task=1
+#SBATCH --time=24:00:00
+#SBATCH --signal=B:USR1@300
+#SBATCH --requeue
+#SBATCH --open-mode=append
+#SBATCH --output=%x-%j.log
+# Runs a scene in as many jobs as it takes: one that ends before the scene does puts itself back into the queue.
+#   sbatch scripts/batch/slurm.sh SCENE [arguments of fcm-solve run]
+#   sbatch --array=1-8 scripts/batch/slurm.sh SCENE --set seed={} --out results/seed-{}
+# Options of sbatch go before the script: --nodes=4 --ntasks=64 --time=12:00:00. In an array {} stands for the number of
+# each job. From the environment: LAUNCH, what starts the ranks (`srun --mpi=pmix`; `srun --mpi=pmi2` for MPICH;
+# `mpirun`), and FCM_SOLVE, the program.
+set -u
+if [ $# = 0 ]; then
+    sed -n 's/^#   //p' "$0" >&2
+    exit 2
+fi
+launch=${LAUNCH:-srun --mpi=pmix}
+arguments=("${@//\{\}/${SLURM_ARRAY_TASK_ID:-}}")
+# Steps of newer Slurms do not take this over from the job.
+export SRUN_CPUS_PER_TASK=${SLURM_CPUS_PER_TASK:-1}
+
+date
+# shellcheck disable=SC2086
+$launch "${FCM_SOLVE:-fcm-solve}" run "${arguments[@]}" --continue --walltime "$(squeue -h -j "$SLURM_JOB_ID" -o %L)" &
+run=$!
+# Open MPI's mpirun gives its ranks a second after SIGTERM, which may be too short for a checkpoint; SIGUSR1 it passes on.
+cancelled=''
+trap 'kill -USR1 $run' USR1
+trap 'cancelled=yes; kill -USR1 $run' TERM
+# A signal ends a wait before its time.
+code=128
+while [ $code -ge 128 ] && kill -0 $run 2>/dev/null; do
+    wait $run
+    code=$?
+done
+if [ $code = 75 ] && [ -z "$cancelled" ]; then
+    echo "back into the queue after ${SLURM_RESTART_COUNT:-0} times"
+    scontrol requeue "$SLURM_JOB_ID"
+fi
+exit $code

@@ -1,0 +1,76 @@
+"""Jobs of a real Slurm: how ranks and threads start, and a job that is requeued until its run is finished."""
+
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from support.program import PROGRAM
+from support.requeue import LAUNCHERS, end_state, requeued, uninterrupted
+from support.slurm import Slurm, is_installed
+
+BENCH = [PROGRAM, "bench", "--particles", "20", "--repeats", "1", "--no-error"]
+
+
+def ranks_and_threads(said):
+    """Of each line of `fcm-solve bench`."""
+    answers = [json.loads(line) for line in said.splitlines() if line.startswith("{")]
+    return [(answer["ranks"], answer["threads"]) for answer in answers]
+
+
+@unittest.skipUnless(is_installed(), "needs slurm-wlm, munge and root")
+class Jobs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        place = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(place.cleanup)
+        cls.place = pathlib.Path(place.name)
+        (cls.place / "slurm").mkdir()
+        cls.slurm = Slurm(cls.place / "slurm")
+        cls.addClassCleanup(cls.slurm.stop)
+        cls.slurm.start()
+
+    def in_a_job(self, *command):
+        """What a command prints in a job of two tasks."""
+        script, log = self.place / "job.sh", self.place / "job.log"
+        script.write_text("#!/bin/sh\nexec " + " ".join(command) + "\n")
+        log.unlink(missing_ok=True)
+        job = self.slurm.submit("--ntasks=2", script, log=log)
+        self.slurm.wait(lambda: self.slurm.state(job) in ("COMPLETED", "FAILED"), "the job does not end")
+        return log.read_text()
+
+    def test_srun_starts_one_job_of_two_ranks(self):
+        said = self.slurm.call("srun", "--mpi=pmix", "--ntasks=2", *BENCH)
+        self.assertEqual(ranks_and_threads(said), [(2, 1)], said)
+
+    def test_mpirun_starts_two_ranks_within_a_job(self):
+        said = self.in_a_job("mpirun", "-n", "2", *BENCH)
+        self.assertEqual(ranks_and_threads(said), [(2, 1)], said)
+
+    def test_a_script_without_a_launcher_is_one_rank_on_the_cores_of_its_job(self):
+        said = self.in_a_job(*BENCH)
+        self.assertEqual(ranks_and_threads(said), [(1, 2)], said)
+        said = self.in_a_job("env", "SLURM_CPUS_PER_TASK=1", *BENCH)
+        self.assertEqual(ranks_and_threads(said), [(1, 1)], said)
+
+    def test_processes_that_cannot_find_each_other_are_refused_once(self):
+        with self.assertRaises(AssertionError) as refused:
+            self.slurm.call("srun", "--mpi=none", "--ntasks=2", *BENCH)
+        said = str(refused.exception)
+        self.assertEqual(said.count("error: srun started 2 processes"), 1, said)
+        self.assertIn("srun --mpi=pmix", said)
+
+    def test_runs_side_by_side_are_alone_if_they_say_so(self):
+        said = self.slurm.call("srun", "--mpi=none", "--ntasks=2", *BENCH, "--alone")
+        self.assertEqual(ranks_and_threads(said), [(1, 1), (1, 1)], said)
+
+    def test_a_job_that_is_requeued_twice_ends_with_the_bits_of_one_that_is_not(self):
+        uninterrupted(self.place / "whole")
+        for launcher in LAUNCHERS:
+            out = self.place / launcher
+            log = requeued(self.slurm, launcher, out, times=2)
+            with self.subTest(launcher=launcher):
+                self.assertEqual(log.count("by SIGUSR1; go on with: fcm-solve resume"), 2, log)
+                self.assertEqual(end_state(out), end_state(self.place / "whole"), log)

@@ -1,0 +1,223 @@
+"""Runs that stop before their end: by signals, by the clock, and in job scripts."""
+
+import os
+import pathlib
+import shlex
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+from program import PATIENCE, PROGRAM, ROOT, command, run
+from test_ends import end_state, ranks_of
+
+SCENE = ROOT / "scenes" / "settling.toml"
+SETS = {
+    "box.edges": "[14.0, 14.0, 14.0]",
+    "species[0].count": 30,
+    "time.steps": 400,
+    "output.checkpoint_every": 100000,
+    "output.trajectory_every": 10,
+    "hydrodynamics.tolerance": 1e-2,
+}
+# A step that takes minutes: in thousands of parts, which near contact asks for, each with tens of evaluations.
+LONG = {
+    "box.edges": "[9.0, 9.0, 9.0]",
+    "species[0].count": 40,
+    "hydrodynamics.lubrication": "true",
+    "hydrodynamics.tolerance": 1e-3,
+    "time.integrator": "adaptive",
+    "time.step": 50.0,
+    "time.steps": 2,
+}
+# A start that takes minutes.
+DENSE = {"box.edges": "[150.0, 150.0, 150.0]", "species[0].count": 480000, "hydrodynamics.tolerance": 1e-2}
+STOPS = {
+    signal.SIGTERM: 143,
+    signal.SIGINT: 130,
+    signal.SIGHUP: 75,
+    signal.SIGUSR1: 75,
+    signal.SIGUSR2: 75,
+    signal.SIGXCPU: 75,
+}
+
+
+def words(sets):
+    return [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+
+
+def begin(arguments, ranks=None, **options):
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command(arguments, ranks), stdout=pipe, stderr=pipe, text=True, start_new_session=True, **options)
+
+
+def wait_for(condition, process):
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        if process.poll() is not None or time.monotonic() > deadline:
+            process.kill()
+            raise AssertionError(f"it does not come: {process.communicate()}")
+        time.sleep(0.002)
+
+
+class Stops(unittest.TestCase):
+    def setUp(self):
+        place = tempfile.TemporaryDirectory()
+        self.addCleanup(place.cleanup)
+        self.place = pathlib.Path(place.name)
+        self.out = self.place / "out"
+
+    def run_scene(self, sets, *arguments, out=None, **options):
+        return run(["run", SCENE, *words(sets), "--out", out or self.out, *arguments], **options)
+
+    def begin_scene(self, sets, *arguments, ranks=None, **options):
+        process = begin(["run", SCENE, *words(sets), "--out", self.out, *arguments], ranks, **options)
+        self.addCleanup(process.kill)
+        return process
+
+    def has_begun(self):
+        return bool(list(self.out.glob("checkpoint-*.bin")))
+
+    def test_every_signal_stops_a_run_that_goes_on_to_the_same_bits(self):
+        whole = self.place / "whole"
+        self.run_scene(SETS, out=whole)
+        for stop, code in STOPS.items():
+            process = self.begin_scene(SETS, "--force")
+            wait_for(self.has_begun, process)
+            time.sleep(0.1)
+            process.send_signal(stop)
+            _, said = process.communicate(timeout=PATIENCE)
+            with self.subTest(signal=stop.name):
+                self.assertEqual(process.returncode, code, said)
+                self.assertRegex(said, rf"stopped after step \d+ of 400 by {stop.name}; go on with: fcm-solve resume {self.out}\n")
+                self.run_scene(SETS, "--continue")
+                self.assertEqual(end_state(self.out), end_state(whole))
+            for path in self.out.glob("checkpoint-*.bin"):
+                path.unlink()
+
+    def test_a_signal_ends_a_step_that_would_take_minutes(self):
+        for ranks in (None, 2):
+            self.out = self.place / f"out-{ranks}"
+            process = self.begin_scene(LONG, ranks=ranks)
+            wait_for(self.has_begun, process)
+            time.sleep(0.3)
+            # One of the ranks hears it, and all of them stop.
+            os.kill((ranks_of(process) or [process.pid])[-1], signal.SIGUSR1)
+            _, said = process.communicate(timeout=60)
+            with self.subTest(ranks=ranks):
+                self.assertEqual(process.returncode, 75, said)
+                self.assertIn("stopped after step 0 of 2 by SIGUSR1", said)
+
+    def test_what_mpirun_passes_on_stops_a_run(self):
+        process = self.begin_scene(SETS | {"time.steps": 100000}, ranks=2)
+        wait_for(self.has_begun, process)
+        process.send_signal(signal.SIGUSR1)
+        _, said = process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, 75, said)
+        self.assertEqual(said.count("go on with: fcm-solve resume"), 1, said)
+
+    def test_what_is_not_yet_a_run_ends_at_once_and_says_how_it_starts(self):
+        process = self.begin_scene(DENSE)
+        wait_for(lambda: (self.out / ".lock").exists(), process)
+        process.send_signal(signal.SIGUSR2)
+        _, said = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 75, said)
+        self.assertTrue(said.startswith("stopped by SIGUSR2; go on with: fcm-solve run "), said)
+        again = shlex.split(said.split("go on with: ")[1])
+        self.assertEqual(again[-1], "--continue")
+        small = words({key: SETS[key] for key in ("box.edges", "species[0].count")} | {"time.steps": 1})
+        subprocess.run([PROGRAM, *again[1:], *small], check=True, capture_output=True, timeout=PATIENCE)
+        self.assertTrue(self.has_begun())
+
+    def test_a_signal_that_is_ignored_stays_so(self):
+        """As under nohup."""
+        ignore = lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        process = self.begin_scene(SETS, preexec_fn=ignore)
+        wait_for(self.has_begun, process)
+        process.send_signal(signal.SIGHUP)
+        _, said = process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, 0, said)
+
+    def test_a_run_stops_in_time(self):
+        long = SETS | {"time.steps": 1000000, "output.trajectory_every": 0}
+        for name, options, environment in (
+            ("option", ["--walltime", "0:06"], {}),
+            ("slurm", [], {"SLURM_JOB_ID": "1", "SLURM_JOB_END_TIME": str(int(time.time()) + 16)}),
+        ):
+            began = time.time()
+            end = float(environment.get("SLURM_JOB_END_TIME", began + 6))
+            process = self.begin_scene(long, *options, "--force", env=os.environ | environment)
+            _, said = process.communicate(timeout=PATIENCE)
+            with self.subTest(by=name):
+                self.assertEqual(process.returncode, 75, said)
+                self.assertIn("by the end of its time; go on with", said)
+                self.assertLess(time.time(), end + 0.5)
+                self.assertGreater(time.time(), end - 5)
+        said = self.run_scene(long, "--walltime", "0:00", "--force", expect=2)
+        self.assertIn("needs to be above 0", said)
+
+    def test_too_little_time_for_a_step_is_an_error(self):
+        """Or a job would be started again and again for nothing."""
+        said = self.run_scene(LONG, "--walltime", "0:04", expect=1)
+        self.assertIn("the run's time is too short for a single step", said)
+        self.assertTrue(self.has_begun())
+
+    def test_one_command_starts_goes_on_and_is_done(self):
+        scene = SETS | {"time.steps": 30}
+        self.run_scene(scene, out=self.place / "whole")
+        self.run_scene(scene | {"time.steps": 11}, "--continue")
+        self.assertIn("finished after step 30", self.run_scene(scene, "--continue"))
+        for name in ("trajectory.h5", "checkpoint-0000000030.bin", "observables.csv"):
+            self.assertTrue((self.out / name).exists())
+        files = {path: path.stat().st_mtime_ns for path in self.out.iterdir() if path.name != ".lock"}
+        self.assertIn("finished before after step 30", self.run_scene(scene, "--continue"))
+        self.assertEqual(files, {path: path.stat().st_mtime_ns for path in files})
+        bits = [(out / "checkpoint-0000000030.bin").read_bytes() for out in (self.out, self.place / "whole")]
+        self.assertEqual(*bits)
+
+    def test_the_run_of_another_scene_does_not_go_on(self):
+        self.run_scene(SETS | {"time.steps": 5})
+        other = SETS | {"time.steps": 9, "species[0].count": 29, "seed": 7}
+        said = self.run_scene(other, "--continue", expect=1)
+        self.assertIn("holds the run of another scene", said)
+        self.assertRegex(said, r"seed is 7 here and \w+ there, species\[0\]\.count is 29 here and 30 there; name another")
+        self.assertNotIn("time.steps", said)
+
+    def test_a_run_that_died_before_its_first_checkpoint_is_started_again(self):
+        self.run_scene(SETS | {"time.steps": 3})
+        for path in self.out.glob("checkpoint-*.bin"):
+            path.unlink()
+        said = run(["resume", self.out], expect=1)
+        self.assertIn("fcm-solve run SCENE --continue", said)
+        said = self.run_scene(SETS | {"time.steps": 3}, expect=1)
+        self.assertIn("--continue", said)
+        self.assertIn("finished after step 3", self.run_scene(SETS | {"time.steps": 3}, "--continue"))
+
+    def test_what_has_no_steps_goes_on_too(self):
+        sweep = {"box.edges": "[30.0, 30.0]", "time.strain": 4.0, "sweep.seeds": "[1, 2]"}
+        for name, sets in (("disk-sweep", sweep), ("shear-cell-continuum", {})):
+            again = ["run", ROOT / "scenes" / f"{name}.toml", *words(sets), "--out", self.place / name, "--continue"]
+            with self.subTest(scene=name):
+                self.assertIn("finished; results", run(again))
+                self.assertIn("finished before; results", run(again))
+
+    def test_a_step_of_slurm_without_connections_is_refused_once(self):
+        def said(*arguments, **variables):
+            step = {"SLURM_JOB_ID": "1", "SLURM_STEP_ID": "0", "SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "0"} | variables
+            done = subprocess.run(command(["new", "shear", *arguments]), env=os.environ | step, capture_output=True, text=True)
+            return done.returncode, done.stderr
+
+        code, message = said()
+        self.assertEqual(code, 1)
+        self.assertRegex(message, r"\Aerror: .* 2 processes .* --alone .*\n\Z")
+        self.assertEqual(said(SLURM_PROCID="1"), (1, ""))
+        self.assertEqual(said("--alone"), (0, ""))
+        # The shell of salloc, the script of sbatch, and a step of one task are one process.
+        self.assertEqual(said(SLURM_STEP_ID="4294967290"), (0, ""))
+        self.assertEqual(said(SLURM_STEP_ID="", SLURM_NTASKS="2"), (0, ""))
+        self.assertEqual(said(SLURM_STEP_NUM_TASKS="1"), (0, ""))
+
+
+if __name__ == "__main__":
+    unittest.main()

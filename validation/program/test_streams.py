@@ -1,0 +1,94 @@
+"""What becomes of a command whose output nobody takes: the disk is full, the reader has gone, or does not read."""
+
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+from program import PATIENCE, ROOT, command, run
+
+RUN = ["run", ROOT / "scenes" / "settling.toml", "--set", "box.edges=[14.0, 14.0, 14.0]", "--set", "species[0].count=30"]
+RUN += ["--set", "hydrodynamics.tolerance=1e-2", "--set", "time.steps=40", "--set", "output.trajectory_every=1"]
+CASE = {"box": [10, 10, 10], "viscosity": 1, "radii": 1, "positions": [[1, 2, 3]], "forces": [[0, 0, 1]]}
+
+
+def closed_pipe():
+    """Where writing fails, since nobody will ever read."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    return os.fdopen(writing, "w")
+
+
+class Streams(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        place = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(place.cleanup)
+        cls.place = pathlib.Path(place.name)
+        (cls.place / "case.json").write_text(json.dumps(CASE))
+        cls.out = cls.place / "whole"
+        run([*RUN, "--out", cls.out])
+
+    def call(self, arguments, out, err):
+        return subprocess.run(command(arguments), stdout=out, stderr=err, text=True, timeout=PATIENCE)
+
+    def commands(self):
+        yield ["check", *RUN[1:]]
+        yield ["info", self.out / "trajectory.h5"]
+        yield ["info", "--scene", self.out / "trajectory.h5"]
+        yield ["mobility", self.place / "case.json"]
+        yield ["two-sphere", "--ratio", "2", "--gap", "0.1"]
+        yield ["bench", "--particles", "20", "--repeats", "1", "--no-error"]
+        yield ["stats", self.out]
+        yield ["new", "shear"]
+        yield ["completions", "bash"]
+        yield ["--help"]
+
+    def test_results_that_cannot_be_written_are_an_error_in_one_line(self):
+        for arguments in self.commands():
+            with self.subTest(command=arguments[0]), open("/dev/full", "w") as full:
+                done = self.call(arguments, full, subprocess.PIPE)
+                self.assertEqual(done.returncode, 1, done.stderr)
+                self.assertRegex(done.stderr, r"\Aerror: can't write .*No space left on device.*\n\Z")
+
+    def test_results_that_nobody_reads_are_no_panic(self):
+        for arguments in self.commands():
+            with self.subTest(command=arguments[0]), closed_pipe() as nobody:
+                done = self.call(arguments, nobody, subprocess.PIPE)
+                self.assertIn(done.returncode, (0, 1) if arguments == ["--help"] else (1,), done.stderr)
+                self.assertNotIn("panicked", done.stderr)
+
+    def test_an_error_that_cannot_be_told_is_an_error(self):
+        for arguments in (["check", "missing.toml"], ["new", "shear"], ["resum"]):
+            with self.subTest(command=arguments[0]), open("/dev/full", "w") as full:
+                self.assertIn(self.call(arguments, full, full).returncode, (1, 2))
+
+    def test_a_run_goes_on_whatever_becomes_of_its_log(self):
+        whole = (self.out / "observables.h5").stat().st_size, (self.out / "checkpoint-0000000040.bin").read_bytes()
+        full, gone, waiting = open("/dev/full", "w"), closed_pipe(), full_pipe()
+        for name, stream in (("full", full), ("gone", gone), ("waiting", waiting[1])):
+            with self.subTest(stream=name), stream:
+                out = self.place / name
+                done = self.call([*RUN, "--out", out], stream, stream)
+                self.assertEqual(done.returncode, 0)
+                self.assertEqual((out / "observables.h5").stat().st_size, whole[0])
+                self.assertEqual((out / "checkpoint-0000000040.bin").read_bytes(), whole[1])
+        waiting[0].close()
+
+
+def full_pipe():
+    """Both ends of a pipe that takes no more, where a writer waits for a reader."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    try:
+        while True:
+            os.write(writing, b"x" * 4096)
+    except BlockingIOError:
+        os.set_blocking(writing, True)
+    return os.fdopen(reading, "r"), os.fdopen(writing, "w")
+
+
+if __name__ == "__main__":
+    unittest.main()
