@@ -19,7 +19,8 @@ def main():
         lines = [
             "Two ranks on a Slurm started for the purpose. The job script is `scripts/batch/slurm.sh`; twice the job is sent SIGUSR1, as",
             "`--signal` does before its end. The last checkpoint and all frames of the trajectory have the bits of a run of",
-            "`mpirun -n 2` that was never stopped. The log of the job:",
+            "`mpirun -n 2` that was never stopped. The log of the job,",
+            "but for its progress:",
         ]
         try:
             slurm.start()
@@ -29,7 +30,8 @@ def main():
                 if end_state(out) != end_state(place / "whole"):
                     raise SystemExit(f"failed: other bits after {launcher}:\n{log}")
                 print(log)
-                lines += ["", f"`LAUNCH='{words}'`", "", "```text", *log.replace(f"{place}/", "").splitlines(), "```"]
+                shown = [line for line in log.replace(f"{place}/", "").splitlines() if not line.startswith("step ")]
+                lines += ["", f"`LAUNCH='{words}'`", "", "```text", *shown, "```"]
         finally:
             slurm.stop()
         write_section("clusters.md", "slurm", "A job that was requeued twice", lines)

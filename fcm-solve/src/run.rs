@@ -83,7 +83,7 @@ fn start_or_go_on(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) 
     }
     let checkpoint = comm.agree(latest(&folder, comm))?;
     if comm.any(checkpoint.as_ref().is_some_and(|checkpoint| checkpoint.step >= end)) {
-        return Ok(finished(&format!(" after step {end}"), &folder, comm));
+        return Ok(finished(&format!(", after step {end}"), &folder, comm));
     }
     let other_end = (end != kept.kind().steps()).then_some(end);
     go_on(folder, checkpoint, other_end, (comm, signals))
@@ -91,7 +91,7 @@ fn start_or_go_on(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) 
 
 fn finished(when: &str, folder: &Folder, comm: &Comm) -> ExitCode {
     if comm.is_first() {
-        streams::log(format_args!("finished before{when}; results in {}", folder.path().display()));
+        streams::log(format_args!("finished already{when}; results in {}", folder.path().display()));
     }
     ExitCode::SUCCESS
 }

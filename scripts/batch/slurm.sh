@@ -39,7 +39,7 @@ while [ $code -ge 128 ] && kill -0 $run 2>/dev/null; do
     code=$?
 done
 if [ $code = 75 ] && [ -z "$cancelled" ]; then
-    echo "back into the queue after ${SLURM_RESTART_COUNT:-0} times"
+    echo "back into the queue, time $((${SLURM_RESTART_COUNT:-0} + 1))"
     scontrol requeue "$SLURM_JOB_ID"
 fi
 exit $code

@@ -171,7 +171,7 @@ class Stops(unittest.TestCase):
         for name in ("trajectory.h5", "checkpoint-0000000030.bin", "observables.csv"):
             self.assertTrue((self.out / name).exists())
         files = {path: path.stat().st_mtime_ns for path in self.out.iterdir() if path.name != ".lock"}
-        self.assertIn("finished before after step 30", self.run_scene(scene, "--continue"))
+        self.assertIn("finished already, after step 30", self.run_scene(scene, "--continue"))
         self.assertEqual(files, {path: path.stat().st_mtime_ns for path in files})
         bits = [(out / "checkpoint-0000000030.bin").read_bytes() for out in (self.out, self.place / "whole")]
         self.assertEqual(*bits)
@@ -200,7 +200,28 @@ class Stops(unittest.TestCase):
             again = ["run", ROOT / "scenes" / f"{name}.toml", *words(sets), "--out", self.place / name, "--continue"]
             with self.subTest(scene=name):
                 self.assertIn("finished; results", run(again))
-                self.assertIn("finished before; results", run(again))
+                self.assertIn("finished already; results", run(again))
+
+    def test_job_scripts_go_on_until_the_run_is_finished(self):
+        batch = ROOT / "scripts" / "batch"
+        long = ["--out", self.out, *words(SETS | {"time.steps": 100000})]
+        environment = os.environ | {"FCM_SOLVE": PROGRAM, "LAUNCH": "mpirun -n 2"}
+        plain = subprocess.Popen([batch / "plain.sh", SCENE, *long], env=environment, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(plain.kill)
+        wait_for(self.has_begun, plain)
+        plain.send_signal(signal.SIGTERM)
+        _, said = plain.communicate(timeout=PATIENCE)
+        self.assertEqual(plain.returncode, 75, said)
+        # A stand-in for PBS, which notes what is submitted.
+        queue = self.place / "qsub"
+        queue.write_text(f'#!/bin/sh\necho "$@" >> {self.place}/submitted\n')
+        queue.chmod(0o755)
+        arguments = " ".join(str(word).replace(" ", "") for word in long)
+        environment |= {"PBS_O_WORKDIR": str(ROOT), "SCENE": str(SCENE), "ARGUMENTS": arguments}
+        environment |= {"PATH": f"{self.place}:{os.environ['PATH']}", "WALLTIME": "0:08"}
+        done = subprocess.run([batch / "pbs.sh"], env=environment, capture_output=True, text=True, timeout=PATIENCE)
+        self.assertEqual(done.returncode, 75, done.stderr)
+        self.assertEqual((self.place / "submitted").read_text(), "-V scripts/batch/pbs.sh\n")
 
     def test_a_step_of_slurm_without_connections_is_refused_once(self):
         def said(*arguments, **variables):
