@@ -53,7 +53,7 @@ fn take(args: &Args) -> anyhow::Result<()> {
         let (cell, particles) = match recorded.frame(frame) {
             Ok(frame) => frame,
             Err(error) => {
-                eprintln!("warning: {error}; the statistics are without this frame");
+                streams::log(format_args!("warning: {error}; the statistics are without this frame"));
                 continue;
             }
         };

@@ -3,6 +3,7 @@
 mod folder;
 
 use crate::simulation::Simulation;
+use crate::streams;
 use anyhow::Context;
 use domain::Comm;
 pub use folder::{Folder, Former};
@@ -46,7 +47,7 @@ impl Files {
         let trajectory = self.trajectory.iter().flat_map(Trajectory::damage).map(|damage| ("trajectory.h5", damage));
         let series = self.series.iter().flat_map(Series::damage).map(|damage| ("observables.h5", damage));
         for (name, damage) in trajectory.chain(series) {
-            eprintln!("warning: {name} is damaged: {damage}; the run goes on without it");
+            streams::log(format_args!("warning: {name} is damaged: {damage}; the run goes on without it"));
         }
     }
 }
@@ -77,7 +78,17 @@ impl Recorder {
         files.warn_of_damage();
         let from = last.map_or(0, |step| step + 1);
         let steps = scene.kind().steps();
-        Ok(Self { folder, output, provenance, files, comm, from, saved: last, last: steps, longest_checkpoint: Duration::ZERO })
+        Ok(Self {
+            folder,
+            output,
+            provenance,
+            files,
+            comm,
+            from,
+            saved: last,
+            last: steps,
+            longest_checkpoint: Duration::ZERO,
+        })
     }
 
     /// The folder of the results.
