@@ -95,6 +95,42 @@ fn disks_at_rest_in_the_flow_stay_there() {
     assert!(steps[3][0] > 100 && steps[0][0] < -100, "the flow has carried them around: {steps:?}");
 }
 
+/// Where disks are in the plane, out of their places in the cell and the lattice steps taken out of them, goes on
+/// straight through every turn of the lattice, in whatever step the list of neighbours was made.
+#[test]
+fn lattice_steps_keep_the_way_of_every_disk() {
+    for rate in [0.3, -0.3] {
+        let mut particles = Particles::default();
+        for id in 0..4 {
+            particles.push(id, domain::Vector::new(9.0 * id as f64, 8.0 * id as f64 + 0.5, 0.0), 0.6, 0);
+        }
+        particles.steps = vec![[0, 0, 0], [2, 1, 0], [-1, -3, 0], [0, 7, 0]];
+        let edges @ [length, height] = [40.0, 33.0];
+        let parameters = Parameters { edges, flow: Flow::Shear { rate }, ..Parameters::default() };
+        let mut disks = Disks::flowing(parameters, &particles).unwrap();
+        let way = |disks: &Disks, row: usize| {
+            let (particles, _) = disks.store();
+            let ([along, up, _], place) = (particles.steps[row], particles.positions[row]);
+            let tilt = disks.cell().strain() * height;
+            [place.x + f64::from(along) * length + f64::from(up) * tilt, place.y + f64::from(up) * height]
+        };
+        let start: Vec<_> = (0..4).map(|row| way(&disks, row)).collect();
+        let mut turned = false;
+        for _ in 0..400 {
+            let before = disks.cell().strain();
+            disks.advance(1);
+            turned |= (disks.cell().strain() - before).abs() > 0.5;
+            for (row, start) in start.iter().enumerate() {
+                let [x, y] = way(&disks, row);
+                let far = start[0] + rate * (start[1] - 0.5 * height) * disks.time();
+                // Round-off of places up to 1e3.
+                assert!((x - far).abs() < 1e-9 && (y - start[1]).abs() < 1e-9, "disk {row} at {}", disks.time());
+            }
+        }
+        assert!(turned, "the lattice was turned back");
+    }
+}
+
 #[test]
 fn threads_do_not_change_a_bit() {
     let model = Model::new(Parameters { edges: [330.0; 2], ..Parameters::default() }).unwrap();

@@ -171,7 +171,8 @@ fn a_net_force_leaves_no_mean_flow() {
             let mean = component.iter().sum::<f64>() / points as f64;
             assert!(mean.abs() < 1e-14 * size * (points as f64).sqrt(), "{method:?}: mean {mean:e} of {size:e}");
         }
-        assert!(mobility.divergence() < 1e-11);
+        // Roundings: not nothing.
+        assert!(mobility.divergence() > 0.0 && mobility.divergence() < 1e-11);
     }
 }
 

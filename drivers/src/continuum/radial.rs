@@ -64,3 +64,51 @@ impl RadialDistribution {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The forms as they are printed.
+    fn printed(radial: RadialDistribution, v: f64) -> f64 {
+        let dilute = |v: f64| (2.0 - v) / (2.0 * (1.0 - v).powi(3));
+        match radial {
+            RadialDistribution::CarnahanStarling => dilute(v),
+            RadialDistribution::LunSavage => (1.0 - v / 0.65).powf(-1.625),
+            RadialDistribution::JohnsonJackson => 1.0 / (1.0 - (v / 0.65).cbrt()),
+            RadialDistribution::SinclairJackson => 0.6 / (1.0 - (v / 0.65).cbrt()),
+            RadialDistribution::MaAhmadi => {
+                (1.0 + 2.5 * v + 4.5904 * v.powi(2) + 4.515439 * v.powi(3))
+                    / (1.0 - (v / 0.64356).powi(3)).powf(0.67802)
+            }
+            RadialDistribution::Torquato if v < 0.49 => dilute(v),
+            RadialDistribution::Torquato => dilute(0.49) * 0.16 / (0.65 - v),
+        }
+    }
+
+    #[test]
+    fn values_and_derivatives_are_those_of_the_printed_forms() {
+        for radial in RadialDistribution::ALL {
+            for v in [0.01, 0.2, 0.45, 0.4899, 0.491, 0.55, 0.62] {
+                let jet = radial.jet(Jet::variable(v));
+                let (f, h) = (|v| printed(radial, v), 1e-5 * v.min(0.64 - v));
+                assert!((radial.at(v) / f(v) - 1.0).abs() < 1e-13, "{radial:?} at {v}: {} for {}", radial.at(v), f(v));
+                // Central differences: at most h^2 over the squared distance from 0 or from packing, and roundings.
+                let slope = (f(v + h) - f(v - h)) / (2.0 * h);
+                assert!(
+                    (jet.slope() - slope).abs() < 1e-7 * f(v) / v.min(0.64 - v),
+                    "{radial:?} at {v}: {}",
+                    jet.slope()
+                );
+                let h = 100.0 * h;
+                let curvature = (f(v + h) - 2.0 * f(v) + f(v - h)) / (h * h);
+                let found = jet.derivative().slope();
+                assert!(
+                    (found - curvature).abs() < 1e-4 * f(v) / v.min(0.64 - v).powi(2),
+                    "{radial:?} at {v}: {found}"
+                );
+            }
+        }
+        assert_eq!(RadialDistribution::Torquato.at(0.49), RadialDistribution::CarnahanStarling.at(0.49));
+    }
+}

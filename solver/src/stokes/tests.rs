@@ -179,3 +179,50 @@ fn a_rotation_of_axes_rotates_the_velocity() {
         assert!((turn * straight([x, y, z]) - turned([z, x, y])).length() < 1e-16);
     }
 }
+
+/// `|k.u|` over `|k| |u|` of a wave `a cos(k.x) + b sin(k.x)`, whose coefficient is `(a - i b) / 2`.
+#[test]
+fn the_divergence_of_a_wave_is_that_of_its_amplitudes() {
+    let measured = |grid: &Grid, value: &dyn Fn(Vector) -> Vector| {
+        divergence(grid, &transform().forward(sampled::<f64>(grid, value)), &Comm::alone())
+    };
+    for strain in [0.0, 0.31] {
+        let grid = grid(strain);
+        assert_eq!(measured(&grid, &|_| Vector::ZERO), 0.0);
+        let k = grid.wavevector([3, 4, 2]);
+        let across = k.cross(Vector::X).normalize();
+        let amplitudes =
+            [(k, Vector::ZERO), (across, across * 2.0), (k + across, across - k), (Vector::new(0.3, -1.0, 2.0), k)];
+        for (a, b) in amplitudes {
+            let wave = |x: Vector| a * k.dot(x).cos() + b * k.dot(x).sin();
+            let exact = k.dot(a).hypot(k.dot(b)) / (k.length() * a.length().hypot(b.length()));
+            assert!((measured(&grid, &wave) - exact).abs() < 1e-14, "strain {strain}, {a} and {b}");
+        }
+        // The largest of one wave over the largest of another; the highest mode, a gradient too, does not count.
+        let (other, highest) = (grid.wavevector([1, 2, 0]), grid.wavevector([0, POINTS[1] / 2, 0]));
+        let three =
+            |x: Vector| across * k.dot(x).cos() + other * 0.1 * other.dot(x).cos() + highest * (highest.dot(x)).cos();
+        let exact = 0.1 * other.length_squared() / k.length();
+        assert!(exact < 1.0 && (measured(&grid, &three) - exact).abs() < 1e-14, "strain {strain}");
+    }
+}
+
+#[test]
+fn every_rank_knows_the_divergence_of_all() {
+    let grid = grid(0.31);
+    let k = grid.wavevector([3, 4, 2]);
+    let whole = sampled::<f64>(&grid, |x| (k + Vector::X) * k.dot(x).cos());
+    let alone = divergence(&grid, &transform().forward(whole.clone()), &Comm::alone());
+    let found = Comm::threads(3, |comm| {
+        let mut transform = Transform::<f64>::new(POINTS, &Partition::new(&comm, [POINTS[1], POINTS[2]]), 0);
+        let mut field = transform.field();
+        let [ys, zs] = field.rows();
+        for (c, (y, z)) in
+            (0..3).flat_map(|c| ys.clone().flat_map(|y| zs.clone().map(move |z| (y, z))).map(move |l| (c, l)))
+        {
+            field.row_mut(c, y, z).copy_from_slice(whole.row(c, y, z));
+        }
+        divergence(&grid, &transform.forward(field), &comm)
+    });
+    assert!(alone > 0.5 && found.iter().all(|&one| one == alone), "{alone} and {found:?}");
+}

@@ -83,20 +83,25 @@ fn suspension() -> (Plan, Particles) {
     (plan(edge, &radii[..2], (1e-3, 1e-3)), placed(&positions, &radii))
 }
 
+/// The near pairs of a suspension on one rank.
+fn near_pairs(plan: &Plan, particles: &mut Particles, partition: &Partition) -> NearPairs {
+    let cell = plan.cell();
+    particles.wrap(&cell);
+    let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
+    let alone: Vec<Screw> = plan.radii.iter().map(|&a| super::super::single(1.0, a)).collect();
+    let stiffness = Stiffness::new(&force, &alone);
+    NearPairs::find((&force, &stiffness), particles, &cell, partition)
+}
+
 #[test]
 fn the_system_is_symmetric_and_positive_definite() {
     let (plan, mut particles) = suspension();
-    let cell = plan.cell();
-    particles.wrap(&cell);
     let comm = Comm::alone();
     let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
-    let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
+    let near = near_pairs(&plan, &mut particles, &partition);
     let mut mobility = Mobility::new(&plan, &partition);
-    mobility.arrange(&cell, &particles);
+    mobility.arrange(&plan.cell(), &particles);
     let single: Vec<Screw> = particles.radii.iter().map(|&a| single(1.0, a)).collect();
-    let alone: Vec<Screw> = plan.radii.iter().map(|&a| super::super::single(1.0, a)).collect();
-    let stiffness = Stiffness::new(&force, &alone);
-    let near = NearPairs::find((&force, &stiffness), &particles, &cell, &partition);
     let strain_resistance: Vec<f64> = particles.radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
     let basis = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance };
     let start = basis.unit(0);
@@ -112,4 +117,42 @@ fn the_system_is_symmetric_and_positive_definite() {
     }
     assert!((0..matrix.len()).any(|i| diagonal(i) > 100.0), "no pair is near");
     assert!(eigenvalues_exceed(0.2, &matrix));
+}
+
+/// The motions of the stiff pairs by themselves are more exact each time, until they are as exact as they can be; where
+/// there is no preconditioner, there is nothing to be made more exact.
+#[test]
+fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
+    let (plan, mut particles) = suspension();
+    let comm = Comm::alone();
+    let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
+    let near = near_pairs(&plan, &mut particles, &partition);
+    let single: Vec<Screw> = particles.radii.iter().map(|&a| single(1.0, a)).collect();
+    let mut matrix = ParticleMatrix::new(&comm, &near, &single);
+    let modes = vec![[1.0; PairFactor::MODES]; near.list().len()];
+    let loads = near.loads(&modes[..near.stiff()]);
+    let error = |matrix: &mut ParticleMatrix| {
+        let motions = matrix.relieve(&mut modes.clone());
+        let mut residual = loads.clone();
+        residual.add(-1.0, &matrix.apply(&motions));
+        (residual.dot(&matrix.precondition(&residual)) / matrix.size(&motions)).sqrt()
+    };
+    let mut errors = vec![error(&mut matrix)];
+    while errors.len() < 9 && matrix.sharpen() {
+        errors.push(error(&mut matrix));
+    }
+    assert!(near.stiff() > 1 && errors[0] > 1e-9, "{errors:?}");
+    assert!((4..=5).contains(&errors.len()), "{errors:?}");
+    assert!(errors[..4].windows(2).all(|two| two[1] < 0.1 * two[0]), "{errors:?}");
+
+    let strain_resistance: Vec<f64> = particles.radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
+    let start = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance }.unit(0);
+    let sharpened = |matrix| {
+        let mut mobility = Mobility::new(&plan, &partition);
+        mobility.arrange(&plan.cell(), &particles);
+        let known = (&Loads::default(), &start);
+        Coupled::new(&mut mobility, &near, matrix, (&single, &strain_resistance), known).sharpen()
+    };
+    assert!(sharpened(Some(ParticleMatrix::new(&comm, &near, &single))));
+    assert!(!sharpened(Some(matrix)) && !sharpened(None));
 }

@@ -1,0 +1,95 @@
+"""Changes the program in one place after another, at random, and counts the changes that its tests notice. Each is tested
+by the tests of its own crate. Results are kept, so that an interrupted sample goes on where it was."""
+
+import argparse
+import collections
+import json
+import os
+import pathlib
+
+from mutation_tests import Copy
+from mutations import all_mutations, known_as_equal, sampled
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FOLDER = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "mutants"
+
+OUTCOMES = ("noticed", "timed out", "missed", "changes nothing", "unviable", "not yet tested")
+
+# Between blocks the crates change places, which costs a build of all of them.
+BLOCK = 50
+
+# Those that others are built on come last: changed ones have the others built again.
+ORDER = ("fcm-solve", "io", "drivers", "statistics", "fcm", "lubrication", "solver", "domain")
+
+
+class Kept:
+    """Results by mutation, each in a line of a file."""
+
+    def __init__(self, path):
+        self.path = path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lines = path.read_text().splitlines() if path.exists() else []
+        self.outcomes = dict(json.loads(line) for line in lines)
+
+    def keep(self, mutation, outcome):
+        self.outcomes[mutation.key] = outcome
+        with open(self.path, "a") as file:
+            file.write(json.dumps([mutation.key, outcome]) + "\n")
+
+
+def in_blocks(mutations):
+    """In their order, but crate by crate within each block."""
+    for first in range(0, len(mutations), BLOCK):
+        yield from sorted(mutations[first : first + BLOCK], key=lambda one: ORDER.index(one.crate))
+
+
+def outcome_of(mutation, kept, equal):
+    found = kept.outcomes.get(mutation.key, "not yet tested")
+    return "changes nothing" if found == "missed" and mutation.key in equal else found
+
+
+def table(sample, kept, equal):
+    """Lines of Markdown: how many of each outcome by crate, and those that no test noticed."""
+    counts = collections.Counter((one.crate, outcome_of(one, kept, equal)) for one in sample)
+    row = lambda cells: "| " + " | ".join(map(str, cells)) + " |"
+    yield row(["crate", *OUTCOMES])
+    yield row(["---"] * (1 + len(OUTCOMES)))
+    for crate in reversed(ORDER):
+        yield row([crate, *(counts[crate, outcome] for outcome in OUTCOMES)])
+    total = {outcome: sum(counts[crate, outcome] for crate in ORDER) for outcome in OUTCOMES}
+    yield row(["all", *total.values()])
+    noticed, missed = total["noticed"] + total["timed out"], total["missed"]
+    if noticed + missed:
+        yield f"\nnoticed {noticed} of {noticed + missed} that change anything: {noticed / (noticed + missed):.1%}"
+    for one in sample:
+        if outcome_of(one, kept, equal) == "missed":
+            yield f"missed {one.place}: {one.key.split(': ', 1)[1]}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sample", type=int, default=300, help="how many changes (300)")
+    parser.add_argument("--seed", type=int, default=1, help="which of them (1)")
+    parser.add_argument("--only", help="changes whose description has this text, instead of a sample")
+    parser.add_argument("--again", action="store_true", help="test again what was missed")
+    parser.add_argument("--table", action="store_true", help="only say what is known")
+    asked = parser.parse_args()
+    mutations = list(all_mutations(ROOT))
+    if asked.only:
+        sample = [one for one in mutations if asked.only in f"{one.place}: {one.key}"]
+    else:
+        sample = sampled(mutations, asked.seed)[: asked.sample]
+    kept, equal = Kept(FOLDER / "results.jsonl"), known_as_equal(ROOT)
+    print(f"{len(sample)} changes of {len(mutations)}")
+    if not asked.table:
+        copy = Copy(ROOT, FOLDER)
+        for number, mutation in enumerate(in_blocks(sample), 1):
+            found = outcome_of(mutation, kept, equal)
+            if found == "not yet tested" or (asked.again and found == "missed"):
+                kept.keep(mutation, copy.outcome(mutation))
+                print(f"{number} {kept.outcomes[mutation.key]}: {mutation.place}: {mutation.key}", flush=True)
+    print("\n".join(table(sample, kept, equal)))
+
+
+if __name__ == "__main__":
+    main()

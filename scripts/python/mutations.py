@@ -1,0 +1,60 @@
+"""The places where the program can be changed, in a random order that edits elsewhere leave as it is."""
+
+import collections
+import dataclasses
+import hashlib
+import json
+import subprocess
+import tomllib
+
+
+@dataclasses.dataclass(frozen=True)
+class Mutation:
+    """One change of one place."""
+
+    # What is changed and how, with the line of source that it is in: the same after edits elsewhere.
+    key: str
+    crate: str
+    file: str
+    # Lines and columns, from 1, of the first character and of the one after the last.
+    start: tuple
+    end: tuple
+    replacement: str
+
+    @property
+    def place(self):
+        return f"{self.file}:{self.start[0]}"
+
+    def apply(self, text):
+        """The source with the change made."""
+        lines = text.splitlines(keepends=True)
+        at = lambda line, column: sum(map(len, lines[: line - 1])) + column - 1
+        return text[: at(*self.start)] + self.replacement + text[at(*self.end) :]
+
+
+def all_mutations(root):
+    """Those of every crate."""
+    command = ["cargo", "mutants", "--workspace", "--list", "--json", "--config", "scripts/mutants.toml"]
+    listed = json.loads(subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout)
+    seen, sources = collections.Counter(), {}
+    for one in listed:
+        file, (start, end) = one["file"], (one["span"][edge] for edge in ("start", "end"))
+        if file not in sources:
+            sources[file] = (root / file).read_text().splitlines()
+        change = one["name"].split(": ", 1)[1]
+        key = f"{file}: {change}: {sources[file][start['line'] - 1].strip()}"
+        seen[key] += 1
+        key += f" ({seen[key]})" if seen[key] > 1 else ""
+        places = [(edge["line"], edge["column"]) for edge in (start, end)]
+        yield Mutation(key, one["package"], file, *places, one["replacement"])
+
+
+def sampled(mutations, seed):
+    """All of them in the random order of a seed: the first of them are a fair sample, however many."""
+    return sorted(mutations, key=lambda one: hashlib.sha256(f"{seed} {one.key}".encode()).digest())
+
+
+def known_as_equal(root):
+    """Reasons why some mutations change nothing that a test could see, by key."""
+    with open(root / "scripts" / "mutants-equal.toml", "rb") as file:
+        return {one["mutation"]: one["reason"] for one in tomllib.load(file).get("equal", [])}
