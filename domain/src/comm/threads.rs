@@ -38,10 +38,8 @@ pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(Rank) -> R + Sync) -> Vec
         let spawn = |rank| {
             let group = group.clone();
             scope.spawn(move || {
-                let guard = BreakOnPanic(group.clone());
-                let value = body(Rank { number: rank, group, machine: rank / 2 });
-                std::mem::forget(guard);
-                value
+                let _guard = BreakOnPanic(group.clone());
+                body(Rank { number: rank, group, machine: rank / 2 })
             })
         };
         let threads: Vec<_> = (0..ranks).map(spawn).collect();
@@ -54,8 +52,10 @@ struct BreakOnPanic(Arc<Group>);
 
 impl Drop for BreakOnPanic {
     fn drop(&mut self) {
-        lock(&self.0.meeting).broken = true;
-        self.0.everyone.notify_all();
+        if std::thread::panicking() {
+            lock(&self.0.meeting).broken = true;
+            self.0.everyone.notify_all();
+        }
     }
 }
 
