@@ -112,7 +112,7 @@ mod tests {
     fn images_are_those_in_reach_and_their_sums_come_home() {
         let cell = PeriodicBox::new(Vector::splat(8.0)).unwrap();
         let reach = [1.3, 0.7];
-        for ranks in [1, 2, 3, 4, 7, 12] {
+        for ranks in [1, 2, 3, 4, 7, 12, 13, 16, 64] {
             Comm::threads(ranks, |comm| {
                 let partition = Partition::with_table(&comm, [8, 8], if ranks == 12 { [3, 4] } else { [1, ranks] });
                 let mut particles = Particles::default();

@@ -186,7 +186,7 @@ mod tests {
         let cutoff = 1.1;
         let everything = random(150, &cell, 7.3);
         let expected = brute_force(&cell, &everything, cutoff);
-        for ranks in [1, 2, 3, 4, 7] {
+        for ranks in [1, 2, 3, 4, 7, 13, 16, 64] {
             let found = Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [12, 12]);
                 let mut particles = Particles::default();

@@ -251,7 +251,7 @@ mod tests {
     fn migration_keeps_every_row_whole_and_home() {
         let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
         let alone = scattered(60);
-        for ranks in [1, 2, 3, 4, 7] {
+        for ranks in [1, 2, 3, 4, 7, 13, 16, 64] {
             let gathered = Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [8, 8]);
                 let rows: Vec<usize> = (0..60).filter(|r| r % ranks == comm.rank()).collect();

@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn every_position_has_its_owner() {
-        for ranks in [1, 2, 3, 4, 7] {
+        for ranks in [1, 2, 3, 4, 7, 13, 16, 64] {
             Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [6, 5]);
                 let cell = PeriodicBox::new(Vector::new(1.0, 6.0, 5.0)).unwrap();

@@ -249,7 +249,7 @@ mod tests {
     #[test]
     fn lists_are_those_of_a_search_at_all_times() {
         let (edges, cutoff) = (Vector::new(7.0, 5.0, 6.0), 1.4);
-        for table in [[1, 1], [1, 2], [2, 1], [2, 3]] {
+        for table in [[1, 1], [1, 2], [2, 1], [2, 3], [1, 13]] {
             Comm::threads(table[0] * table[1], |comm| {
                 let partition = Partition::with_table(&comm, [10, 12], table);
                 let mut vicinity = Vicinity::new(cutoff, &partition);

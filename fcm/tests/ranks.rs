@@ -7,7 +7,8 @@ use domain::{PeriodicBox, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Mobility, Motion, Plan, Precision};
 
 /// Ranks that own slabs, pencils, and nothing.
-const TABLES: [[usize; 2]; 9] = [[1, 1], [1, 2], [2, 1], [3, 1], [1, 4], [2, 2], [4, 1], [1, 7], [7, 1]];
+const TABLES: [[usize; 2]; 12] =
+    [[1, 1], [1, 2], [2, 1], [3, 1], [1, 4], [2, 2], [4, 1], [1, 7], [7, 1], [1, 13], [4, 4], [8, 8]];
 const BACKGROUND: Traceless = Traceless([0.3, -0.1, 0.2, 0.4, -0.5]);
 
 fn suspension() -> Suspension {
@@ -66,7 +67,7 @@ fn rigid_spheres_agree_on_any_table_of_ranks() {
     }
 }
 
-/// A grid of 4 x 4 lines for 7 ranks, most of which own no particle.
+/// A grid of 4 x 4 lines for up to 64 ranks, most of which own no particle, and some no line.
 #[test]
 fn more_ranks_than_lines_and_ranks_without_particles() {
     let cell = PeriodicBox::new(Vector::new(8.0, 4.0, 4.0)).unwrap();
@@ -76,7 +77,7 @@ fn more_ranks_than_lines_and_ranks_without_particles() {
         let choice = Fixed { grid: Some([16, 4, 4]), ..fixed(method) };
         let plan = suspension.plan(0.1, choice);
         let alone = rigid(&suspension, &plan, [1, 1], &loads);
-        for table in [[1, 7], [7, 1], [5, 1], [3, 2]] {
+        for table in [[1, 7], [7, 1], [5, 1], [3, 2], [1, 13], [4, 4], [8, 8], [64, 1]] {
             let (motion, stresslets) = rigid(&suspension, &plan, table, &loads);
             let error = worst(&motion, &alone.0).max(error(&tensors(&stresslets), &tensors(&alone.1)));
             assert!(error < 1e-12, "{method:?} on {table:?}: {error:e}");

@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn a_chain_that_is_pressed_keeps_its_gaps_on_any_ranks() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
-        for ranks in [1, 2, 3] {
+        for ranks in [1, 2, 3, 13, 64] {
             let all = Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [8, 8]);
                 let mut particles = if comm.is_first() { chain() } else { Particles::default() };

@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn forces_are_equal_and_opposite_on_any_number_of_ranks() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
-        for ranks in [1, 2, 3, 4] {
+        for ranks in [1, 2, 3, 4, 13, 64] {
             let all = Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [8, 8]);
                 let mut particles = if comm.is_first() { three() } else { Particles::default() };
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn the_smallest_gap_is_found_near_and_far() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
-        for ranks in [1, 3] {
+        for ranks in [1, 3, 13, 64] {
             Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [8, 8]);
                 let mut particles = if comm.is_first() { three() } else { Particles::default() };

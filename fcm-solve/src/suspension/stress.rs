@@ -120,7 +120,7 @@ count = 1
         let expected =
             Tensor::from_cols(separation * separation.x, separation * separation.y, separation * separation.z);
         let expected = expected * (-force / 12.0_f64.powi(3));
-        for ranks in [1, 2, 3] {
+        for ranks in [1, 2, 3, 13] {
             let found = stress(&[&places(separation), "repulsion={ strength = 7.0, range = 0.1 }"], ranks);
             for one in &found {
                 let difference = one.repulsion * 2.0 - expected;

@@ -44,15 +44,28 @@ fn run(scene: &Scene, ranks: usize) -> Particles {
 fn ranks_agree() {
     let scene = scene(&[]);
     let alone = run(&scene, 1);
-    for ranks in [2, 3, 4, 7] {
-        let together = run(&scene, ranks);
-        assert_eq!((&together.ids, &together.steps), (&alone.ids, &alone.steps));
-        for (column, other) in alone.columns.iter().zip(&together.columns) {
-            let largest = column.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            let difference = column.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            // Sums in another order, and stresslets within the iteration's tolerance of each other.
-            assert!(difference < 1e-8 * largest, "{} on {ranks} ranks: {difference:e}", column.name);
-        }
+    for ranks in [2, 3, 4, 7, 13, 16] {
+        agree(&alone, &run(&scene, ranks), &format!("{ranks} ranks"));
+    }
+}
+
+/// 26 spheres; and two on a grid that has fewer planes and lines along each axis than there are ranks.
+#[test]
+fn more_ranks_than_particles_or_planes_agree() {
+    let two = "species=[{ radius = 1.0, count = 2, density_difference = 1.0 }]";
+    for overrides in [&["time.steps=1"][..], &["time.steps=1", two, "box.edges=[7, 6, 8]"]] {
+        let scene = scene(overrides);
+        agree(&run(&scene, 1), &run(&scene, 64), "64 ranks");
+    }
+}
+
+fn agree(alone: &Particles, together: &Particles, what: &str) {
+    assert_eq!((&together.ids, &together.steps), (&alone.ids, &alone.steps));
+    for (column, other) in alone.columns.iter().zip(&together.columns) {
+        let largest = column.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let difference = column.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // Sums in another order, and stresslets within the iteration's tolerance of each other.
+        assert!(difference <= 1e-8 * largest, "{} on {what}: {difference:e}", column.name);
     }
 }
 

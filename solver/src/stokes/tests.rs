@@ -143,7 +143,7 @@ fn ranks_agree_with_one_rank_to_the_bit() {
     let strain = 0.25;
     let force = noisy(9);
     let one = solved(&force, &Stokes::new(&grid(strain), 1.0));
-    for table in [[1, 2], [3, 1], [2, 2], [1, 7], [7, 1]] {
+    for table in [[1, 2], [3, 1], [2, 2], [1, 7], [7, 1], [1, 13], [4, 4], [8, 8], [64, 1]] {
         Comm::threads(table[0] * table[1], |comm| {
             let partition = Partition::with_table(&comm, [POINTS[1], POINTS[2]], table);
             let mut transform = Transform::<f64>::new(POINTS, &partition, 0);

@@ -8,8 +8,25 @@ use std::f64::consts::TAU;
 
 type Modes<T> = BTreeMap<[usize; 3], [Complex<T>; 3]>;
 
-const TABLES: [[usize; 2]; 12] =
-    [[1, 1], [1, 2], [2, 1], [1, 3], [3, 1], [2, 2], [4, 1], [1, 4], [7, 1], [1, 7], [2, 3], [3, 2]];
+const TABLES: [[usize; 2]; 17] = [
+    [1, 1],
+    [1, 2],
+    [2, 1],
+    [1, 3],
+    [3, 1],
+    [2, 2],
+    [4, 1],
+    [1, 4],
+    [7, 1],
+    [1, 7],
+    [2, 3],
+    [3, 2],
+    [1, 13],
+    [13, 1],
+    [4, 4],
+    [8, 8],
+    [1, 64],
+];
 
 fn noise_at([nx, ny, nz]: [usize; 3], component: usize, [x, y, z]: [usize; 3]) -> f64 {
     noise(((component * nz + z) * ny + y) * nx + x)
