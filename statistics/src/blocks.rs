@@ -164,6 +164,15 @@ mod tests {
         assert!((constant.deviation() - 3.0).abs() < 1e-15 && Blocks::default().deviation().is_nan());
     }
 
+    /// A ramp of 16: means of four have the variance 80/3, and four of them make the longest blocks that count.
+    #[test]
+    fn without_blocks_long_enough_the_error_is_the_largest() {
+        let mut ramp = Blocks::default();
+        (0..16).for_each(|i| ramp.add(f64::from(i)));
+        let Estimate { mean, error, converged } = ramp.estimate();
+        assert!(mean == 7.5 && (error - (20.0_f64 / 3.0).sqrt()).abs() < 1e-14 && !converged, "{error}");
+    }
+
     #[test]
     fn the_mean_is_that_of_all_at_once_and_the_state_lasts() {
         let values: Vec<f64> = (0..1000).map(|i| (f64::from(i) * 0.7).sin() + 1e3).collect();

@@ -253,3 +253,67 @@ pub fn spin(geometry: &Geometry) -> [[f64; 2]; 2] {
     }
     sums.map(|line| line.map(|sum| 32.0 * std::f64::consts::PI * sum.value()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Associated Legendre functions without the sign of Condon and Shortley.
+    fn legendre(n: usize, m: usize, x: f64) -> f64 {
+        let sectoral = |l: usize| (0..l).map(|i| (2 * i + 1) as f64 * (1.0 - x * x).sqrt()).product::<f64>();
+        if n < m {
+            return 0.0;
+        }
+        let (mut below, mut value) = (0.0, sectoral(m));
+        for l in m + 1..=n {
+            let next = ((2 * l - 1) as f64 * x * value - (l + m - 1) as f64 * below) / (l - m) as f64;
+            (below, value) = (value, next);
+        }
+        value
+    }
+
+    /// The harmonic function of a family, degree and order, with coefficient 1, at `(rho, z)`.
+    fn harmonic((family, n, m): (usize, usize, usize), [rho, z]: [f64; 2]) -> f64 {
+        let square = rho * rho + z * z;
+        let (xi, eta) = ((2.0 * z / (square + 1.0)).atanh(), (2.0 * rho).atan2(square - 1.0));
+        let growth = ((n as f64 + 0.5) * xi * side(family)).exp();
+        (xi.cosh() - eta.cos()).sqrt() * growth * legendre(n, m, eta.cos())
+    }
+
+    /// `d v_z/dz + d v_rho/drho + (v_rho + m v_phi) / rho` of one component by central differences, against the degrees
+    /// that `known` says it has.
+    #[test]
+    fn the_divergence_of_each_component_is_that_of_its_derivatives() {
+        let (geometry, h) = (Geometry::new(1.5, 0.3), 1e-4);
+        let component = |which: usize| {
+            let shape = |k: usize| if k == which { Shape::One } else { Shape::Zero };
+            Drive { sphere: 1, axial: shape(0), raised: shape(1), lowered: shape(2) }
+        };
+        let cases = [(0, 0, 0), (0, 1, 1), (1, 0, 1), (1, 1, 2), (1, 2, 0), (2, 0, 2), (2, 1, 3), (2, 2, 1)];
+        for ((m, which, order), k, family) in
+            cases.into_iter().flat_map(|case| [3, 4].map(|k| [0, 1].map(|f| (case, k, f)))).flatten()
+        {
+            let problem = Problem::new(&geometry, m);
+            let value = |point| harmonic((family, k, order), point);
+            for [rho, z] in [[0.7, 0.3], [0.4, -0.5], [1.3, 0.9]] {
+                let [across, along] = [[h, 0.0], [0.0, h]]
+                    .map(|[r, u]: [f64; 2]| (value([rho + r, z + u]) - value([rho - r, z - u])) / (2.0 * h));
+                let found = match which {
+                    0 => along,
+                    1 => across + (1.0 + m as f64) * value([rho, z]) / rho,
+                    _ => across + (1.0 - m as f64) * value([rho, z]) / rho,
+                };
+                let expected: f64 = (k - 1..=k + 1)
+                    .map(|n| problem.known(n, k, family, &component(which)) / problem.decays[k][1])
+                    .zip(k - 1..)
+                    .map(|(weight, n)| weight.value() * harmonic((family, n, m), [rho, z]))
+                    .sum();
+                // Central differences: h^2 times a third derivative, of degree 4 below 1e3 times the value.
+                assert!(
+                    (found - expected).abs() < 1e-5 * found.abs().max(1.0),
+                    "order {m}, {which}: {found} {expected}"
+                );
+            }
+        }
+    }
+}
