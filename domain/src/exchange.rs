@@ -107,6 +107,14 @@ mod tests {
     use super::*;
     use crate::{Comm, Particles};
 
+    #[test]
+    fn distances_are_those_from_the_nearest_image() {
+        let cases = [(1.0, 1.0), (2.0, 0.0), (3.0, 0.0), (4.0, 0.0), (5.5, 1.5), (7.5, 2.5), (-0.25, 2.25), (9.5, 0.5)];
+        for (coordinate, expected) in cases {
+            assert!((distance([2.0, 4.0], coordinate, 8.0) - expected).abs() < 1e-15, "{coordinate}");
+        }
+    }
+
     /// Every rank counts what reaches into its pencil, and the owners must hear the sum.
     #[test]
     fn images_are_those_in_reach_and_their_sums_come_home() {

@@ -69,6 +69,18 @@ fn agree(alone: &Particles, together: &Particles, what: &str) {
     }
 }
 
+/// Each step says how often the mobility was evaluated in it: four times and more by Runge and Kutta's rule, and again
+/// for each iteration; and the divergence that roundings leave.
+#[test]
+fn a_step_tells_its_evaluations_and_its_divergence() {
+    let scene = scene(&["time.steps=1"]);
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    let mut suspension = Suspension::start(scene, &Comm::alone()).unwrap();
+    let report = suspension.step().unwrap();
+    assert!(report.evaluations > 4 && report.evaluations < 1000, "{}", report.evaluations);
+    assert!(report.divergence > 0.0 && report.divergence < 1e-10, "{:e}", report.divergence);
+}
+
 /// One sphere without weight goes with the flow and turns with half its vorticity.
 #[test]
 fn a_sphere_in_shear_is_carried_and_turned() {
