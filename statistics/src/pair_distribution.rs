@@ -150,6 +150,13 @@ mod tests {
     }
 
     #[test]
+    fn pairs_of_species_come_in_the_order_of_their_counts() {
+        let pairs = PairDistribution::new(1.0, Angle::Cosine(2), &[0, 1, 2, 0], 8.0).species_pairs();
+        assert_eq!(pairs, [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]]);
+        assert!(pairs.iter().enumerate().all(|(k, &[a, b])| pair_index(a, b) == k));
+    }
+
+    #[test]
     fn an_ideal_gas_has_one_everywhere_in_straight_and_sheared_boxes() {
         for (angle, strain) in [(Angle::Azimuth, 0.3), (Angle::Cosine(2), 0.0)] {
             let found = ideal_gas(angle, strain);

@@ -188,7 +188,7 @@ fn the_divergence_of_a_wave_is_that_of_its_amplitudes() {
     };
     for strain in [0.0, 0.31] {
         let grid = grid(strain);
-        assert_eq!(measured(&grid, &|_| Vector::ZERO), 0.0);
+        assert!(measured(&grid, &|_| Vector::ZERO).abs() < 1e-300);
         let k = grid.wavevector([3, 4, 2]);
         let across = k.cross(Vector::X).normalize();
         let amplitudes =
@@ -224,5 +224,5 @@ fn every_rank_knows_the_divergence_of_all() {
         }
         divergence(&grid, &transform.forward(field), &comm)
     });
-    assert!(alone > 0.5 && found.iter().all(|&one| one == alone), "{alone} and {found:?}");
+    assert!(alone > 0.5 && found.iter().all(|one| one.to_bits() == alone.to_bits()), "{alone} and {found:?}");
 }
