@@ -104,7 +104,7 @@ fn runs_are_recorded_at_the_strains_asked_for() {
     }
     // One of them by hand: what is counted begins anew at each record.
     let (case, records) = &runs[1];
-    let mut disks = Disks::prepared(&sweep.model(case).unwrap());
+    let mut disks = Disks::prepared(&sweep.model(case).unwrap()).unwrap();
     for (steps, record) in [0, 50, 50, 50, 30].into_iter().zip(records) {
         if steps > 0 {
             disks.restart_tally();
