@@ -52,7 +52,7 @@ fn any_damage_to_the_last_one_is_seen_and_the_one_before_serves() {
 #[test]
 fn a_folder_without_checkpoints_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(Checkpoint::latest(folder.path()).unwrap_err().to_string().contains("nothing to resume"));
+    assert!(Checkpoint::latest(folder.path()).unwrap_err().to_string().contains("stopped before the first"));
     assert!(Checkpoint::latest(&folder.path().join("nowhere")).is_err());
     std::fs::write(folder.path().join("checkpoint-0000000002.bin"), "?").unwrap();
     assert!(Checkpoint::latest(folder.path()).unwrap_err().to_string().contains("is damaged"));
