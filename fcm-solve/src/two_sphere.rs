@@ -29,7 +29,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
             values.into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect();
         format!("{}\n", Value::Object(object))
     } else {
-        values.into_iter().map(|(name, value)| format!("{name}  {value:+.10e}\n")).collect()
+        values.into_iter().map(|(name, value)| format!("{name}  {value:+.10e}\n")).collect::<Vec<_>>().concat()
     };
     streams::print(comm, &text)
 }

@@ -48,6 +48,11 @@ pub trait Keeper: Sync {
 
     /// Takes the records of a run that has ended.
     fn keep(&self, case: &Case, records: &[Record]) -> Result<(), Self::Error>;
+
+    /// Is asked at each record; an error ends the sweep.
+    fn go_on(&self) -> Result<(), Self::Error> {
+        Ok(())
+    }
 }
 
 /// A mean over seeds.
@@ -112,7 +117,7 @@ impl Sweep {
             if let Some(records) = keeper.kept(&case)? {
                 return Ok((case, records));
             }
-            let records = self.records(&self.model(&case)?)?;
+            let records = self.records(&self.model(&case)?, keeper)?;
             keeper.keep(&case, &records)?;
             Ok((case, records))
         };
@@ -120,7 +125,7 @@ impl Sweep {
     }
 
     /// Prepares a system, runs it and keeps records of it.
-    fn records(&self, model: &Model) -> Result<Vec<Record>, ParameterError> {
+    fn records<K: Keeper>(&self, model: &Model, keeper: &K) -> Result<Vec<Record>, K::Error> {
         let mut disks = Disks::prepared(model)?;
         let p = model.parameters();
         let strain_per_step = p.flow.rate(p.edges[1]).abs() * p.time_step;
@@ -128,6 +133,7 @@ impl Sweep {
         let (end, every) = (steps_in(self.strain), steps_in(self.record_every).max(1));
         let mut records = vec![disks.record()];
         while disks.steps() < end {
+            keeper.go_on()?;
             disks.restart_tally();
             disks.advance(every.min(end - disks.steps()));
             disks.check()?;

@@ -302,7 +302,7 @@ fn interrupt_after(looks: usize) -> (Interrupt, Arc<AtomicBool>) {
 fn run_with_interruptions(
     scene: &Scene,
     ranks: usize,
-    looks: impl Iterator<Item = usize> + Clone + Sync,
+    looks: &(impl Iterator<Item = usize> + Clone + Sync),
 ) -> (Particles, usize) {
     let all = Comm::threads(ranks, |comm| {
         let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
@@ -343,7 +343,7 @@ fn an_interrupted_step_is_not_taken_and_leaves_no_trace() {
     let both = [&lees_edwards[..], &adaptive].concat();
     for (overrides, ranks) in [(&lees_edwards[..], 1), (&lees_edwards, 3), (&both, 1), (&both, 2), (&monopoles, 2)] {
         let scene = scene(overrides);
-        let (particles, interrupted) = run_with_interruptions(&scene, ranks, (0..40).step_by(3));
+        let (particles, interrupted) = run_with_interruptions(&scene, ranks, &(0..40).step_by(3));
         assert!(interrupted >= 3, "{interrupted}");
         assert_eq!(particles, run(&scene, ranks), "{overrides:?} on {ranks} ranks");
     }
