@@ -14,6 +14,7 @@ mod partition;
 mod periodic_box;
 mod random;
 mod traceless;
+mod units;
 mod vicinity;
 
 pub use comm::{Comm, CommError, Failure, Launcher, Window};
@@ -28,6 +29,7 @@ pub use partition::{Partition, block, block_of};
 pub use periodic_box::{BoxError, PeriodicBox};
 pub use random::Random;
 pub use traceless::Traceless;
+pub use units::{Units, power_of_two};
 pub use vicinity::{Present, Vicinity};
 
 /// A vector of three components in `f64`.

@@ -51,6 +51,12 @@ impl PeriodicBox {
         Ok(Self { edges, strain: strain - turns * period })
     }
 
+    /// The same box in other units of length: all lengths times `factor`, a power of two, so that nothing is rounded.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { edges: self.edges * factor, strain: self.strain }
+    }
+
     /// Edge lengths.
     pub fn edges(&self) -> Vector {
         self.edges

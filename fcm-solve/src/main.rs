@@ -20,6 +20,7 @@ mod mobility;
 mod new;
 mod number;
 mod output;
+mod overlaps;
 mod preparing;
 mod progress;
 mod resume;

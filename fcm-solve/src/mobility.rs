@@ -2,9 +2,10 @@
 
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
 use crate::number::tolerance;
+use crate::overlaps::Overlaps;
 use crate::run::in_full;
 use crate::{machine, streams};
-use anyhow::Context;
+use anyhow::{Context, bail};
 use domain::{Comm, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, Problem};
 use io::{Answer, Case, Terms};
@@ -60,8 +61,11 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let read = comm.agree(read)?;
     let case = Case::from_json(&comm.broadcast_text(&read.map_or_else(String::new, |case| case.to_json())));
     let cell = PeriodicBox::sheared(Vector::from_array(case.edges), case.strain)?;
-    let plan = Plan::choose(&problem(&case, &cell, (args.tolerance, machine::costs(comm)?)))
-        .context("this case can't be evaluated")?;
+    let problem = problem(&case, &cell, (args.tolerance, machine::costs(comm)?));
+    let plan = Plan::choose(&problem).context("this case can't be evaluated")?;
+    for caution in cautions(&case, &cell, plan.burden(&problem))?.iter().filter(|_| comm.is_first()) {
+        eprintln!("warning: {caution}");
+    }
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
     let mut particles = place(&case, &cell, &partition);
     let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
@@ -83,6 +87,19 @@ fn read(path: &Path) -> Result<Case, io::FileError> {
     let name = Path::new("the standard input");
     let unreadable = |error: std::io::Error| io::FileError::Read { path: name.to_owned(), reason: error.to_string() };
     Case::parse(&std::io::read_to_string(std::io::stdin()).map_err(unreadable)?, name)
+}
+
+/// What to say of a case that can be evaluated but had better not; an error if it can't be.
+fn cautions(case: &Case, cell: &PeriodicBox, burden: Option<String>) -> anyhow::Result<Vec<String>> {
+    let positions: Vec<Vector> = case.positions.iter().map(|&p| cell.wrap(Vector::from_array(p)).0).collect();
+    let overlaps = Overlaps::find(cell, &positions, &case.radii());
+    if let Some(overlaps) = overlaps.filter(|_| case.lubrication) {
+        bail!(
+            "{overlaps}; lubrication acts between spheres that are apart: move these apart, or leave out lubrication"
+        );
+    }
+    let caution = |overlaps| format!("{overlaps}; the answer is that of the method, but spheres can't be there");
+    Ok(overlaps.map(caution).into_iter().chain(burden).collect())
 }
 
 fn problem(case: &Case, cell: &PeriodicBox, (tolerance, costs): (f64, Costs)) -> Problem {

@@ -18,6 +18,8 @@ enum Template {
     Suspension,
     /// 3,200 spheres that settle, at 12% by volume
     Settling,
+    /// Silica spheres that settle in water, in SI units
+    SilicaInWater,
     /// Two spheres that settle side by side
     PairSettling,
     /// Two sizes of spheres in a shear flow
@@ -39,6 +41,7 @@ impl Template {
         match self {
             Self::Suspension => include_str!("../../scenes/suspension.toml"),
             Self::Settling => include_str!("../../scenes/settling.toml"),
+            Self::SilicaInWater => include_str!("../../scenes/silica-in-water.toml"),
             Self::PairSettling => include_str!("../../scenes/pair-settling.toml"),
             Self::Shear => include_str!("../../scenes/shear.toml"),
             Self::GranularDisks => include_str!("../../scenes/granular-disks.toml"),

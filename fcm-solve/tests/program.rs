@@ -233,7 +233,7 @@ fn a_second_run_keeps_off_a_folder_in_use() {
 
 #[test]
 fn new_scenes_pass_their_check() {
-    for kind in ["suspension", "settling", "pair-settling", "shear"] {
+    for kind in ["suspension", "settling", "silica-in-water", "pair-settling", "shear"] {
         let scene = succeeds(&["new", kind]);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.toml");

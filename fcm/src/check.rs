@@ -4,7 +4,7 @@ use crate::envelope::Envelope;
 use crate::plan::PlanError;
 use crate::problem::{Fixed, MethodName, Problem};
 use crate::window::Window;
-use domain::{Number, PeriodicBox};
+use domain::{Number, PeriodicBox, Vector};
 use solver::Grid;
 
 impl Fixed {
@@ -41,7 +41,31 @@ impl Fixed {
     }
 }
 
+/// The edges of a box for reading.
+fn in_short(edges: Vector) -> String {
+    edges.to_array().map(|edge| Number(edge).to_string()).join(" x ")
+}
+
 impl Problem {
+    /// Why no candidate has become a plan.
+    pub(crate) fn no_plan(&self) -> PlanError {
+        if let Some(grid) = self.fixed.grid {
+            return PlanError::Fixed(format!(
+                "hydrodynamics.grid {grid:?} is too coarse for a box of {}; leave it out, or take more points along its \
+                 longer edges",
+                in_short(self.edges)
+            ));
+        }
+        if self.fixed.width.is_some() || self.fixed.cutoff.is_some() {
+            let what = "the width or the cutoff that is fixed reaches across too many edges of the box";
+            return PlanError::Fixed(format!("{what}, {}; leave it out, or take less", in_short(self.edges)));
+        }
+        let radius = self.radii.iter().map(|r| r.0).fold(f64::INFINITY, f64::min);
+        // About two points a width.
+        let points = (self.edges * (2.0 / Envelope::of_sphere(radius).monopole)).element_product();
+        PlanError::TooFine { radius, edges: in_short(self.edges), points }
+    }
+
     /// Refuses what no plan can do.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         let cell = PeriodicBox::new(self.edges).map_err(|e| PlanError::Box(e.to_string()))?;

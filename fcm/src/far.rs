@@ -5,11 +5,12 @@ use crate::gaussian::{self, Gaussians, Sources, Terms};
 use crate::interpolate::Interpolation;
 use crate::kernel::{Kernel, Load};
 use crate::plan::Plan;
+use crate::problem::Method;
 use crate::spread::Spread;
 use crate::stencil::{Place, places};
 use crate::window::{self, Windowed};
 use crate::work::{Clock, Work};
-use domain::{Partition, PeriodicBox, Tensor, Vector};
+use domain::{Partition, PeriodicBox, Tensor, Vector, power_of_two};
 use rayon::prelude::*;
 use solver::{Field, Grid, Multiplier, Physical, Real, Stokes, Transform};
 use std::borrow::Cow;
@@ -103,7 +104,8 @@ impl<T: Real> Far<T> {
 
     fn interpolate(&self, classes: &[u32], wanted: Wanted) -> Vec<(Vector, Tensor)> {
         let spacing = self.grid.spacing();
-        let to = Interpolation { places: &self.places, classes, volume: spacing.x * spacing.y * spacing.z };
+        let volume = spacing.x * spacing.y * spacing.z / unit_volume(&self.plan, &self.grid).powi(2);
+        let to = Interpolation { places: &self.places, classes, volume };
         let terms = [wanted != Wanted::Gradients, wanted != Wanted::Velocities];
         self.stencils.with(terms, From { to, field: &self.field })
     }
@@ -123,13 +125,15 @@ impl<T: Real> Far<T> {
 }
 
 /// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for
-/// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point.
+/// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point,
+/// which is taken in units of [`unit_volume`] here.
 fn operator<T: Real>(plan: &Plan, grid: &Grid) -> Stokes<T> {
     let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
         return Stokes::new(grid, plan.viscosity);
     };
     let (spacing, strain) = (grid.spacing(), grid.cell().strain());
     let volume = spacing.x * spacing.y * spacing.z;
+    let unit = unit_volume(plan, grid);
     let factor = |k: f64, spacing: f64| {
         let amplitude = (-0.5 * (k * common.width).powi(2)).exp();
         amplitude / window.transform(k * spacing)
@@ -138,10 +142,18 @@ fn operator<T: Real>(plan: &Plan, grid: &Grid) -> Stokes<T> {
     let plane = |k1: f64, k2: f64| {
         let along = k2 + strain * k1;
         let tilted = (-0.5 * (k2 * k2 - along * along) * common.width.powi(2)).exp();
-        (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2)
+        (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
     };
     let axis = |k3: f64| factor(k3, spacing.z).powi(2);
     Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening: 0.5 * common.increment })
+}
+
+/// The unit in which an operator takes the volume of a point of the grid: that volume to a power of two with the split
+/// method, whose grids may be far coarser than a radius, as in a box of a few particles that are far apart. What comes
+/// out is the larger by its square.
+fn unit_volume(plan: &Plan, grid: &Grid) -> f64 {
+    let spacing = grid.spacing();
+    if plan.method == Method::Direct { 1.0 } else { power_of_two(spacing.x * spacing.y * spacing.z) }
 }
 
 /// Something done with a kernel.
@@ -247,7 +259,8 @@ impl<T: Real> FarField for Far<T> {
     }
 
     fn velocity_field(&self) -> Vec<f64> {
-        self.field.to_vec().into_iter().map(Real::to_f64).collect()
+        let over = 1.0 / unit_volume(&self.plan, &self.grid).powi(2);
+        self.field.to_vec().into_iter().map(|value| value.to_f64() * over).collect()
     }
 
     fn divergence(&mut self) -> f64 {

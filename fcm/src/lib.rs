@@ -7,6 +7,7 @@
 
 mod accuracy;
 mod boys;
+mod burden;
 mod check;
 mod conjugate_gradients;
 mod cost;

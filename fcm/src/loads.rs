@@ -13,6 +13,15 @@ pub struct Loads {
     pub stresslets: Vec<Traceless>,
 }
 
+impl Loads {
+    /// The largest component of these loads, of torques and stresslets over a length; not a number is none.
+    pub(crate) fn largest(&self, length: f64) -> f64 {
+        let largest = |list: &[Vector]| list.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+        let stresslets = self.stresslets.iter().flat_map(|s| s.0).map(f64::abs).fold(0.0, f64::max);
+        largest(&self.forces).max(largest(&self.torques).max(stresslets) / length)
+    }
+}
+
 /// How the particles move relative to the background flow, one entry each; empty where it was not asked for.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Motion {

@@ -7,7 +7,7 @@ use crate::near::{Loaded, Near, NearField};
 use crate::plan::Plan;
 use crate::problem::Precision;
 use crate::work::{Clock, Work};
-use domain::{Exchange, Particles, Partition, PeriodicBox, Present, Tensor, Traceless, Vector, Vicinity};
+use domain::{Exchange, Particles, Partition, PeriodicBox, Present, Tensor, Traceless, Units, Vector, Vicinity};
 use rayon::prelude::*;
 use solver::Real;
 
@@ -27,8 +27,14 @@ pub enum Evaluation {
 ///
 /// An evaluation is collective. Particles are those that the rank owns; their positions are set by
 /// [`Mobility::arrange`] and hold for any number of evaluations.
+///
+/// All arguments and results are in the units that the plan came in. Within, everything is in units of length and
+/// viscosity in which the plan's are about 1, and in each evaluation in a unit of force in which its loads are: powers
+/// of two, so that results have the same digits in any units, and the same bits where these differ by powers of two.
 pub struct Mobility {
     plan: Plan,
+    /// Those of length and viscosity, and that of force of the last evaluation.
+    units: Units,
     partition: Partition,
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
@@ -37,7 +43,7 @@ pub struct Mobility {
     work: Work,
 }
 
-/// What depends on the positions alone.
+/// What depends on the positions alone, in units in which it is computed.
 struct Arrangement {
     cell: PeriodicBox,
     exchange: Exchange,
@@ -48,10 +54,12 @@ struct Arrangement {
 impl Mobility {
     /// Prepares what `plan` decided, for ranks that share out the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
-        let cell = plan.cell();
+        let units = plan.units();
+        let own = plan.in_units(&units);
+        let cell = own.cell();
         let (far, near) = match plan.precision {
-            Precision::Single => parts::<f32>(plan, partition, &cell),
-            Precision::Double => parts::<f64>(plan, partition, &cell),
+            Precision::Single => parts::<f32>(&own, partition, &cell),
+            Precision::Double => parts::<f64>(&own, partition, &cell),
         };
         let arrangement = Arrangement {
             cell,
@@ -59,9 +67,10 @@ impl Mobility {
             positions: Vec::new(),
             classes: Vec::new(),
         };
-        let vicinity = Vicinity::new(plan.method.cutoff(), partition);
+        let vicinity = Vicinity::new(own.method.cutoff(), partition);
         Self {
             plan: plan.clone(),
+            units,
             partition: partition.clone(),
             far,
             near,
@@ -83,14 +92,16 @@ impl Mobility {
 
     /// Sets the box and the particles of this rank, inside it, with radii of the plan.
     pub fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        let positions = particles.positions.as_slice();
         let mut clock = Clock::start();
+        let inverse = 1.0 / self.units.length;
+        let (cell, positions) = (&cell.scaled(inverse), particles.positions.iter().map(|&x| x * inverse));
+        let mut present: Vec<Vector> = positions.collect();
+        let owned = present.len();
         let edges = cell.edges();
         let spacing = [edges.y / self.plan.grid[1] as f64, edges.z / self.plan.grid[2] as f64];
         let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
         let reach = spacing.map(|h| (0.5 * self.plan.support.support as f64 * h).max(cutoff));
-        let exchange = Exchange::plan(&self.partition, cell, positions, reach);
-        let mut present = positions.to_vec();
+        let exchange = Exchange::plan(&self.partition, cell, &present, reach);
         let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
         exchange.extend(&mut present);
         exchange.extend(&mut classes);
@@ -98,7 +109,6 @@ impl Mobility {
         self.far.arrange(cell, &present);
         clock.stop(&mut self.work.seconds.spread);
         if self.near.is_some() {
-            let owned = positions.len();
             let mut ids = particles.ids.clone();
             exchange.extend(&mut ids);
             self.vicinity.update(cell, &Present { owned, ids: &ids, positions: &present });
@@ -112,7 +122,8 @@ impl Mobility {
     pub fn apply(&mut self, loads: &Loads, wanted: Evaluation) -> Motion {
         self.work.evaluations += 1;
         let mut clock = Clock::start();
-        let (forces, dipoles) = self.present(loads);
+        let kinds = self.kinds_of(loads);
+        let (forces, dipoles) = self.present(loads, kinds);
         clock.stop(&mut self.work.seconds.exchange);
         let wanted_far = match wanted {
             Evaluation::Velocities => Wanted::Velocities,
@@ -139,26 +150,37 @@ impl Mobility {
             self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
         }
-        motion(&motions, wanted)
+        motion(&motions, wanted, &self.units)
     }
 
-    /// The forces and dipoles of all particles present.
-    fn present(&self, loads: &Loads) -> (Vec<Vector>, Vec<Tensor>) {
+    /// Which of forces, torques and stresslets there are on any rank, and the unit of force that goes with the largest
+    /// of them. Collective.
+    fn kinds_of(&mut self, loads: &Loads) -> [bool; 3] {
         // A rank without particles has empty lists, but takes part in the exchange.
-        let mut kinds = [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()]
-            .map(|some| f64::from(u8::from(some)));
-        self.partition.comm().max(&mut kinds);
-        let [forced, twisted, strained] = kinds.map(|kind| kind > 0.0);
+        let [forced, twisted, strained] =
+            [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()]
+                .map(|some| f64::from(u8::from(some)));
+        let mut all = [forced, twisted, strained, loads.largest(self.units.length)];
+        self.partition.comm().max(&mut all);
+        let [forced, twisted, strained, largest] = all;
+        self.units = self.units.with_force(largest);
+        [forced, twisted, strained].map(|kind| kind > 0.0)
+    }
+
+    /// The forces and dipoles of all particles present, in the units in which they are computed.
+    fn present(&self, loads: &Loads, [forced, twisted, strained]: [bool; 3]) -> (Vec<Vector>, Vec<Tensor>) {
+        let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
         let mut forces = Vec::new();
         if forced {
-            forces.clone_from(&loads.forces);
+            forces = loads.forces.iter().map(|&force| force * of_force).collect();
             self.arrangement.exchange.extend(&mut forces);
         }
         let mut dipoles = Vec::new();
         if twisted || strained {
             let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
             let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
-            dipoles = (0..self.arrangement.exchange.owned()).map(|i| dipole(stresslet(i), torque(i))).collect();
+            let dipole = |i: usize| dipole(stresslet(i), torque(i)) * of_dipole;
+            dipoles = (0..self.arrangement.exchange.owned()).map(dipole).collect();
             self.arrangement.exchange.extend(&mut dipoles);
         }
         (forces, dipoles)
@@ -167,7 +189,8 @@ impl Mobility {
     /// The velocity field of the last evaluation on this rank's share of the grid, `[component][z][y][x]`, x fastest.
     /// With the split method it is the flow of the common wide Gaussians.
     pub fn velocity_field(&self) -> Vec<f64> {
-        self.far.velocity_field()
+        let unit = self.units.velocity();
+        self.far.velocity_field().into_iter().map(|value| value * unit).collect()
     }
 
     /// The largest `|k . u| / (|k| |u|)` over all modes of the last velocity field.
@@ -202,14 +225,16 @@ impl Arrangement {
     }
 }
 
-fn motion(motions: &[(Vector, Tensor)], wanted: Evaluation) -> Motion {
+/// What was asked for, in the units that the plan came in.
+fn motion(motions: &[(Vector, Tensor)], wanted: Evaluation, units: &Units) -> Motion {
+    let (velocity, rate) = (units.velocity(), units.rate());
     let mut motion = Motion::default();
     if wanted != Evaluation::Gradients {
-        motion.velocities = motions.par_iter().map(|m| m.0).collect();
+        motion.velocities = motions.par_iter().map(|m| m.0 * velocity).collect();
     }
     if wanted != Evaluation::Velocities {
-        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1)).collect();
-        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1)).collect();
+        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1) * rate).collect();
+        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1) * rate).collect();
     }
     motion
 }

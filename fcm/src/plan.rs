@@ -5,7 +5,7 @@ use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::window::Window;
-use domain::{Number, PeriodicBox, Vector};
+use domain::{Number, PeriodicBox, Units, Vector};
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -41,6 +41,20 @@ pub enum PlanError {
     /// A fixed grid that can't be transformed.
     #[error("hydrodynamics.grid: {0}")]
     Grid(solver::GridError),
+    /// A grid of more points than are counted.
+    #[error(
+        "the smallest radius, {}, needs {points:.0e} grid points in a box of {edges}, more than are counted; \
+         leave hydrodynamics.method to the program, or take a smaller box, larger spheres or a larger tolerance",
+        Number(*radius)
+    )]
+    TooFine {
+        /// The smallest radius.
+        radius: f64,
+        /// Edges of the box.
+        edges: String,
+        /// Points needed.
+        points: f64,
+    },
     /// Fixed choices that contradict each other.
     #[error("{0}")]
     Fixed(String),
@@ -94,20 +108,16 @@ impl Plan {
         problem.check()?;
         let problem = problem.summed_up();
         let mut plans = problem.candidates();
-        if let (Some(grid), true) = (problem.fixed.grid, plans.is_empty()) {
-            return Err(PlanError::Fixed(format!("hydrodynamics.grid {grid:?} is too small for these particles")));
+        if plans.is_empty() {
+            return Err(problem.no_plan());
         }
         plans.sort_by(|a, b| a.predicted_seconds.total_cmp(&b.predicted_seconds));
         Ok(plans)
     }
 
     /// A plan for the flow itself, which needs every envelope on the grid, in a box of the given strain. Its error is
-    /// a percent at most.
-    ///
-    /// # Panics
-    /// Never: what could be planned can be planned directly.
-    #[must_use]
-    pub fn on_the_grid_alone(&self, strain: f64) -> Self {
+    /// a percent at most. There is none where the smallest envelope takes more points than are counted.
+    pub fn on_the_grid_alone(&self, strain: f64) -> Result<Self, PlanError> {
         let problem = Problem {
             edges: self.edges,
             largest_strain: strain.abs(),
@@ -121,12 +131,41 @@ impl Plan {
             costs: Costs::default(),
             fixed: Fixed { method: Some(MethodName::Direct), ..Fixed::default() },
         };
-        Self::choose(&problem).expect("a problem that was planned before")
+        Self::choose(&problem)
     }
 
     /// The box, not sheared.
     pub fn cell(&self) -> PeriodicBox {
         PeriodicBox::new(self.edges).expect("a plan has a box")
+    }
+
+    /// Units of length and viscosity in which this plan's are about 1.
+    pub(crate) fn units(&self) -> Units {
+        let (smallest, largest) = self.extremes();
+        Units::of(self.viscosity, [smallest, largest])
+    }
+
+    /// The same plan in other units of length and viscosity.
+    pub(crate) fn in_units(&self, units: &Units) -> Self {
+        let length = |given: f64| given / units.length;
+        let method = match self.method {
+            Method::Direct => Method::Direct,
+            Method::Split { width, cutoff } => Method::Split { width: length(width), cutoff: length(cutoff) },
+        };
+        Self {
+            edges: self.edges / units.length,
+            radii: self.radii.iter().map(|&radius| length(radius)).collect(),
+            viscosity: self.viscosity / units.viscosity,
+            method,
+            support: Support { reach: length(self.support.reach), ..self.support },
+            ..self.clone()
+        }
+    }
+
+    /// The smallest and the largest radius.
+    pub(crate) fn extremes(&self) -> (f64, f64) {
+        let of = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
+        (of(self.radii.first()), of(self.radii.last()))
     }
 
     /// Distances between grid points.

@@ -17,6 +17,14 @@ const MONOPOLE_LEEWAY: f64 = 1.2;
 const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
+/// Edges of the box that a cutoff may span: images are counted in bytes.
+const FARTHEST: f64 = 60.0;
+
+/// The least factor from one number of points to the next that is tried: none up to a thousand.
+fn coarser(points: usize) -> f64 {
+    if points < 1000 { 1.0 } else { 1.04 }
+}
+
 /// One way to keep a tolerance: what a method needs, and the width of its Gaussian.
 struct Candidate {
     method: MethodName,
@@ -51,10 +59,8 @@ impl Problem {
         let mut best: Vec<Plan> = Vec::new();
         for candidate in self.direct().into_iter().chain(self.split()) {
             for precision in self.precisions() {
-                let plan = self.plan(&candidate, precision);
-                if plan.grid.iter().any(|&n| n < 2) {
-                    continue;
-                }
+                let is_within = |plan: &Plan| plan.method.cutoff() <= FARTHEST * self.edges.min_element();
+                let Some(plan) = self.plan(&candidate, precision).filter(is_within) else { continue };
                 let alike = |other: &&mut Plan| {
                     let same_method = (other.method == Method::Direct) == (plan.method == Method::Direct);
                     same_method && (other.precision, other.support.support) == (precision, plan.support.support)
@@ -109,7 +115,8 @@ impl Problem {
         }
     }
 
-    /// Common Gaussians worth trying: those for each good number of points along the longest edge.
+    /// Common Gaussians worth trying: those for each good number of points along the longest edge, up to so many that a
+    /// step of a few percent skips some.
     fn split(&self) -> Vec<Candidate> {
         let [fewest, most] = Window::POINTS;
         if !self.allows(MethodName::Split) || self.fixed.support.is_some_and(|p| !(fewest..=most).contains(&p)) {
@@ -130,10 +137,10 @@ impl Problem {
         let mut all = self.of_width(least);
         let mut points = 7;
         loop {
-            points = Grid::good_size(points + 1);
+            points = Grid::good_size((points + 1).max((points as f64 * coarser(points)) as usize));
             let mut some = self.of_spacing(self.edges.max_element() / points as f64);
             some.retain(|candidate| candidate.width > least);
-            if some.is_empty() {
+            if some.is_empty() || points == Grid::MOST {
                 return all;
             }
             all.append(&mut some);
@@ -175,13 +182,23 @@ impl Problem {
         (1.0 + self.largest_strain * self.largest_strain).sqrt()
     }
 
-    fn plan(&self, candidate: &Candidate, precision: Precision) -> Plan {
-        let Candidate { method, accuracy, width } = *candidate;
-        let grid = self.fixed.grid.unwrap_or_else(|| {
-            let sheared = Vector::new(1.0, self.stretch(), 1.0);
-            let needed = self.edges / width * accuracy.resolution * sheared;
-            needed.to_array().map(|n| Grid::good_size((n - 1e-9).ceil() as usize))
-        });
+    /// The grid that a candidate needs; none if it has more points than are counted.
+    fn grid(&self, candidate: &Candidate) -> Option<[usize; 3]> {
+        if let Some(grid) = self.fixed.grid {
+            return Some(grid);
+        }
+        let sheared = Vector::new(1.0, self.stretch(), 1.0);
+        let needed = self.edges / candidate.width * candidate.accuracy.resolution * sheared;
+        if needed.max_element() > Grid::MOST as f64 {
+            return None;
+        }
+        let grid = needed.to_array().map(|n| Grid::good_size((n - 1e-9).ceil() as usize));
+        (grid.iter().map(|&n| n as f64).product::<f64>() <= Grid::MOST_IN_ALL).then_some(grid)
+    }
+
+    fn plan(&self, candidate: &Candidate, precision: Precision) -> Option<Plan> {
+        let Candidate { method, width, .. } = *candidate;
+        let grid = self.grid(candidate)?;
         let spacing = self.edges / Vector::from_array(grid.map(|n| n as f64));
         let widest = match method {
             MethodName::Split => width,
@@ -210,7 +227,7 @@ impl Problem {
         };
         let parts = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks);
         plan.predicted_seconds = parts.total(&self.costs) / (self.ranks * self.threads).max(1) as f64;
-        plan
+        Some(plan)
     }
 
     /// The cutoff that a common Gaussian needs.
@@ -230,7 +247,8 @@ impl Problem {
             };
         }
         let reach = 0.5 * needed as f64 / candidate.accuracy.resolution * widest;
-        let points = |h: f64| self.fixed.support.unwrap_or((2.0 * reach / h - 1e-9).ceil() as usize);
+        let needed = |h: f64| ((2.0 * reach / h - 1e-9).ceil() as usize).min(Grid::MOST);
+        let points = |h: f64| self.fixed.support.unwrap_or_else(|| needed(h));
         let reach = self.fixed.support.map_or(reach, |points| 0.5 * points as f64 * spacing.max_element());
         Support {
             lanes: points(spacing.x / self.stretch()).next_multiple_of(STEP),

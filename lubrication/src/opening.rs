@@ -4,6 +4,7 @@ use crate::blocks::{Blocks, part};
 use crate::dense::inverse;
 use crate::far_field;
 use crate::two_sphere::{TwoSphere, TwoSphereError};
+use domain::power_of_two;
 
 /// How much is known of the flow around a near pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +20,9 @@ pub enum Detail {
 /// The velocity at which two spheres in unbounded fluid part under opposite unit forces along their line of centres,
 /// times the viscosity: `x_11 + x_22 - 2 x_12` of the axial mobilities.
 pub fn opening_mobility(radii: [f64; 2], gap: f64, detail: Detail) -> Result<f64, TwoSphereError> {
+    // In units of length in which the radii are about 1; a mobility over viscosity is one over a length.
+    let unit = power_of_two(radii[0].min(radii[1]));
+    let (radii, gap) = (radii.map(|radius| radius / unit), gap / unit);
     let distance = radii[0] + radii[1] + gap;
     let mobility = match detail {
         Detail::Forces => far_field::axial_mobility(radii, distance),
@@ -29,7 +33,7 @@ pub fn opening_mobility(radii: [f64; 2], gap: f64, detail: Detail) -> Result<f64
             inverse(part(&Blocks::exact(&exact, [small, large]).axial, (0, 0)))
         }
     };
-    Ok(mobility[0][0] + mobility[1][1] - 2.0 * mobility[0][1])
+    Ok((mobility[0][0] + mobility[1][1] - 2.0 * mobility[0][1]) / unit)
 }
 
 #[cfg(test)]
@@ -53,6 +57,17 @@ mod tests {
         // A force of 3/2 pi a^2 V / h for equal spheres that part with the velocity V.
         let found = opening_mobility([2.0; 2], 2e-5, Detail::Exact).unwrap();
         assert!((found / (2e-5 / (1.5 * PI * 4.0)) - 1.0).abs() < 1e-3, "{found}");
+    }
+
+    #[test]
+    fn in_other_units_of_length_they_give_way_alike() {
+        for detail in [Detail::Forces, Detail::Rigid, Detail::Exact] {
+            let one = opening_mobility([1.0, 1.5], 0.05, detail).unwrap();
+            for length in [1e-50, 1e-30, 3e30, 1e50] {
+                let found = opening_mobility([length, 1.5 * length], 0.05 * length, detail).unwrap() * length;
+                assert!((found / one - 1.0).abs() < 1e-12, "{detail:?} at {length:e}: {found}, not {one}");
+            }
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use domain::{PeriodicBox, Vector};
 
 /// Why a grid can't be.
-#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[derive(Debug, thiserror::Error, PartialEq)]
 pub enum GridError {
     /// A number of points that the transform does not take.
     #[error(
@@ -18,6 +18,19 @@ pub enum GridError {
         /// The next number of points that is allowed.
         next: usize,
     },
+    /// More points along an axis than are counted.
+    #[error("the grid has {points} points along {axis}; the most that are counted are {most}")]
+    Axis {
+        /// x, y or z.
+        axis: char,
+        /// What was given.
+        points: usize,
+        /// What is allowed.
+        most: usize,
+    },
+    /// More points in all than are counted.
+    #[error("the grid has {0:.1e} points in all; the most that are counted are {most:.1e}", most = Grid::MOST_IN_ALL)]
+    InAll(f64),
 }
 
 /// `nx x ny x nz` points of a periodic, possibly sheared box: the point `(i, j, k)` lies at
@@ -30,21 +43,32 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// Most points along an axis.
+    pub const MOST: usize = 1 << 30;
+
+    /// Most points in all: thousands of terabytes.
+    pub const MOST_IN_ALL: f64 = 1e15;
+
     /// A grid of even numbers of points whose prime factors are 2, 3, 5 and 7.
     pub fn new(points: [usize; 3], cell: PeriodicBox) -> Result<Self, GridError> {
         for (axis, points) in "xyz".chars().zip(points) {
+            if points > Self::MOST {
+                return Err(GridError::Axis { axis, points, most: Self::MOST });
+            }
             if !allowed(points) {
                 return Err(GridError::Points { axis, points, next: next_allowed(points) });
             }
         }
-        Ok(Self { points, cell })
+        let all = points.iter().map(|&n| n as f64).product();
+        if all > Self::MOST_IN_ALL { Err(GridError::InAll(all)) } else { Ok(Self { points, cell }) }
     }
 
-    /// A fast number of points, at least `at_least`: the next even number with factors 2 and 3, unless one with a
-    /// factor 5 or 7, which transforms take a little longer a point for, is smaller by more than 4%.
+    /// A fast number of points, at least `at_least`, which is at most [`Grid::MOST`]: the next even number with factors
+    /// 2 and 3, unless one with a factor 5 or 7, which transforms take a little longer a point for, is smaller by more
+    /// than 4%.
     pub fn good_size(at_least: usize) -> usize {
         let any = next_allowed(at_least);
-        let fast = (any..).step_by(2).find(|&n| without(without(n, 2), 3) == 1).unwrap_or(any);
+        let fast = least_product(any, &[3]);
         if fast * 100 > any * 104 { any } else { fast }
     }
 
@@ -110,8 +134,22 @@ fn allowed(points: usize) -> bool {
 }
 
 fn next_allowed(at_least: usize) -> usize {
-    let power_of_two = at_least.max(2).next_power_of_two();
-    (at_least..power_of_two).find(|&n| allowed(n)).unwrap_or(power_of_two)
+    least_product(at_least, &[3, 5, 7])
+}
+
+/// The least even number, at least `at_least`, whose prime factors are 2 and some of the odd ones given.
+fn least_product(at_least: usize, odd: &[usize]) -> usize {
+    least_multiple(1, at_least.clamp(2, Grid::MOST), odd)
+}
+
+/// The least even multiple of `product`, at least `at_least`, by 2 and some of the odd primes given.
+fn least_multiple(product: usize, at_least: usize, odd: &[usize]) -> usize {
+    let Some((&prime, others)) = odd.split_first() else {
+        return product * at_least.div_ceil(product).max(2).next_power_of_two();
+    };
+    let powers = std::iter::successors(Some(product * prime), |p| Some(p * prime)).take_while(|&p| p < at_least);
+    let without = least_multiple(product, at_least, others);
+    powers.map(|power| least_multiple(power, at_least, others)).fold(without, usize::min)
 }
 
 fn without(mut number: usize, prime: usize) -> usize {
@@ -140,11 +178,28 @@ mod tests {
     }
 
     #[test]
+    fn grids_beyond_all_bounds_are_refused() {
+        let most = Grid::MOST;
+        assert_eq!([most - 1, most, most + 1, usize::MAX].map(next_allowed), [most; 4]);
+        let error = |points| Grid::new(points, cell(0.0)).unwrap_err().to_string();
+        assert!(error([16, 16, usize::MAX]).contains("points along z; the most that are counted are 1073741824"));
+        assert!(error([1 << 20; 3]).contains("1.2e18 points in all; the most that are counted are 1.0e15"));
+        // A number that is allowed is found at once, however far it is.
+        assert!(error([(1 << 29) + 1, 16, 16]).contains("the next one is"));
+    }
+
+    #[test]
     fn good_sizes_are_near_and_fast() {
         assert_eq!([1, 16, 17, 33, 47, 97, 127].map(Grid::good_size), [2, 16, 18, 36, 48, 98, 128]);
         for at_least in 2..400 {
             let size = Grid::good_size(at_least);
             assert!(size >= at_least && Grid::new([size; 3], cell(0.0)).is_ok());
+            let next = (at_least..).find(|&n| allowed(n)).unwrap();
+            assert_eq!(next_allowed(at_least), next);
+            assert_eq!(
+                least_product(next, &[3]),
+                (next..).step_by(2).find(|&n| without(without(n, 2), 3) == 1).unwrap()
+            );
         }
     }
 

@@ -13,6 +13,7 @@ from program import ROOT, run
 # What makes each scene small; a scene without an entry runs as it is.
 SMALLER = {
     "settling": {"box.edges": "[16.0, 16.0, 16.0]", "species[0].count": 100, "time.steps": 5},
+    "silica-in-water": {"box.edges": "[40e-6, 40e-6, 40e-6]", "time.steps": 5},
     "suspension": {"species[0].volume_fraction": 0.02, "species[1].count": 5, "time.steps": 5},
     "shear": {"box.edges": "[12.0, 12.0, 12.0]", "time.duration": 0.025},
     "pair-settling": {"time.steps": 5},

@@ -5,51 +5,63 @@ use crate::{PeriodicBox, Random, Vector};
 /// Tries for one sphere before it is put where it overlaps.
 const TRIES: usize = 20_000;
 
-/// Spheres sorted into cells wide enough that only neighbouring cells can touch.
+/// Spheres sorted by size, and those of about one size into cells about as wide as they are, so that a few cells hold all
+/// that a sphere can touch, however much sizes differ.
 pub(super) struct Occupied<'a> {
     cell: &'a PeriodicBox,
     sizes: &'a [f64],
+    levels: Vec<Level>,
+    /// The level of each sphere.
+    level_of: Vec<u8>,
+    next: Vec<u32>,
+}
+
+/// Cells for spheres of sizes that differ by a factor of two at most.
+struct Level {
+    largest: f64,
     counts: [usize; 3],
     first: Vec<u32>,
-    next: Vec<u32>,
 }
 
 /// Marks the end of a list of spheres.
 const NONE: u32 = u32::MAX;
 
+/// Levels beyond which no difference is made between sizes.
+const MOST_LEVELS: f64 = 40.0;
+
 impl<'a> Occupied<'a> {
     pub(super) fn new(cell: &'a PeriodicBox, sizes: &'a [f64]) -> Self {
-        let widest = 2.0 * sizes.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let slant = Vector::new((1.0 + cell.strain().powi(2)).sqrt(), 1.0, 1.0);
-        let most = 2.0 * (sizes.len() as f64).cbrt().ceil().max(1.0);
-        let counts = (cell.edges() / (slant * widest)).floor().clamp(Vector::ONE, Vector::splat(most));
-        let counts = counts.to_array().map(|c| c as usize);
-        let first = vec![NONE; counts.iter().product()];
-        Self { cell, sizes, counts, first, next: vec![NONE; sizes.len()] }
+        let largest = sizes.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let level = |size: &f64| (largest / size).log2().clamp(0.0, MOST_LEVELS) as u8;
+        let level_of: Vec<u8> = sizes.iter().map(level).collect();
+        let count = level_of.iter().max().map_or(0, |&last| usize::from(last) + 1);
+        let mut members = vec![(0.0, 0); count];
+        for (&level, &size) in level_of.iter().zip(sizes) {
+            let (largest, number) = &mut members[usize::from(level)];
+            (*largest, *number) = (f64::max(*largest, size), *number + 1);
+        }
+        let levels = members.into_iter().map(|(largest, number)| Level::new(cell, largest, number)).collect();
+        Self { cell, sizes, levels, level_of, next: vec![NONE; sizes.len()] }
     }
 
-    fn coordinates(&self, position: Vector) -> [usize; 3] {
-        let fractions = (self.cell.lattice_coordinates(position) / self.cell.edges()).to_array();
-        std::array::from_fn(|d| ((fractions[d] * self.counts[d] as f64).max(0.0) as usize).min(self.counts[d] - 1))
-    }
-
-    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.counts[1] + y) * self.counts[0] + x
+    fn place(&self, sphere: usize, position: Vector) -> (usize, usize) {
+        let level = usize::from(self.level_of[sphere]);
+        (level, self.levels[level].index(self.levels[level].coordinates(self.cell, position)))
     }
 
     pub(super) fn insert(&mut self, sphere: usize, position: Vector) {
-        let place = self.index(self.coordinates(position));
-        self.next[sphere] = self.first[place];
-        self.first[place] = sphere as u32;
+        let (level, place) = self.place(sphere, position);
+        self.next[sphere] = std::mem::replace(&mut self.levels[level].first[place], sphere as u32);
     }
 
     pub(super) fn remove(&mut self, sphere: usize, position: Vector) {
-        let place = self.index(self.coordinates(position));
-        if self.first[place] == sphere as u32 {
-            self.first[place] = self.next[sphere];
+        let (level, place) = self.place(sphere, position);
+        let first = &mut self.levels[level].first[place];
+        if *first == sphere as u32 {
+            *first = self.next[sphere];
             return;
         }
-        let mut before = self.first[place] as usize;
+        let mut before = *first as usize;
         while self.next[before] != sphere as u32 {
             before = self.next[before] as usize;
         }
@@ -58,18 +70,16 @@ impl<'a> Occupied<'a> {
 
     /// Whether a sphere at this place would overlap no other.
     pub(super) fn is_free(&self, sphere: usize, position: Vector, positions: &[Vector]) -> bool {
-        let home = self.coordinates(position);
-        let around = |d: usize| {
-            let count = self.counts[d];
-            (0..count.min(3)).map(move |step| (home[d] + count + step - usize::from(count > 1)) % count)
-        };
-        around(2).all(|z| {
-            around(1).all(|y| around(0).all(|x| self.is_clear(self.index([x, y, z]), sphere, (position, positions))))
+        self.levels.iter().filter(|level| level.largest > 0.0).all(|level| {
+            let around = level.around(self.cell, position, self.sizes[sphere] + level.largest);
+            let cells = |d: usize| (0..around[d][1]).map(move |k| (around[d][0] + k) % level.counts[d]);
+            let is_clear = |place| self.is_clear(level.first[level.index(place)], sphere, (position, positions));
+            cells(2).all(|z| cells(1).all(|y| cells(0).all(|x| is_clear([x, y, z]))))
         })
     }
 
-    fn is_clear(&self, place: usize, sphere: usize, (position, positions): (Vector, &[Vector])) -> bool {
-        let mut other = self.first[place];
+    /// Whether a sphere touches none of a list.
+    fn is_clear(&self, mut other: u32, sphere: usize, (position, positions): (Vector, &[Vector])) -> bool {
         while other != NONE {
             let j = other as usize;
             let contact = self.sizes[sphere] + self.sizes[j];
@@ -81,6 +91,42 @@ impl<'a> Occupied<'a> {
         }
         true
     }
+}
+
+impl Level {
+    /// For so many spheres up to a size; none if there are none.
+    fn new(cell: &PeriodicBox, largest: f64, number: usize) -> Self {
+        let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
+        let counts = (cell.edges() / (slant(cell) * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
+        let counts = counts.to_array().map(|c| c as usize);
+        let first = vec![NONE; if number > 0 { counts.iter().product() } else { 0 }];
+        Self { largest, counts, first }
+    }
+
+    fn coordinates(&self, cell: &PeriodicBox, position: Vector) -> [usize; 3] {
+        let fractions = (cell.lattice_coordinates(position) / cell.edges()).to_array();
+        std::array::from_fn(|d| ((fractions[d] * self.counts[d] as f64).max(0.0) as usize).min(self.counts[d] - 1))
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.counts[1] + y) * self.counts[0] + x
+    }
+
+    /// The cells along each axis that may hold what is within a distance of a position: from which on, and how many.
+    fn around(&self, cell: &PeriodicBox, position: Vector, distance: f64) -> [[usize; 2]; 3] {
+        let home = self.coordinates(cell, position);
+        let reach = (slant(cell) * distance / cell.edges()).to_array();
+        std::array::from_fn(|d| {
+            let count = self.counts[d];
+            let cells = ((reach[d] * count as f64).ceil() as usize).min(count);
+            [home[d] + count - cells, (2 * cells + 1).min(count)]
+        })
+    }
+}
+
+/// Within a distance, the first lattice coordinate differs by up to this much more.
+fn slant(cell: &PeriodicBox) -> Vector {
+    Vector::new((1.0 + cell.strain().powi(2)).sqrt(), 1.0, 1.0)
 }
 
 /// Puts every sphere, the largest first, at the first of its own random places that is free. Says whether all were.

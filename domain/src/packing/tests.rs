@@ -70,6 +70,20 @@ fn pairs_are_spread_as_in_a_fluid() {
     }
 }
 
+/// Sizes over three decades, each small sphere in the gaps of large ones, as places and as random moves leave them.
+#[test]
+fn spheres_of_very_different_sizes_do_not_overlap() {
+    let radii: Vec<f64> =
+        (0..2000).map(|i| if i < 4 { 1.0 } else { 10_f64.powf(-3.0 * f64::from(i) / 2000.0) }).collect();
+    for fraction in [0.05, 0.2] {
+        let cell = PeriodicBox::sheared(cube(&radii, fraction).edges(), 0.3).unwrap();
+        let positions = random_packing(&cell, &radii, 0.0, 5).unwrap();
+        let gap = |i: usize, j: usize| cell.nearest_image(positions[j] - positions[i]).length() - radii[i] - radii[j];
+        let pairs = (0..radii.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        assert!(pairs.map(|(i, j)| gap(i, j)).fold(f64::INFINITY, f64::min) > -1e-12);
+    }
+}
+
 #[test]
 fn boxes_of_any_shape_are_filled() {
     let radii = vec![1.0; 30];

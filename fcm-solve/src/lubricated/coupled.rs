@@ -2,9 +2,10 @@
 
 use super::near_pairs::{Modes, NearPairs};
 use super::particle_matrix::ParticleMatrix;
+use super::scaled::Scaled;
 use super::screw::{Screw, Screws};
 use domain::Traceless;
-use fcm::{Evaluation, Loads, Mobility, Motion, System, Unknowns};
+use fcm::{Loads, Motion, System, Unknowns};
 
 /// Amplitudes of the modes of the pairs that a rank keeps, `g`, and first moments of the particles that it owns,
 /// `D = -S`.
@@ -43,7 +44,7 @@ impl Unknowns for PairsAndMoments {
 /// definite. The preconditioner has the mobility `M_0` of single spheres in the place of `M`, and the stiff pairs'
 /// columns alone of `B`: for `g` the inverse is `I - B^T (M_0^-1 + B B^T)^-1 B`, by Woodbury's identity.
 pub struct Coupled<'a> {
-    mobility: &'a mut Mobility,
+    mobility: Scaled<'a>,
     near: &'a NearPairs,
     /// What preconditions the modes, if anything does.
     matrix: Option<ParticleMatrix<'a>>,
@@ -60,7 +61,7 @@ impl<'a> Coupled<'a> {
     /// The system for particles that are in place in the mobility, with the resistances of single spheres to motion and
     /// to strain; and the motion under `loads` and the unknowns' `start`. Collective.
     pub fn new(
-        mobility: &'a mut Mobility,
+        mut mobility: Scaled<'a>,
         near: &'a NearPairs,
         matrix: Option<ParticleMatrix<'a>>,
         (single, strain_resistance): (&'a [Screw], &'a [f64]),
@@ -69,7 +70,7 @@ impl<'a> Coupled<'a> {
         let lubrication = near.loads(&start.modes);
         let mut all = Screws::new(single.len(), &loads.forces, &loads.torques);
         all.add(1.0, &lubrication);
-        let motion = mobility.apply(&far_loads(&all, &start.moments), Evaluation::All);
+        let motion = mobility.apply(&far_loads(&all, &start.moments));
         let nothing = Screws::default();
         let step = (Motion::default(), nothing.clone());
         Self {
@@ -124,7 +125,7 @@ impl System for Coupled<'_> {
 
     fn apply(&mut self, direction: &PairsAndMoments) -> PairsAndMoments {
         let loads = self.near.loads(&direction.modes);
-        let motion = self.mobility.apply(&far_loads(&loads, &direction.moments), Evaluation::All);
+        let motion = self.mobility.apply(&far_loads(&loads, &direction.moments));
         let rigid = Screws::new(self.single.len(), &motion.velocities, &motion.angular_velocities);
         let mut modes = self.near.rigid_modes(&rigid, direction.modes.len());
         for (mode, g) in modes.as_flattened_mut().iter_mut().zip(direction.modes.as_flattened()) {

@@ -4,23 +4,28 @@ mod block;
 mod coupled;
 mod near_pairs;
 mod particle_matrix;
+mod scaled;
 mod screw;
 mod stiffness;
 
 use coupled::{Coupled, PairsAndMoments};
-use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector};
 use fcm::{Limits, Loads, Mobility, Motion, Plan, SolveError, Unknowns, conjugate_gradients};
 use lubrication::{PairFactor, PairForce, PairForceError, Range};
 use near_pairs::NearPairs;
 use particle_matrix::ParticleMatrix;
+use scaled::Scaled;
 use screw::{Screw, Screws};
 use std::f64::consts::PI;
 use stiffness::Stiffness;
 
-/// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added.
+/// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added. As
+/// with those, results have the same digits in any units.
 pub struct Hydrodynamics {
     far: fcm::Hydrodynamics,
+    /// In units of length and viscosity in which the particles' and the fluid's are about 1.
     lubrication: Option<(PairForce, Stiffness)>,
+    units: Units,
     preconditioned: bool,
     partition: Partition,
 }
@@ -58,14 +63,17 @@ impl Hydrodynamics {
     /// Prepares what `plan` decided, with lubrication at the gaps of `range` if there is one. Not to be called from a
     /// rayon task.
     pub fn new(plan: &Plan, partition: &Partition, range: Option<Range>) -> Result<Self, PairForceError> {
-        let force = range.map(|range| PairForce::new(&plan.radii, plan.viscosity, range)).transpose()?;
+        let extreme = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
+        let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
+        let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
+        let force = range.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
         let lubrication = force.map(|force| {
-            let single: Vec<Screw> = plan.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
+            let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
             let stiffness = Stiffness::new(&force, &single);
             (force, stiffness)
         });
         let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
-        Ok(Self { far, lubrication, preconditioned: true, partition })
+        Ok(Self { far, lubrication, units, preconditioned: true, partition })
     }
 
     /// With the preconditioner of the solve with lubrication, as it comes, or without, to see what it is worth.
@@ -100,14 +108,19 @@ impl Hydrodynamics {
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
         if let Some((force, stiffness)) = &self.lubrication {
-            let near = NearPairs::find((force, stiffness), particles, cell, &self.partition);
+            let (units, own) = (self.units, scaled::particles(particles, &self.units));
+            let near = NearPairs::find((force, stiffness), &own, &cell.scaled(1.0 / units.length), &self.partition);
             if self.partition.comm().any(!near.list().is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
                 mobility.arrange(cell, particles);
-                let parts = (mobility, &near, self.preconditioned);
+                let parts = (Scaled { mobility, units }, &near, self.preconditioned);
                 let group = (self.partition.comm(), &interrupt);
-                return lubricated(group, parts, &particles.radii, (loads, background), guess);
+                let (loads, background) =
+                    (scaled::times(loads, 1.0 / units.torque()), background * (1.0 / units.rate()));
+                let guess = scaled::guess(guess, &units);
+                let found = lubricated(group, parts, &own.radii, (&loads, background), &guess)?;
+                return Ok(scaled::solution(&found, &units));
             }
         }
         let solved = self.far.solve(cell, particles, loads, background, &guess.stresslets_far)?;
@@ -117,15 +130,21 @@ impl Hydrodynamics {
     }
 }
 
+fn in_units(lengths: &[f64], unit: f64) -> Vec<f64> {
+    lengths.iter().map(|length| length / unit).collect()
+}
+
+/// As [`Hydrodynamics::solve`], in the units of lubrication.
 fn lubricated(
     (comm, interrupt): (&Comm, &Interrupt),
-    (mobility, near, preconditioned): (&mut Mobility, &NearPairs, bool),
+    (mobility, near, preconditioned): (Scaled, &NearPairs, bool),
     radii: &[f64],
     (loads, background): (&Loads, Traceless),
     guess: &Guess,
 ) -> Result<Solved, SolveError> {
-    let viscosity = mobility.plan().viscosity;
-    let limits = Limits { tolerance: mobility.plan().iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
+    let plan = mobility.mobility.plan();
+    let viscosity = plan.viscosity / mobility.units.viscosity;
+    let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
     let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
     let mut x = start(comm, near, background, guess, radii.len());

@@ -1,6 +1,7 @@
 //! Lubricated spheres against exact answers and against the dense solution, on any ranks and threads.
 
 mod system;
+mod units;
 
 use super::*;
 use domain::random_packing;

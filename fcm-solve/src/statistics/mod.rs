@@ -5,7 +5,7 @@ mod tables;
 
 use crate::integrator::VELOCITY;
 use crate::suspension::ANGULAR_VELOCITY;
-use domain::{Particles, PeriodicBox, Vector};
+use domain::{Particles, PeriodicBox, Vector, power_of_two};
 use io::{Axis, Flow, Multipoles, Statistics as Wanted, SuspensionScene};
 use paths::Paths;
 use solver::BackgroundFlow;
@@ -44,15 +44,27 @@ struct About {
 }
 
 /// The moments of a vector of the particles of a species, and the densities of its components about the mean at each
-/// time.
-#[derive(Default)]
+/// time, in a unit in which fourth powers are within range.
 struct Vectors {
+    unit: f64,
     moments: Fluctuations,
     densities: [Histogram; 3],
 }
 
+/// Numbers up to this, and down to one over it, are averaged as they come.
+const ORDINARY: f64 = 1e36;
+
 impl Vectors {
+    /// Nothing so far, for vectors whose size is about this.
+    fn about(size: f64) -> Self {
+        let is_ordinary = (1.0 / ORDINARY..ORDINARY).contains(&size);
+        let unit = if is_ordinary { 1.0 } else { power_of_two(size) };
+        Self { unit, moments: Fluctuations::default(), densities: std::array::from_fn(|_| Histogram::default()) }
+    }
+
     fn add(&mut self, vectors: impl Iterator<Item = Vector> + Clone) {
+        let over = 1.0 / self.unit;
+        let vectors = vectors.map(|vector| vector * over);
         let mean = vectors.clone().sum::<Vector>() / vectors.clone().count().max(1) as f64;
         for vector in vectors.clone() {
             for (density, value) in self.densities.iter_mut().zip((vector - mean).to_array()) {
@@ -72,14 +84,15 @@ impl Statistics {
     /// Nothing so far, for a scene whose particles are given in the order of their ids.
     pub fn new(scene: &SuspensionScene, wanted: Wanted, particles: &Particles) -> Self {
         let about = About::of(scene, wanted, particles);
-        let each = || about.names.iter().map(|_| Vectors::default()).collect();
+        let speed = speed(scene);
+        let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
         let largest = particles.radii.iter().copied().fold(0.0, f64::max);
         let distance = wanted.distance.unwrap_or(DISTANCE * largest).min(scene.cell.edges().min_element());
         let angle = if about.flow == BackgroundFlow::NONE { Angle::Cosine(about.axis) } else { Angle::Azimuth };
         Self {
             times: [f64::NAN, f64::NAN, 0.0],
-            velocities: each(),
-            angular_velocities: each(),
+            velocities: each(speed),
+            angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
             paths: Paths::default(),
             lagrangian: Lagrangian::new(&particles.species),
             pairs: PairDistribution::new(distance, angle, &particles.species, scene.cell.volume()),
@@ -155,6 +168,19 @@ fn default_axis(scene: &SuspensionScene) -> usize {
     let forces = scene.species.iter().map(|s| s.force_on(s.radius, scene.gravity).abs());
     let sum: Vector = forces.sum();
     if sum == Vector::ZERO { 1 } else { (0..3).max_by(|&a, &b| sum[a].total_cmp(&sum[b])).expect("three axes") }
+}
+
+/// About how fast spheres move in a scene relative to the flow: the fastest that a force on one, the repulsion of two or
+/// the shear across one makes it.
+fn speed(scene: &SuspensionScene) -> f64 {
+    let rate = if let Flow::Shear { rate, .. } = scene.flow { rate.abs() } else { 0.0 };
+    let of = |s: &io::Species| {
+        let repulsion = scene.repulsion.map_or(0.0, |r| r.strength * s.radius.powi(r.radius_power.into()));
+        let force = s.force_on(s.radius, scene.gravity).abs().max_element().max(repulsion);
+        let torque = s.torque.abs().max_element() / s.radius;
+        (force.max(torque) / (scene.viscosity * s.radius)).max(rate * s.radius)
+    };
+    scene.species.iter().map(of).fold(0.0, f64::max)
 }
 
 fn index(axis: Axis) -> usize {

@@ -146,11 +146,12 @@ impl Summary {
     }
 
     fn add_moments(&mut self, species: &str, [mean, tensor]: [&str; 2], units: [&str; 2], vectors: &Vectors) {
+        let times = |found: Estimate, unit| Estimate { mean: found.mean * unit, error: found.error * unit, ..found };
         for (axis, found) in AXES.iter().zip(vectors.moments.mean()) {
-            self.add((&format!("{mean}_{axis}"), species, units[0]), found);
+            self.add((&format!("{mean}_{axis}"), species, units[0]), times(found, vectors.unit));
         }
         for (component, found) in COMPONENTS.iter().zip(vectors.moments.components()) {
-            self.add((&format!("{tensor}_{component}"), species, units[1]), found);
+            self.add((&format!("{tensor}_{component}"), species, units[1]), times(found, vectors.unit.powi(2)));
         }
         for (axis, density) in AXES.iter().zip(&vectors.densities) {
             if let Some(fit) = StretchedExponential::fitted(density) {

@@ -1,12 +1,20 @@
 //! What `check` and `run` warn of before a run.
 
-use super::plan::Radii;
+use super::plan::{Radii, problem};
 use super::steadiness;
+use fcm::Plan;
 use io::{Flow, SuspensionScene};
 
 /// All warnings of a scene, a sentence each.
 pub fn cautions(scene: &SuspensionScene, radii: &Radii) -> Vec<String> {
-    straight_box(scene).into_iter().chain(steadiness::caution(scene, radii)).collect()
+    let all = [straight_box(scene), steadiness::caution(scene, radii), burden(scene, radii)];
+    all.into_iter().flatten().collect()
+}
+
+/// What makes the plan of a scene hopeless, if it is.
+fn burden(scene: &SuspensionScene, radii: &Radii) -> Option<String> {
+    let problem = problem(scene, radii);
+    Plan::choose(&problem).ok()?.burden(&problem)
 }
 
 /// In a straight box the flow `u = rate y` jumps by `rate Ly` across the faces along y. The stress that is observed is

@@ -11,7 +11,7 @@ use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
 use domain::{Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
-use fcm::{Loads, SolveError};
+use fcm::{Loads, PlanError, SolveError};
 use io::{Multipoles, SuspensionScene};
 use lubrication::Range;
 use solver::BackgroundFlow;
@@ -268,12 +268,12 @@ impl Dynamics {
     }
 
     /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in
-    /// the order `[z][y][x]`, x fastest; on the first rank. Collective.
-    pub fn velocity_field(&mut self, particles: &Particles) -> ([usize; 3], Vec<Vector>) {
+    /// the order `[z][y][x]`, x fastest; on the first rank. An error where no grid can carry it. Collective.
+    pub fn velocity_field(&mut self, particles: &Particles) -> Result<([usize; 3], Vec<Vector>), PlanError> {
         let mut loads = self.forces.on(particles, self.moving.cell(), &self.partition);
         self.warm_start.add_to(&mut loads, particles);
         // Whatever the strain: programs that draw a series take all of its frames for as large as the first.
-        let plan = self.hydrodynamics.mobility().plan().on_the_grid_alone(self.moving.largest_strain());
-        fluid::velocity(&plan, self.moving.cell(), (particles, &loads), self.partition.comm())
+        let plan = self.hydrodynamics.mobility().plan().on_the_grid_alone(self.moving.largest_strain())?;
+        Ok(fluid::velocity(&plan, self.moving.cell(), (particles, &loads), self.partition.comm()))
     }
 }

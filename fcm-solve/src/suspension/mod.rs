@@ -26,6 +26,7 @@ use crate::integrator::{self, AdamsBashforth};
 use domain::{Column, Comm, Interrupt, Particles, PeriodicBox, Vector};
 pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
 use dynamics::{Dynamics, Moment, Outcome};
+use fcm::PlanError;
 use integrator::VELOCITY;
 use io::{Checkpoint, Integrator, SuspensionScene};
 pub use observed::Observed;
@@ -186,8 +187,8 @@ impl Suspension {
     }
 
     /// The velocity of the fluid relative to the background flow on the grid, with its numbers of points, on the first
-    /// rank: in the order `[z][y][x]`, x fastest. Collective.
-    pub fn velocity_field(&mut self) -> ([usize; 3], Vec<Vector>) {
+    /// rank: in the order `[z][y][x]`, x fastest. An error where no grid can carry it. Collective.
+    pub fn velocity_field(&mut self) -> Result<([usize; 3], Vec<Vector>), PlanError> {
         self.dynamics.velocity_field(&self.particles)
     }
 }

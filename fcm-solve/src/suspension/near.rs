@@ -1,7 +1,7 @@
 //! Particles near each other.
 
 use bytemuck::Pod;
-use domain::{Exchange, Pair, Pairs, Particles, Partition, PeriodicBox, Vector};
+use domain::{Exchange, Neighbour, Neighbours, Pair, Pairs, Particles, Partition, PeriodicBox, Vector};
 use std::ops::AddAssign;
 
 /// The pairs within a cutoff, with what is needed of the images that other ranks own.
@@ -65,14 +65,6 @@ impl Near {
         self.pairs.list().iter().map(one)
     }
 
-    /// The smallest gap between the surfaces of any pair on any rank; infinite if there is no pair. Collective.
-    pub fn smallest_gap(&self, partition: &Partition) -> f64 {
-        let gap = |pair: &Pair| self.separation(pair).length() - self.radii_of(pair).iter().sum::<f64>();
-        let mut smallest = [self.pairs.list().iter().map(gap).fold(f64::INFINITY, f64::min)];
-        partition.comm().min(&mut smallest);
-        smallest[0]
-    }
-
     fn separation(&self, pair: &Pair) -> Vector {
         pair.separation(&self.cell, &self.positions)
     }
@@ -82,19 +74,59 @@ impl Near {
     }
 }
 
-/// The smallest gap between the surfaces of any two particles, or of one and its own image. Collective.
+/// The smallest gap between the surfaces of any two particles, or of one and its own image: size by size, from the
+/// largest down, of those from half a size up to it and all that are smaller, so that small ones are not sought as far
+/// as large ones reach. Collective.
 pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> f64 {
-    let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
-    partition.comm().max(&mut largest);
+    let (mut smallest, mut limit) = (f64::INFINITY, f64::INFINITY);
+    loop {
+        let below = particles.radii.iter().copied().filter(|&a| a < limit);
+        let mut largest = [below.fold(0.0, f64::max)];
+        partition.comm().max(&mut largest);
+        if largest[0] == 0.0 {
+            return smallest;
+        }
+        let sizes = [0.5 * largest[0], largest[0]];
+        smallest = smallest_gap_of(sizes, smallest, (particles, cell, partition));
+        limit = sizes[0].next_up();
+    }
+}
+
+/// The smallest gap of the particles of some sizes and those that are not larger, or `known` if that is smaller.
+/// Collective.
+fn smallest_gap_of(
+    [half, largest]: [f64; 2],
+    known: f64,
+    (particles, cell, partition): (&Particles, &PeriodicBox, &Partition),
+) -> f64 {
+    // Those of the sizes come first.
+    let of = |is_meant: &dyn Fn(f64) -> bool| (0..particles.len()).filter(|&r| is_meant(particles.radii[r])).collect();
+    let first: Vec<usize> = of(&|a| a > half && a <= largest);
+    let others: Vec<usize> = of(&|a| a <= half);
+    let rows: Vec<usize> = first.iter().chain(&others).copied().collect();
+    let pick = |r: &usize| (particles.positions[*r], particles.radii[*r]);
+    let (positions, radii): (Vec<Vector>, Vec<f64>) = rows.iter().map(pick).unzip();
     // No two centres are farther apart than this, so the search ends.
     let farthest = cell.edges().element_sum();
-    let mut margin = 0.2 * largest[0];
+    let (mut margin, mut smallest) = (0.2 * largest, known);
     loop {
-        let cutoff = (2.0 * largest[0] + margin).min(farthest);
-        let gap = Near::find(particles, cell, partition, cutoff).smallest_gap(partition);
+        let cutoff = (2.0 * largest + margin).min(farthest);
+        let exchange = Exchange::plan(partition, cell, &positions, [cutoff; 2]);
+        let (mut places, mut sizes) = (positions.clone(), radii.clone());
+        exchange.extend(&mut places);
+        exchange.extend(&mut sizes);
+        let neighbours = Neighbours::find(cell, &places, first.len(), cutoff);
+        let gap = |row: usize, other: &Neighbour| {
+            let pair = Pair { i: row as u32, j: other.row, steps: other.steps };
+            pair.separation(cell, &places).length() - (sizes[row] + sizes[other.row as usize])
+        };
+        let gaps = (0..first.len()).flat_map(|row| neighbours.of(row).iter().map(move |other| gap(row, other)));
+        let mut found = [gaps.fold(smallest, f64::min)];
+        partition.comm().min(&mut found);
+        smallest = found[0];
         // A pair beyond the cutoff has a gap of more than the margin.
-        if gap <= margin || cutoff >= farthest {
-            return gap;
+        if smallest <= margin || cutoff >= farthest {
+            return smallest;
         }
         margin *= 2.0;
     }
@@ -129,6 +161,34 @@ mod tests {
             let forces = all.into_iter().next().unwrap().vectors("force").to_vec();
             // 0 and the image of 1 across the y boundary are 2 apart; nothing else is near.
             assert_eq!(forces, [Vector::new(0.0, -1.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::ZERO]);
+        }
+    }
+
+    /// Spheres of sizes over four decades, on any number of ranks, against all pairs of all images.
+    #[test]
+    fn the_smallest_gap_of_any_sizes_is_that_of_all_pairs() {
+        let cell = PeriodicBox::sheared(Vector::new(9.0, 10.0, 11.0), 0.3).unwrap();
+        for seed in 0..6 {
+            let mut all = Particles::default();
+            for id in 0..40 {
+                let mut random = domain::Random::new(seed, id);
+                let place = cell.wrap(random.point() * cell.edges()).0;
+                all.push(id, place, 1.2 * 10_f64.powf(-4.0 * random.uniform() * seed as f64 / 5.0), 0);
+            }
+            let gap = |i: usize, j: usize| {
+                let apart = cell.nearest_image(all.positions[j] - all.positions[i]).length();
+                apart - all.radii[i] - all.radii[j]
+            };
+            let pairs = (0..40).flat_map(|i| (0..i).map(move |j| (i, j)));
+            let expected = pairs.map(|(i, j)| gap(i, j)).fold(f64::INFINITY, f64::min);
+            for ranks in [1, 3] {
+                Comm::threads(ranks, |comm| {
+                    let partition = Partition::new(&comm, [8, 8]);
+                    let mut particles = if comm.is_first() { all.clone() } else { Particles::default() };
+                    particles.migrate(&partition, &cell);
+                    assert!((smallest_gap(&particles, &cell, &partition) - expected).abs() < 1e-12);
+                });
+            }
         }
     }
 

@@ -9,6 +9,7 @@ use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::simulation::Simulation;
 use domain::{Comm, Interrupt};
+use fcm::PlanError;
 use io::{Checkpoint, FileError, Frame, Provenance, Quantity, SuspensionScene, VelocityField};
 use std::path::Path;
 
@@ -108,7 +109,8 @@ impl Simulation for Observed {
     }
 
     fn write_field(&mut self, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
-        let (points, values) = self.suspension.velocity_field();
+        let unplanned = |e: PlanError| FileError::Write { path: folder.join("fields"), reason: e.to_string() };
+        let (points, values) = self.suspension.velocity_field().map_err(unplanned)?;
         let field = VelocityField {
             step: self.suspension.clock().step(),
             time: self.suspension.clock().time(),

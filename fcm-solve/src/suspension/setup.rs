@@ -6,10 +6,10 @@ use super::moving_box::MovingBox;
 use super::near::smallest_gap;
 use super::plan::{Radii, plan};
 use crate::clock::Clock;
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 use domain::{Comm, Particles, Partition};
 use fcm::Plan;
-use io::{Flow, SuspensionScene};
+use io::{Flow, Schedule, SuspensionScene};
 use solver::BackgroundFlow;
 
 /// What a run and its outline have in common.
@@ -55,6 +55,10 @@ impl Setup {
         };
         let time = Clock::at(step, scene.time.step).time();
         let moving = MovingBox::at(time, scene.cell, flow.gradient(), box_rate);
+        if scene.output.fields != Schedule::NEVER {
+            let planned = plan.on_the_grid_alone(moving.largest_strain());
+            comm.agree(planned).context("output.fields_every asks for the flow on a grid")?;
+        }
         particles.wrap(moving.cell());
         particles.migrate(&partition, moving.cell());
         Ok(Self { particles, radii, plan, partition, flow, moving })

@@ -7,6 +7,7 @@
 
 use crate::stencil::Support;
 use domain::Vector;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Columns by which the width of rows grows: half a vector of `f32`, a vector of `f64`.
@@ -34,13 +35,12 @@ pub(crate) struct Point {
 
 /// The passes over a stencil in a box of the given strain, with vectors of so many lanes.
 pub(crate) fn passes(support: &Support, spacing: Vector, strain: f64, lanes: usize) -> Vec<Pass> {
-    let ball = Ball { support, spacing, strain };
     let mut passes = Vec::new();
-    for width in (STEP..=support.lanes).step_by(STEP) {
-        let rows = ball.rows(width);
+    for (steps, rows) in (Ball { support, spacing, strain }).rows().into_iter().enumerate() {
         if rows.is_empty() {
             continue;
         }
+        let width = steps * STEP;
         let (first, last) = (rows.iter().map(|p| p.y).min(), rows.iter().map(|p| p.y).max());
         let span = first.unwrap_or(0) as usize..last.map_or(0, |y| y + 1) as usize;
         for from in (0..width).step_by(lanes) {
@@ -53,9 +53,16 @@ pub(crate) fn passes(support: &Support, spacing: Vector, strain: f64, lanes: usi
 
 /// The time that the passes over a stencil take, in rows of whole vectors.
 pub(crate) fn length(support: &Support, spacing: Vector, strain: f64, lanes: usize) -> f64 {
+    if support.support > COUNTED {
+        let radii = Vector::splat(support.reach) / spacing;
+        return 4.0 / 3.0 * PI * radii.element_product() / lanes as f64;
+    }
     let rows = |pass: &Pass| pass.rows.len() as f64 * if pass.half { OF_HALF } else { 1.0 };
     passes(support, spacing, strain, lanes).iter().map(rows).sum()
 }
+
+/// Stencils of more points along an axis are not counted row by row, but by their volume.
+const COUNTED: usize = 128;
 
 /// The time for half a vector over that for a whole one.
 const OF_HALF: f64 = 0.7;
@@ -68,11 +75,16 @@ struct Ball<'a> {
 }
 
 impl Ball<'_> {
-    /// The rows that need so many columns.
-    fn rows(&self, width: usize) -> Vec<Point> {
+    /// The rows by the columns that they need, in steps of [`STEP`].
+    fn rows(&self) -> Vec<Vec<Point>> {
+        let mut rows = vec![Vec::new(); self.support.lanes / STEP + 1];
         let points = 0..self.support.support;
-        let all = points.clone().flat_map(|z| points.clone().map(move |y| (y, z)));
-        all.filter(|&(y, z)| self.width(y, z) == width).map(|(y, z)| Point { y: y as u32, z: z as u32 }).collect()
+        for (y, z) in points.clone().flat_map(|z| points.clone().map(move |y| (y, z))) {
+            rows[self.width(y, z) / STEP].push(Point { y: y as u32, z: z as u32 });
+        }
+        // Those that need none are outside the ball.
+        rows[0].clear();
+        rows
     }
 
     /// The columns that a row needs: a multiple of [`STEP`], or none.

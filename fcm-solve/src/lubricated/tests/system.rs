@@ -106,8 +106,13 @@ fn the_system_is_symmetric_and_positive_definite() {
     let basis = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance };
     let start = basis.unit(0);
     let matrix = Some(ParticleMatrix::new(&comm, &near, &single));
-    let mut system =
-        Coupled::new(&mut mobility, &near, matrix, (&single, &strain_resistance), (&Loads::default(), &start));
+    let mut system = Coupled::new(
+        Scaled { mobility: &mut mobility, units: Units::ONE },
+        &near,
+        matrix,
+        (&single, &strain_resistance),
+        (&Loads::default(), &start),
+    );
 
     let matrix = basis.matrix(|x| system.apply(x));
     let diagonal = |i: usize| matrix[i][i];

@@ -23,6 +23,9 @@ const GAP_ERROR: f64 = 0.01;
 /// A substep shorter than this part of the clock's step is none.
 const SHORTEST: f64 = 1e-9;
 
+/// Shares that are whole but for round-off are taken as whole: the same steps are taken whatever the units of time.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Takes one step of the clock in as many substeps as are needed, each by the Adams-Bashforth method of order 3 for
 /// steps of any length,
 ///
@@ -90,7 +93,7 @@ impl Substep<'_> {
         let approach = dynamics.approach(self.particles, USED);
         let mut longest = self.ages.get(1).map_or(rest, |last| rest.min(GROWTH * last));
         loop {
-            let step = rest / (rest / longest).ceil();
+            let step = rest / (rest / longest - ROUND_OFF).ceil().max(1.0);
             let both = [weights(self.ages, step), lower_weights(self.ages, step)];
             let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.closest(), self.control.tolerance]);
             let gaps = approach.after(both, least, comm);

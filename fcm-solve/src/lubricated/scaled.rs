@@ -1,0 +1,72 @@
+//! Lubricated spheres in units of length and viscosity in which their own are about 1: the amplitudes of the modes have
+//! the root of both, which loses its last digit where a power of two is taken out of it.
+
+use super::{Guess, Solved};
+use domain::{Particles, Traceless, Units, Vector};
+use fcm::{Evaluation, Loads, Mobility, Motion};
+
+/// A mobility in such units.
+pub struct Scaled<'a> {
+    pub mobility: &'a mut Mobility,
+    pub units: Units,
+}
+
+impl Scaled<'_> {
+    /// The motions that loads cause, as [`Mobility::apply`].
+    pub fn apply(&mut self, loads: &Loads) -> Motion {
+        let motion = self.mobility.apply(&times(loads, self.units.torque()), Evaluation::All);
+        motion_times(&motion, 1.0 / self.units.velocity(), 1.0 / self.units.rate())
+    }
+}
+
+/// Particles in place, without their columns.
+pub fn particles(given: &Particles, units: &Units) -> Particles {
+    let over = 1.0 / units.length;
+    Particles {
+        positions: given.positions.iter().map(|&x| x * over).collect(),
+        radii: given.radii.iter().map(|&a| a * over).collect(),
+        ..given.without_columns()
+    }
+}
+
+/// Where the search starts.
+pub fn guess(given: &Guess, units: &Units) -> Guess {
+    let times = |list: &[Vector], unit: f64| list.iter().map(|&v| v * (1.0 / unit)).collect();
+    Guess {
+        stresslets_far: tensors_times(&given.stresslets_far, 1.0 / units.torque()),
+        velocities: times(&given.velocities, units.velocity()),
+        angular_velocities: times(&given.angular_velocities, units.rate()),
+    }
+}
+
+/// A solution in the units that the problem came in.
+pub fn solution(found: &Solved, units: &Units) -> Solved {
+    Solved {
+        motion: motion_times(&found.motion, units.velocity(), units.rate()),
+        stresslets: tensors_times(&found.stresslets, units.torque()),
+        far: times(&found.far, units.torque()),
+        iterations: found.iterations,
+        residual: found.residual,
+    }
+}
+
+/// Loads whose torques and stresslets are in another unit; that of forces stays as it is.
+pub fn times(loads: &Loads, torque: f64) -> Loads {
+    Loads {
+        forces: loads.forces.clone(),
+        torques: loads.torques.iter().map(|&t| t * torque).collect(),
+        stresslets: tensors_times(&loads.stresslets, torque),
+    }
+}
+
+fn motion_times(motion: &Motion, velocity: f64, rate: f64) -> Motion {
+    Motion {
+        velocities: motion.velocities.iter().map(|&v| v * velocity).collect(),
+        angular_velocities: motion.angular_velocities.iter().map(|&w| w * rate).collect(),
+        strain_rates: tensors_times(&motion.strain_rates, rate),
+    }
+}
+
+fn tensors_times(list: &[Traceless], factor: f64) -> Vec<Traceless> {
+    list.iter().map(|&t| t * factor).collect()
+}

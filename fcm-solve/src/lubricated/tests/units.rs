@@ -1,0 +1,81 @@
+//! The same lubricated spheres in other units.
+
+use super::*;
+
+/// Units of length, viscosity and force.
+type Scales = [f64; 3];
+
+/// Eight spheres of two sizes in a sheared box, most of which have others near, in a fluid, under forces and torques
+/// and in a strain, in units that are numbers of others; what comes out is brought back.
+fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>; 3] {
+    let cell = PeriodicBox::sheared(Vector::splat(5.4 * length), 0.2).unwrap();
+    let one = PeriodicBox::sheared(Vector::splat(5.4), 0.2).unwrap();
+    let radii: Vec<f64> = (0..8).map(|i| if i % 2 == 0 { 1.0 } else { 1.3 }).collect();
+    let positions = random_packing(&one, &radii, 0.02, 3).unwrap();
+    let place = |list: &[f64]| list.iter().map(|&a| a * length).collect::<Vec<_>>();
+    let positions: Vec<Vector> = positions.iter().map(|&x| x * length).collect();
+    let given = |name: u64, unit: f64| -> Vec<Vector> {
+        (0..8).map(|i| (domain::Random::new(name, i).point() - Vector::splat(0.5)) * unit).collect()
+    };
+    let plan = Plan::choose(&Problem {
+        edges: cell.edges(),
+        largest_strain: 0.5,
+        radii: place(&radii).into_iter().map(|a| (a, 1)).collect(),
+        viscosity,
+        multipoles: Multipoles::Dipole,
+        rigid: true,
+        tolerance: 1e-3,
+        threads: 1,
+        ranks: 1,
+        costs: Costs::default(),
+        fixed: Fixed { precision: Some(precision), ..Fixed::default() },
+    })
+    .unwrap();
+    let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+    let mut fluid = Hydrodynamics::new(&plan, &partition, Some(Range::default())).unwrap();
+    let (forces, torques) = (given(1, force), given(2, force * length));
+    let rate = force / (viscosity * length * length);
+    let strain = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]) * rate;
+    let loads = Loads { forces, torques, ..Loads::default() };
+    let found = fluid.solve(&cell, &placed(&positions, &place(&radii)), &loads, strain, &Guess::default()).unwrap();
+    assert!(found.iterations > 0);
+    let vectors = |list: &[Vector], unit: f64| list.iter().flat_map(|v| (*v / unit).to_array()).collect();
+    let stresslets = found.stresslets.iter().flat_map(|s| s.0.map(|c| c / (force * length))).collect();
+    let Motion { velocities, angular_velocities, .. } = &found.motion;
+    [vectors(velocities, rate * length), vectors(angular_velocities, rate), stresslets]
+}
+
+fn worst(found: &[Vec<f64>; 3], exact: &[Vec<f64>; 3]) -> f64 {
+    let norm = |list: &[f64]| list.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let error =
+        |(a, b): (&Vec<f64>, &Vec<f64>)| norm(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / norm(b);
+    found.iter().zip(exact).map(error).fold(0.0, f64::max)
+}
+
+/// Thirty systems from 1e-30 to 1e30, with all digits: 1e-6 on grids in `f32`, 1e-12 in `f64`.
+#[test]
+fn answers_have_the_same_digits_in_any_units() {
+    let extremes = [-30, 0, 30];
+    let corners = (0..27).map(|n| [extremes[n % 3], extremes[n / 3 % 3], extremes[n / 9]]);
+    let systems: Vec<_> = corners.chain([[-6, -3, -12], [7, 0, 1], [-13, 22, 5]]).collect();
+    for (precision, allowed) in [(Precision::Single, 1e-6), (Precision::Double, 1e-12)] {
+        let exact = solved([1.0; 3], precision);
+        for &[l, mu, f] in &systems {
+            let scales = [1.37 * 10_f64.powi(l), 0.83 * 10_f64.powi(mu), 2.71 * 10_f64.powi(f)];
+            let worst = worst(&solved(scales, precision), &exact);
+            println!("{worst:.1e} {precision:?}");
+            assert!(worst < allowed, "{worst:e} in {precision:?} in units of {scales:?}");
+        }
+    }
+}
+
+#[test]
+fn powers_of_two_keep_every_bit() {
+    let two = |k: i32| 2_f64.powi(k);
+    for precision in [Precision::Single, Precision::Double] {
+        let exact = solved([1.0; 3], precision);
+        for [l, mu, f] in [[100, 0, 0], [0, 91, 0], [0, 0, -77], [-17, -10, -40], [97, -98, 99], [-4, 1, 2]] {
+            assert_eq!(solved([l, mu, f].map(two), precision), exact, "{l} {mu} {f} in {precision:?}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! What makes a plan cost more than anybody has, and what would help.
+
+use crate::cost::{self, Costs};
+use crate::plan::Plan;
+use crate::problem::{Method, Problem};
+
+/// Seconds of an evaluation, and bytes of a grid, from which on a plan is hopeless.
+const SECONDS: f64 = 3600.0;
+const BYTES: f64 = 1e13;
+
+impl Plan {
+    /// What makes this plan of a problem hopeless, of which an evaluation takes hours or whose grid fills more memory
+    /// than machines have, and what would help; nothing if it isn't.
+    #[must_use]
+    pub fn burden(&self, problem: &Problem) -> Option<String> {
+        let (seconds, bytes) = (self.predicted_seconds, self.grid_bytes_per_rank(1) as f64);
+        if seconds < SECONDS && bytes < BYTES {
+            return None;
+        }
+        let particles = problem.radii.iter().map(|r| r.1).sum();
+        let Costs { stencils, transforms, pairs } = cost::seconds(self, particles, problem.largest_strain, 1);
+        let cause = if bytes >= BYTES || transforms >= stencils.max(pairs) {
+            self.burden_of_grid(problem)
+        } else if stencils >= pairs {
+            self.burden_of_stencils(particles)
+        } else {
+            self.burden_of_pairs(particles)
+        };
+        let hours = seconds / 3600.0;
+        Some(format!("an evaluation takes about {hours:.1e} hours, and its grid {:.1e} GB: {cause}", bytes / 1e9))
+    }
+
+    fn burden_of_grid(&self, problem: &Problem) -> String {
+        let longest = self.edges.max_element();
+        let (axis, edge) =
+            "xyz".chars().zip(self.edges.to_array()).find(|(_, edge)| *edge >= longest).unwrap_or_default();
+        let [nx, ny, nz] = self.grid;
+        let (smallest, largest) = self.extremes();
+        if problem.fixed.grid.is_some() {
+            return format!("hydrodynamics.grid has {nx} x {ny} x {nz} points; leave it out, or take fewer");
+        }
+        match self.method {
+            Method::Direct => format!(
+                "{nx} x {ny} x {nz} points, since every envelope is on the grid and the box is {:.1e} of the smallest \
+                 radii long along {axis}; leave hydrodynamics.method to the program, or take a smaller box, larger \
+                 spheres or a larger tolerance",
+                edge / smallest
+            ),
+            Method::Split { .. } => format!(
+                "{nx} x {ny} x {nz} points, since the box is {:.1e} of the largest radii long along {axis}; take a \
+                 smaller box, fewer spheres or a larger tolerance",
+                edge / largest
+            ),
+        }
+    }
+
+    fn burden_of_stencils(&self, particles: usize) -> String {
+        let (points, (smallest, largest)) = (self.support.support, self.extremes());
+        match self.method {
+            Method::Direct => format!(
+                "{particles} stencils of {points} points along an axis, since the largest radius is {:.1e} times the \
+                 smallest, which sets the grid; leave hydrodynamics.method and grid to the program, or take radii that \
+                 are nearer to each other",
+                largest / smallest
+            ),
+            Method::Split { .. } => format!("there are {particles} particles; take fewer, or a larger tolerance"),
+        }
+    }
+
+    fn burden_of_pairs(&self, particles: usize) -> String {
+        let density = particles as f64 / self.edges.element_product();
+        let neighbours = density * 4.19 * self.method.cutoff().powi(3);
+        let (smallest, largest) = self.extremes();
+        format!(
+            "{particles} particles with {neighbours:.1e} others each within the cutoff, since the common Gaussian is at \
+             least as wide as that of the largest radius, {:.1e} times the smallest; take fewer particles, or radii that \
+             are nearer to each other",
+            largest / smallest
+        )
+    }
+}
