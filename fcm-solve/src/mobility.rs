@@ -64,7 +64,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let problem = problem(&case, &cell, (args.tolerance, machine::costs(comm)?));
     let plan = Plan::choose(&problem).context("this case can't be evaluated")?;
     for caution in cautions(&case, &cell, plan.burden(&problem))?.iter().filter(|_| comm.is_first()) {
-        eprintln!("warning: {caution}");
+        streams::log(format_args!("warning: {caution}"));
     }
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
     let mut particles = place(&case, &cell, &partition);

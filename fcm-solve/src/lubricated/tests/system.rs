@@ -156,7 +156,8 @@ fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
         let mut mobility = Mobility::new(&plan, &partition);
         mobility.arrange(&plan.cell(), &particles);
         let known = (&Loads::default(), &start);
-        Coupled::new(&mut mobility, &near, matrix, (&single, &strain_resistance), known).sharpen()
+        let mobility = Scaled { mobility: &mut mobility, units: Units::ONE };
+        Coupled::new(mobility, &near, matrix, (&single, &strain_resistance), known).sharpen()
     };
     assert!(sharpened(Some(ParticleMatrix::new(&comm, &near, &single))));
     assert!(!sharpened(Some(matrix)) && !sharpened(None));

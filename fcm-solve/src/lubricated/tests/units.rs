@@ -63,7 +63,6 @@ fn answers_have_the_same_digits_in_any_units() {
         for &[l, mu, f] in &systems {
             let scales = [1.37 * 10_f64.powi(l), 0.83 * 10_f64.powi(mu), 2.71 * 10_f64.powi(f)];
             let worst = worst(&solved(scales, precision), &exact);
-            println!("{worst:.1e} {precision:?}");
             assert!(worst < allowed, "{worst:e} in {precision:?} in units of {scales:?}");
         }
     }
