@@ -44,12 +44,21 @@ fn each_parameter_is_refused_by_its_key() {
 }
 
 #[test]
+fn radii_whose_squares_are_beyond_all_numbers_are_refused() {
+    let list = [(1e-200, 0.5), (1.0, 1.0)].map(|(radius, share)| Species { radius, share });
+    assert_eq!(refusal(|p| p.sizes = Sizes::Species(list.to_vec())).key, "species");
+}
+
+#[test]
 fn particles_that_make_no_sense_are_refused() {
     let mut particles = Particles::default();
     particles.push(0, Vector::new(f64::NAN, 0.0, 0.0), 1.0, 0);
     let error = Disks::flowing(Parameters::default(), &particles).unwrap_err();
     assert_eq!(error.key, "particles.position");
     particles.positions[0] = Vector::ONE;
+    particles.push(1, Vector::new(1.0, 101.0, 3.0), 1.0, 0);
+    let error = Disks::flowing(Parameters::default(), &particles).unwrap_err();
+    assert_eq!(error.to_string(), "particles.position is [1, 1] of two disks; it needs a place of its own for each");
     let model = Model::new(Parameters::default()).unwrap();
     let (_, progress) = Disks::random(&model).store();
     let error = Disks::resume(&model, &particles, &progress).unwrap_err();

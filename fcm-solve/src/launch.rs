@@ -30,10 +30,16 @@ pub fn refused(error: &CommError) -> ExitCode {
 /// Says why the program fails, on the first rank.
 pub fn failed(is_first: bool, error: &dyn std::fmt::Display) -> ExitCode {
     if is_first {
-        streams::log(format_args!("error: {error:#}"));
+        streams::log(format_args!("error: {}", in_one_line(&format!("{error:#}"))));
         streams::finish_log();
     }
     ExitCode::FAILURE
+}
+
+/// A message in one line whatever names it quotes: control characters of theirs as in source code.
+pub fn in_one_line(message: &str) -> String {
+    let plain = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    message.chars().map(plain).collect()
 }
 
 /// Prints help, or a mistake in the command line, once.
@@ -56,4 +62,17 @@ pub fn start_threads(asked: Option<u16>, comm: &Comm) -> anyhow::Result<()> {
         .use_current_thread()
         .build_global()
         .context("can't start the threads")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_do_not_break_lines() {
+        assert_eq!(
+            in_one_line("can't read a\nb\u{1b}[2J: µ is no \"file\""),
+            "can't read a\\nb\\u{1b}[2J: µ is no \"file\""
+        );
+    }
 }

@@ -5,7 +5,7 @@ use crate::number::tolerance;
 use crate::overlaps::Overlaps;
 use crate::run::in_full;
 use crate::{machine, streams};
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use domain::{Comm, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, Problem};
 use io::{Answer, Case, Terms};
@@ -76,7 +76,12 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let seconds = start.elapsed().as_secs_f64();
     record(&mut particles, &solved);
     let all = particles.gathered(&partition);
-    let written = if comm.is_first() { write(args, &answer(all, &solved, &case, &plan, seconds)) } else { Ok(()) };
+    let written = if comm.is_first() {
+        let answer = answer(all, &solved, &case, &plan, seconds);
+        finite(&answer).and_then(|()| write(args, &answer))
+    } else {
+        Ok(())
+    };
     Ok(comm.agree(written.map_err(|e| in_full(&e)))?)
 }
 
@@ -207,6 +212,20 @@ fn answer(mut all: Particles, solved: &Solved, case: &Case, plan: &Plan, seconds
         seconds,
         plan: plan.describe(),
     }
+}
+
+/// Refuses an answer that is beyond the numbers of the machine.
+fn finite(answer: &Answer) -> anyhow::Result<()> {
+    let vectors =
+        [Some(&answer.velocities), answer.angular_velocities.as_ref()].into_iter().flatten().flatten().flatten();
+    let tensors = [&answer.strain_rates, &answer.stresslets, &answer.stresslets_far];
+    let tensors = tensors.into_iter().flatten().flatten().flatten();
+    ensure!(
+        vectors.chain(tensors).chain([&answer.residual]).all(|number| number.is_finite()),
+        "the answer is not finite: forces, torques, stresslets or background are too large beside viscosity and radii; \
+         choose units in which they are about 1"
+    );
+    Ok(())
 }
 
 fn write(args: &Args, answer: &Answer) -> anyhow::Result<()> {

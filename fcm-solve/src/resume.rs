@@ -6,6 +6,7 @@ use crate::run::{Whole, in_full, quoted, read};
 use crate::signals::Signals;
 use crate::walltime::{self, Walltime};
 use crate::{granular, simulation, streams};
+use anyhow::Context;
 use domain::Comm;
 use io::{Checkpoint, Scene};
 use std::path::{Path, PathBuf};
@@ -51,7 +52,8 @@ pub fn go_on(
         let kept = if comm.is_first() { folder.keep(scene.text()) } else { Ok(()) };
         comm.agree(kept.map_err(|e| in_full(&e)))?;
     }
-    let mut resumed = simulation::resume(&scene, checkpoint, comm)?;
+    let mut resumed = simulation::resume(&scene, checkpoint, comm)
+        .with_context(|| format!("the last checkpoint in {} does not fit its scene", folder.path().display()))?;
     let mut recorder = Recorder::resume(folder, &scene, &mut *resumed)?;
     march(&mut *resumed, &mut recorder, scene.kind().steps(), signals)
 }

@@ -2,11 +2,11 @@
 
 use crate::number::{finite, positive};
 use crate::run::in_full;
-use crate::statistics::Statistics;
+use crate::statistics::{COLUMNS, Statistics};
 use crate::streams;
 use anyhow::{Context, bail, ensure};
-use domain::Comm;
-use io::{Kind, Provenance, Recorded, Scene, Table, write_tables};
+use domain::{Comm, Particles};
+use io::{Kind, Multipoles, Provenance, Recorded, Scene, SuspensionScene, Table, write_tables};
 use std::path::PathBuf;
 
 /// Which run, and what of it.
@@ -38,7 +38,8 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 }
 
 fn take(args: &Args) -> anyhow::Result<()> {
-    let recorded = Recorded::open(&args.folder.join("trajectory.h5"))?;
+    let trajectory = args.folder.join("trajectory.h5");
+    let recorded = Recorded::open(&trajectory)?;
     let scene = Scene::parse(recorded.scene(), "the scene of the run", &[])?;
     let Kind::Suspension(suspension) = scene.kind() else { bail!("there are no statistics of scenes of this kind") };
     let mut wanted = suspension.statistics.unwrap_or(io::Statistics::ALL);
@@ -57,6 +58,7 @@ fn take(args: &Args) -> anyhow::Result<()> {
                 continue;
             }
         };
+        fits(&particles, suspension).with_context(|| format!("frame {frame} of {}", trajectory.display()))?;
         let statistics = statistics.get_or_insert_with(|| Statistics::new(suspension, wanted, &particles));
         statistics.sample(time, &cell, &particles);
     }
@@ -76,16 +78,46 @@ fn take(args: &Args) -> anyhow::Result<()> {
     streams::print_here(&format!("{}tables     {}\n", in_columns(&statistics.summary()), out.display()))
 }
 
+/// Refuses particles of which no statistics can be made: without velocities, or of another scene.
+fn fits(particles: &Particles, scene: &SuspensionScene) -> anyhow::Result<()> {
+    let needed = if scene.hydrodynamics.multipoles == Multipoles::Dipole { &COLUMNS[..] } else { &COLUMNS[..1] };
+    for name in needed {
+        let has = particles.columns.iter().any(|column| column.name == *name);
+        ensure!(has, "it has no {name}, which statistics are made of");
+    }
+    let species = scene.species.len();
+    let unknown = particles.species.iter().find(|&&s| s as usize >= species);
+    ensure!(unknown.is_none(), "it has a sphere of species {}; the scene has {species}, from 0", unknown.unwrap_or(&0));
+    Ok(())
+}
+
 /// The summary for reading: quantity, species, value and error.
 fn in_columns(summary: &Table) -> String {
     let line = |(words, numbers): &(Vec<String>, Vec<f64>)| {
         let error = match (numbers[1], numbers[2]) {
-            (error, _) if error == 0.0 || error.is_nan() => String::new(),
+            (error, _) if error == 0.0 || !error.is_finite() => String::new(),
             (error, 0.0) => format!("+- {error:.2e} at least"),
             (error, _) => format!("+- {error:.2e}"),
         };
-        let line = format!("{:<28} {:<12} {:>13.6e} {error:<20} {}", words[0], words[1], numbers[0], words[2]);
+        let value = if numbers[0].is_finite() { format!("{:.6e}", numbers[0]) } else { "unknown".to_owned() };
+        let line = format!("{:<28} {:<12} {value:>13} {error:<20} {}", words[0], words[1], words[2]);
         line.trim_end().to_owned() + "\n"
     };
     summary.rows.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_is_said_so() {
+        let mut table =
+            Table::new("summary", &["quantity", "species", "unit"], &[("value", ""), ("error", ""), ("converged", "")]);
+        table.add(&["D_slope_x", "a", "length^2/time"], &[f64::NAN, f64::NAN, 0.0]);
+        table.add(&["T_xx", "a", ""], &[0.5, f64::INFINITY, 0.0]);
+        let text = in_columns(&table);
+        let words: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+        assert_eq!(words, [vec!["D_slope_x", "a", "unknown", "length^2/time"], vec!["T_xx", "a", "5.000000e-1"]]);
+    }
 }

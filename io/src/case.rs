@@ -1,6 +1,6 @@
 //! One configuration that a user brings, and its answer: JSON, or HDF5 with the same names.
 
-use crate::{FileError, durable, whole};
+use crate::{FileError, durable, sized, whole};
 use domain::Number;
 use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, Group};
@@ -272,6 +272,7 @@ fn contents(group: &Group, counts: bool) -> hdf5::Result<Value> {
 }
 
 fn value(name: &str, container: &Container) -> hdf5::Result<Value> {
+    sized::check(container)?;
     match container.dtype()?.to_descriptor()? {
         TypeDescriptor::Boolean => return Ok(json!(container.read_scalar::<bool>()?)),
         TypeDescriptor::VarLenUnicode => return Ok(json!(container.read_scalar::<VarLenUnicode>()?.as_str())),

@@ -1,9 +1,9 @@
 //! What a result file holds, in words.
 
 use crate::frames::Sums;
-use crate::{FileError, checksum, text};
+use crate::{FileError, checksum, sized, text};
 use domain::Number;
-use hdf5::{Dataset, File, Group, LocationInfo, LocationToken};
+use hdf5::{Dataset, File, Group};
 use std::fmt::{Display, Formatter};
 use std::io::Read;
 use std::path::Path;
@@ -69,7 +69,7 @@ impl Contents {
             datasets: Vec::new(),
             damage: Vec::new(),
         };
-        contents.walk(&file.as_group()?, &mut Vec::new())?;
+        contents.walk(file.as_group()?)?;
         let frames = contents.frames.map_or(0, |frames| frames.count);
         if let Some(sums) = Sums::open(file)? {
             contents.damage.extend((0..frames).filter_map(|frame| Some(sums.damage(frame)?.to_string())));
@@ -77,24 +77,33 @@ impl Contents {
         Ok(contents)
     }
 
-    /// Adds what a group holds, once: links may lead back to groups that were seen.
-    fn walk(&mut self, group: &Group, seen: &mut Vec<(u64, LocationToken)>) -> hdf5::Result<()> {
-        let LocationInfo { fileno, token, .. } = group.loc_info()?;
-        if seen.contains(&(fileno, token)) {
-            return Ok(());
+    /// Visits every group once, though links may lead to it by many names, or from itself.
+    fn walk(&mut self, root: Group) -> hdf5::Result<()> {
+        let (mut waiting, mut seen) = (vec![root], Vec::new());
+        while let Some(group) = waiting.pop() {
+            let place = group.loc_info()?;
+            if !seen.contains(&(place.fileno, place.token)) {
+                seen.push((place.fileno, place.token));
+                self.visit(&group)?;
+                waiting.extend(group.groups()?.into_iter().rev());
+            }
         }
-        seen.push((fileno, token));
+        Ok(())
+    }
+
+    fn visit(&mut self, group: &Group) -> hdf5::Result<()> {
         for dataset in group.datasets()? {
             let name = dataset.name();
             if name.ends_with("/step") && self.frames.is_none() {
-                self.frames = frames(&dataset, &group.dataset("time")?)?;
+                sized::check(&dataset)?;
+                self.frames = frames(&dataset, &sized::dataset(group, "time")?)?;
             }
             if !name.ends_with("/step") && !name.ends_with("/time") && !name.starts_with("/parameters") {
                 self.datasets.push(describe(&dataset));
             }
             self.damage.extend(checksum::verify(&dataset).err().map(|e| e.to_string()));
         }
-        group.groups()?.iter().try_for_each(|group| self.walk(group, seen))
+        Ok(())
     }
 }
 
@@ -111,12 +120,15 @@ fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     let times_name = times.name();
     let (steps, times): (Vec<u64>, Vec<f64>) = (steps.read_raw()?, times.read_raw()?);
     let count = steps.len();
-    // Times are written before steps: there may be one more.
     let Some(last) = count.checked_sub(1) else { return Ok(None) };
-    let Some(&end) = times.get(last) else {
-        return Err(format!("{times_name} has fewer frames than the steps").into());
+    // Times are written before steps: there may be one more.
+    let [Some(&from), Some(&until)] = [times.first(), times.get(last)] else {
+        return Err(format!("it has {count} steps, but {times_name} has {} times", times.len()).into());
     };
-    Ok(Some(FrameSpan { count, steps: [steps[0], steps[last]], times: [times[0], end] }))
+    if !(from.is_finite() && until.is_finite()) {
+        return Err(format!("its frames go from time {from} to time {until}").into());
+    }
+    Ok(Some(FrameSpan { count, steps: [steps[0], steps[last]], times: [from, until] }))
 }
 
 fn describe(dataset: &Dataset) -> String {
@@ -134,5 +146,49 @@ impl Display for Contents {
         }
         write!(f, "{}", self.plan)?;
         self.datasets.iter().try_for_each(|dataset| writeln!(f, "  {dataset}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file with the parameters of a run and what else `fill` writes.
+    fn read(fill: impl FnOnce(&File)) -> Result<Contents, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.h5");
+        let file = File::create(&path).unwrap();
+        let parameters = file.create_group("parameters").unwrap();
+        text::write_attribute(&parameters, "program", "test 1").unwrap();
+        text::write_dataset(&parameters, "scene", "").unwrap();
+        text::write_dataset(&parameters, "plan", "").unwrap();
+        fill(&file);
+        drop(file);
+        Contents::read(&path).map_err(|e| e.to_string())
+    }
+
+    fn clock(file: &File, steps: &[u64], times: &[f64]) {
+        let group = file.create_group("a").unwrap();
+        group.new_dataset_builder().with_data(steps).create("step").unwrap();
+        group.new_dataset_builder().with_data(times).create("time").unwrap();
+    }
+
+    #[test]
+    fn links_to_what_they_stand_in_have_an_end() {
+        let contents = read(|file| {
+            let group = file.create_group("a").unwrap();
+            group.new_dataset_builder().with_data(&[1.0]).create("b").unwrap();
+            file.link_hard("/", "a/all").unwrap();
+            group.link_hard("/a", "self").unwrap();
+        });
+        assert_eq!(contents.unwrap().datasets.len(), 1);
+    }
+
+    #[test]
+    fn frames_without_times_are_damage() {
+        let span = read(|file| clock(file, &[0, 5], &[0.0, 0.5, 1.0])).unwrap().frames.unwrap();
+        assert_eq!((span.count, span.steps, span.times), (2, [0, 5], [0.0, 0.5]));
+        assert!(read(|file| clock(file, &[0, 5], &[0.0])).unwrap_err().contains("2 steps, but /a/time has 1 times"));
+        assert!(read(|file| clock(file, &[0], &[f64::NAN])).unwrap_err().contains("time NaN"));
     }
 }

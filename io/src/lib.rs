@@ -14,6 +14,7 @@ mod recorded;
 mod scene;
 mod schedule;
 mod series;
+mod sized;
 mod tables;
 mod text;
 mod trajectory;

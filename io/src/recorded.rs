@@ -1,7 +1,7 @@
 //! Trajectories that were written before.
 
 use crate::frames::Sums;
-use crate::{FileError, checksum, text};
+use crate::{FileError, checksum, sized, text};
 use domain::{Column, Particles, PeriodicBox, Vector};
 use hdf5::{File, Group, H5Type, Hyperslab};
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ impl Recorded {
             species: checksum::read(&group.dataset("species")?)?,
             columns: Vec::new(),
         };
-        let mut times: Vec<f64> = group.dataset("position/time")?.read_raw()?;
+        let mut times: Vec<f64> = sized::read(&group, "position/time")?;
         // Times are written before steps: there may be one more.
         times.truncate(group.dataset("position/step")?.size());
         let parameters = file.group("parameters")?;
@@ -80,8 +80,12 @@ impl Recorded {
             return Err(damage.to_string().into());
         }
         let edges: Vec<f64> = self.value("box/edges", frame)?;
-        let strains: Vec<f64> = self.group.dataset("box/strain/value")?.read_raw()?;
-        let cell = PeriodicBox::sheared(Vector::new(edges[0], edges[4], edges[8]), strains[frame]);
+        let strains: Vec<f64> = sized::read(&self.group, "box/strain/value")?;
+        let [xx, _, _, _, yy, _, _, _, zz] = edges[..] else {
+            return Err(format!("its box/edges have {} numbers a frame instead of 9", edges.len()).into());
+        };
+        let strain = *strains.get(frame).ok_or_else(|| format!("its box/strain has {} frames", strains.len()))?;
+        let cell = PeriodicBox::sheared(Vector::new(xx, yy, zz), strain);
         let mut particles = self.fixed.clone();
         let positions: Vec<f64> = self.value("position", frame)?;
         particles.positions = positions.chunks_exact(3).map(Vector::from_slice).collect();
@@ -94,13 +98,28 @@ impl Recorded {
             }
         }
         particles.check().map_err(|e| e.to_string())?;
+        numbers(&particles).map_err(|reason| format!("frame {frame}: {reason}"))?;
         Ok((cell.map_err(|e| e.to_string())?, particles))
     }
 
     fn value<T: H5Type + Clone>(&self, name: &str, frame: usize) -> hdf5::Result<Vec<T>> {
         let slice = Hyperslab::from((frame, .., ..));
-        let dataset = self.group.dataset(&format!("{name}/value"))?;
+        let dataset = sized::dataset(&self.group, &format!("{name}/value"))?;
         Ok(dataset.read_slice_2d::<T, _>(slice)?.into_raw_vec_and_offset().0)
+    }
+}
+
+/// Refuses particles whose numbers mean nothing.
+fn numbers(particles: &Particles) -> Result<(), String> {
+    if !particles.radii.iter().all(|&radius| radius > 0.0 && radius.is_finite()) {
+        return Err("a radius is no finite number above 0".to_owned());
+    }
+    if !particles.positions.iter().all(|position| position.is_finite()) {
+        return Err("a position is not finite".to_owned());
+    }
+    match particles.columns.iter().find(|column| !column.values.iter().all(|value| value.is_finite())) {
+        Some(column) => Err(format!("a number of {} is not finite", column.name)),
+        None => Ok(()),
     }
 }
 
@@ -108,6 +127,40 @@ impl Recorded {
 mod tests {
     use super::*;
     use crate::{Frame, Provenance, Trajectory};
+
+    /// A trajectory of one frame of one particle, after it was changed; what is said of its frame.
+    fn changed(change: impl FnOnce(&File) -> hdf5::Result<()>) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trajectory.h5");
+        let provenance =
+            Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 2 };
+        let mut particles = Particles::default();
+        particles.push(0, Vector::ONE, 1.0, 0);
+        particles.vectors("velocity");
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+        let frame = Frame { particles, cell, periodic: [true; 3] };
+        Trajectory::create(&path, &provenance, &frame, 1).unwrap().append((0, 0.0), &frame).unwrap();
+        change(&File::open_rw(&path).unwrap()).unwrap();
+        Recorded::open(&path).and_then(|recorded| recorded.frame(0)).map_or_else(|e| e.to_string(), |_| String::new())
+    }
+
+    #[test]
+    fn frames_that_mean_nothing_are_refused() {
+        let put = |file: &File, name: &str, numbers: &[f64]| {
+            let values = ndarray::Array3::from_shape_vec((1, 1, 3), numbers.to_vec()).unwrap();
+            file.dataset(&format!("particles/all/{name}/value"))?.write(&values)
+        };
+        assert_eq!(changed(|_| Ok(())), "");
+        assert_ne!(changed(|file| put(file, "position", &[1.0, f64::NAN, 1.0])), "");
+        assert_ne!(changed(|file| put(file, "velocity", &[1.0, 1.0, f64::INFINITY])), "");
+        assert_ne!(changed(|file| file.dataset("particles/all/radius")?.write(&ndarray::arr1(&[-1.0]))), "");
+        let short = |file: &File, name: &str| {
+            file.unlink(name)?;
+            file.new_dataset_builder().with_data(&ndarray::Array3::<f64>::ones((1, 1, 3))).create(name).map(drop)
+        };
+        assert_ne!(changed(|file| short(file, "particles/all/box/edges/value")), "");
+        assert_ne!(changed(|file| file.dataset("particles/all/box/strain/value")?.resize((0,))), "");
+    }
 
     #[test]
     fn frames_are_read_as_they_were_written() {

@@ -152,7 +152,8 @@ impl Lagrangian {
         let mean = groups.iter().sum::<f64>() / count;
         let squares: f64 = groups.iter().map(|value| (value - mean).powi(2)).sum();
         let error = if groups.len() > 1 { (squares / count / (count - 1.0)).sqrt() } else { f64::INFINITY };
-        Estimate { mean: number(&self.lags(species)), error, converged: groups.len() == GROUPS }
+        let mean = number(&self.lags(species));
+        Estimate { mean, error, converged: groups.len() == GROUPS && mean.is_finite() }
     }
 
     fn averages(&self, classes: &[usize]) -> Vec<Lag> {

@@ -83,18 +83,22 @@ impl PairDistribution {
         (pair_index(a, b) * DISTANCES + distance.min(DISTANCES - 1)) * ANGLES + angle.min(ANGLES - 1)
     }
 
-    /// The pairs of species, `a <= b`.
+    /// The pairs of species, `a <= b`, whose particles can be pairs: a lone particle has no distribution of its own.
     pub fn species_pairs(&self) -> Vec<[usize; 2]> {
-        (0..self.counts.len()).flat_map(|b| (0..=b).map(move |a| [a, b])).collect()
+        let all = (0..self.counts.len()).flat_map(|b| (0..=b).map(move |a| [a, b]));
+        all.filter(|&pair| self.possible(pair) > 0.0).collect()
+    }
+
+    fn possible(&self, [a, b]: [usize; 2]) -> f64 {
+        let [n, m] = [a, b].map(|s| self.counts[s] as f64);
+        if a == b { 0.5 * n * (n - 1.0) } else { n * m }
     }
 
     /// Pairs of two species that an ideal gas would have in a shell.
-    fn ideal(&self, [a, b]: [usize; 2], distance: usize) -> f64 {
+    fn ideal(&self, pair: [usize; 2], distance: usize) -> f64 {
         let edge = |bin: usize| self.cutoff * bin as f64 / DISTANCES as f64;
         let shell = 4.0 / 3.0 * PI * (edge(distance + 1).powi(3) - edge(distance).powi(3));
-        let [n, m] = [a, b].map(|s| self.counts[s] as f64);
-        let pairs = if a == b { 0.5 * n * (n - 1.0) } else { n * m };
-        self.samples * pairs * shell / self.volume
+        self.samples * self.possible(pair) * shell / self.volume
     }
 
     /// `r` at the middle of each bin and `g(r)` for two species.
@@ -151,7 +155,7 @@ mod tests {
 
     #[test]
     fn pairs_of_species_come_in_the_order_of_their_counts() {
-        let pairs = PairDistribution::new(1.0, Angle::Cosine(2), &[0, 1, 2, 0], 8.0).species_pairs();
+        let pairs = PairDistribution::new(1.0, Angle::Cosine(2), &[0, 1, 2, 0, 1, 2], 8.0).species_pairs();
         assert_eq!(pairs, [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]]);
         assert!(pairs.iter().enumerate().all(|(k, &[a, b])| pair_index(a, b) == k));
     }
@@ -185,6 +189,12 @@ mod tests {
         let hits: Vec<_> = found.angular([0, 0]).into_iter().filter(|(_, _, g)| *g > 0.0).collect();
         assert_eq!(hits.len(), 1);
         assert!((hits[0].0 - 2.0_f64.sqrt()).abs() < 0.02 && (hits[0].1 - 0.75 * PI).abs() < 0.07, "{hits:?}");
+    }
+
+    #[test]
+    fn a_lone_particle_has_no_distribution_of_its_own() {
+        let found = PairDistribution::new(4.0, Angle::Azimuth, &[0, 2, 0], 1000.0);
+        assert_eq!(found.species_pairs(), [[0, 0], [0, 2]]);
     }
 
     #[test]

@@ -124,6 +124,7 @@ impl Model {
         let p = &parameters;
         p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
         require(!sizes.is_empty(), "particles.area_fraction", &p.area_fraction, "enough for one disk")?;
+        check_radii(&p.sizes, &sizes)?;
         require((1..=3).contains(&p.mass_exponent), "particles.mass_exponent", &p.mass_exponent, "1, 2 or 3")?;
         check_restitution("contact.restitution", p.restitution)?;
         check_restitution("preparation.restitution", p.preparation.restitution)?;
@@ -253,6 +254,18 @@ impl Model {
 
 /// Steps of a preparation.
 const MOST_STEPS: f64 = 1e12;
+
+/// Powers of very unlike radii, and with them a spread of radii, can be beyond the numbers of the machine.
+fn check_radii(asked: &Sizes, sizes: &[Size]) -> Result<(), ParameterError> {
+    let wrong = sizes.iter().find(|s| !(s.radius * s.radius > 0.0 && (s.radius * s.radius).is_finite()));
+    wrong.map_or(Ok(()), |size| {
+        let (key, allowed) = match asked {
+            Sizes::Species(_) => ("species", "radii and shares less far apart"),
+            Sizes::Spread { .. } => ("particles.spread", "radii less far apart, or an exponent nearer to 0"),
+        };
+        require(false, key, &format!("a mixture with a disk of radius {:e}", size.radius), allowed)
+    })
+}
 
 fn check_restitution(key: &'static str, found: f64) -> Result<(), ParameterError> {
     require(found > 0.0 && found <= 1.0, key, &found, "0 < restitution <= 1")

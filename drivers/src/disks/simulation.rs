@@ -78,6 +78,7 @@ impl Disks {
     /// The disks of a store in the flow. Without a column `velocity` they move with the liquid.
     pub fn flowing(parameters: super::Parameters, particles: &Particles) -> Result<Self, ParameterError> {
         let model = Model::with_particles(parameters, particles)?;
+        check_places(&model, particles)?;
         Self::given(&model, particles, Stage::Flow)
     }
 
@@ -202,5 +203,18 @@ impl Disks {
     /// What was counted since the stage began or the count was restarted.
     pub fn tally(&self) -> &Tally {
         &self.tally
+    }
+}
+
+/// Two disks at one point push each other nowhere.
+fn check_places(model: &Model, particles: &Particles) -> Result<(), ParameterError> {
+    let cell = model.cell(0.0);
+    let mut places: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();
+    places.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    match places.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => {
+            require(false, "particles.position", &format!("{} of two disks", pair[0]), "a place of its own for each")
+        }
+        None => Ok(()),
     }
 }

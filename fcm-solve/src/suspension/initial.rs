@@ -85,6 +85,7 @@ fn placed(scene: &SuspensionScene, placed: Placed) -> anyhow::Result<Particles> 
         if kind.count.is_some_and(|count| count as usize != found) {
             bail!("has {found} spheres of species \"{}\", but the scene counts {}", kind.name, count(kind));
         }
+        ensure!(found > 0, "has no sphere of species \"{}\"; leave that species out, or bring some of it", kind.name);
     }
     if let Some(unknown) = species.iter().find(|&&s| s as usize >= scene.species.len()) {
         bail!("has a sphere of species {unknown}; the scene has {} species, from 0", scene.species.len());

@@ -70,6 +70,9 @@ impl Checkpoint {
         for (name, width) in header.columns {
             particles.columns.push(Column { name, width, values: rest.take(width.saturating_mul(count))? });
         }
+        if !particles.positions.iter().all(|position| position.is_finite()) {
+            return Err("it has a position that is not finite".into());
+        }
         let (step, strain, plan) = (header.step, f64::from_bits(header.strain), header.plan);
         Ok(Self { step, strain, plan, particles, statistics: rest.take(header.statistics)? })
     }

@@ -2,9 +2,10 @@
 
 use super::Placed;
 use crate::frames::Sums;
-use crate::{FileError, checksum};
+use crate::{FileError, checksum, sized};
+use bytemuck::NoUninit;
 use domain::Vector;
-use hdf5::{Dataset, File};
+use hdf5::{File, Group, H5Type};
 use std::path::Path;
 
 pub(super) fn read(path: &Path) -> Result<Placed, FileError> {
@@ -18,10 +19,10 @@ pub(super) fn read(path: &Path) -> Result<Placed, FileError> {
 
 /// Datasets of the names that `fcm-solve mobility` uses.
 fn flat(file: &File) -> hdf5::Result<Placed> {
-    let positions = vectors(&file.dataset("positions")?.read_raw::<f64>()?);
-    let radii = file.dataset("radii").ok().map(|radii| radii.read_raw::<f64>()).transpose()?;
+    let positions = vectors(&sized::read(file, "positions")?);
+    let radii = perhaps(file, "radii")?;
     let radii = radii.map(|r| if r.len() == 1 { vec![r[0]; positions.len()] } else { r });
-    let species = file.dataset("species").ok().map(|species| species.read_raw::<u32>()).transpose()?;
+    let species = perhaps(file, "species")?;
     Ok(Placed { positions, radii, species })
 }
 
@@ -33,11 +34,15 @@ fn last_frame(file: &File) -> hdf5::Result<Placed> {
     if let Some(damage) = Sums::open(file)?.and_then(|sums| sums.damage(last)) {
         return Err(damage.to_string().into());
     }
-    let positions = group.dataset("position/value")?.read_slice_2d::<f64, _>(hdf5_slice(last))?;
-    let fixed = |name: &str| group.dataset(name).ok();
-    let radii = fixed("radius").map(|d: Dataset| checksum::read::<f64>(&d)).transpose()?;
-    let species = fixed("species").map(|d| checksum::read::<u32>(&d)).transpose()?;
+    let positions = sized::dataset(&group, "position/value")?.read_slice_2d::<f64, _>(hdf5_slice(last))?;
+    let radii = perhaps(&group, "radius")?;
+    let species = perhaps(&group, "species")?;
     Ok(Placed { positions: vectors(positions.as_slice().unwrap_or_default()), radii, species })
+}
+
+/// The numbers of a dataset that may be missing.
+fn perhaps<T: H5Type + NoUninit>(group: &Group, name: &str) -> hdf5::Result<Option<Vec<T>>> {
+    group.link_exists(name).then(|| checksum::read(&group.dataset(name)?)).transpose()
 }
 
 fn hdf5_slice(frame: usize) -> hdf5::Hyperslab {

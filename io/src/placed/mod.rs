@@ -37,9 +37,27 @@ impl Placed {
                 Err(FileError::read(path, &"positions are read from .csv, .xyz, .extxyz, .h5, .hdf5 or a run's folder"))
             }
         }?;
-        match placed.positions.iter().position(|p| !p.is_finite()) {
-            Some(row) => Err(FileError::damaged(path, &format!("position {row} is {}", placed.positions[row]))),
-            None => Ok(placed),
+        placed.check().map_err(damaged)?;
+        Ok(placed)
+    }
+
+    /// Every particle needs a place, and a radius and a species if the file has such.
+    fn check(&self) -> Result<(), String> {
+        let count = self.positions.len();
+        let lists = [("radii", self.radii.as_ref().map(Vec::len)), ("species", self.species.as_ref().map(Vec::len))];
+        if let Some((name, Some(found))) = lists.into_iter().find(|(_, found)| found.is_some_and(|n| n != count)) {
+            return Err(format!("it has {count} positions, but {found} {name}; it needs one for each"));
+        }
+        if count == 0 {
+            return Err("it has no positions".to_owned());
+        }
+        if let Some(row) = self.positions.iter().position(|p| !p.is_finite()) {
+            return Err(format!("position {row} is {}; it needs finite numbers", self.positions[row]));
+        }
+        let radii = self.radii.as_deref().unwrap_or_default();
+        match radii.iter().position(|&r| !(r > 0.0 && r.is_finite())) {
+            Some(row) => Err(format!("radius {row} is {}; it needs to be a finite number above 0", radii[row])),
+            None => Ok(()),
         }
     }
 }

@@ -45,10 +45,17 @@ fn properties(header: &str) -> Result<Columns, String> {
             "species" if property[1] == "I" => species = Some(column),
             _ => {}
         }
-        column +=
-            property[2].parse::<usize>().map_err(|_| format!("its Properties {list} are not name:type:columns"))?;
+        let wide =
+            property[2].parse::<u16>().map_err(|_| format!("its Properties {list} are not name:type:columns"))?;
+        column += usize::from(wide);
     }
     Ok(Columns { position: position.ok_or("its Properties have no pos:R:3")?, radius, species })
+}
+
+/// A species as a table writes it, perhaps as 1.0.
+fn species_of(number: f64) -> Option<u32> {
+    let species = number as u32;
+    (f64::from(species).total_cmp(&number).is_eq() || number == 0.0).then_some(species)
 }
 
 struct Columns {
@@ -72,7 +79,9 @@ impl Columns {
                 radii.push(number(column)?);
             }
             if let (Some(species), Some(column)) = (&mut placed.species, self.species) {
-                species.push(number(column)? as u32);
+                species.push(species_of(number(column)?).ok_or_else(|| {
+                    format!("line {line} has species {}; species are whole numbers from 0", cells[column])
+                })?);
             }
         }
         Ok(placed)

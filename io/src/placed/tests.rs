@@ -33,6 +33,33 @@ fn extended_xyz_is_read_by_its_properties() {
 }
 
 #[test]
+fn numbers_that_mean_nothing_are_refused() {
+    let message = |name: &str, text: &str| read(name, text).unwrap_err();
+    assert!(
+        message("a.csv", "x,y,z,radius\n1,2,3,0\n").contains("radius 0 is 0; it needs to be a finite number above 0")
+    );
+    assert!(message("a.csv", "x,y,z,radius\n1,2,3,1\n1,2,9,inf\n").contains("radius 1 is inf"));
+    assert!(message("a.csv", "x,y,z,species\n1,2,3,-1\n").contains("line 2 has species -1; species are whole"));
+    assert!(message("a.csv", "x,y,z,species\n1,2,3,0.5\n").contains("line 2 has species 0.5"));
+    assert_eq!(read("a.csv", "x,y,z,species\n1,2,3,1.0\n").unwrap().species, Some(vec![1]));
+    assert!(message("a.csv", "x,y,z\n").contains("it has no positions"));
+    let wide = "1\nProperties=a:S:18446744073709551615:pos:R:3\nA 1 2 3\n";
+    assert!(message("a.xyz", wide).contains("are not name:type:columns"));
+}
+
+#[test]
+fn hdf5_needs_a_radius_for_each_position() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let file = hdf5::File::create(&path).unwrap();
+    file.new_dataset_builder().with_data(&ndarray::Array2::<f64>::ones((3, 3))).create("positions").unwrap();
+    file.new_dataset_builder().with_data(&[1.0, 1.0]).create("radii").unwrap();
+    drop(file);
+    let message = Placed::read(&path).unwrap_err().to_string();
+    assert!(message.contains("it has 3 positions, but 2 radii; it needs one for each"), "{message}");
+}
+
+#[test]
 fn the_last_frame_of_a_run_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let mut particles = Particles::default();

@@ -1,0 +1,247 @@
+//! Changes of an HDF5 file that leave it an HDF5 file.
+
+use crate::hostile;
+use hdf5::types::{VarLenAscii, VarLenUnicode};
+use hdf5::{Extents, File, Group, H5Type};
+use proptest::prelude::*;
+use proptest::sample::Index;
+use std::path::Path;
+use toml::Value;
+
+/// One change. Places count the groups and datasets of the file.
+#[derive(Debug, Clone)]
+pub enum Edit {
+    /// Without the group or dataset.
+    Remove(Index),
+    /// The two exchanged.
+    Swap(Index, Index),
+    /// A link in the place of the one, to the other: by its address, or by its name.
+    Link(Index, Index, bool),
+    /// A link to nowhere.
+    Dangling(Index),
+    /// A dataset of this type and shape in its place.
+    Replace(Index, Type, Vec<usize>, f64),
+    /// A dataset in its place that says it has more numbers than any disk.
+    Huge(Index, usize),
+    /// One number of a dataset.
+    Number(Index, Index, f64),
+    /// A group in its place.
+    Group(Index),
+    /// An attribute less, or one of another type.
+    Attribute(Index, String, Option<f64>),
+}
+
+/// A type that a dataset can have.
+#[derive(Debug, Clone, Copy)]
+pub enum Type {
+    /// `i8`.
+    Tiny,
+    /// `u64`.
+    Whole,
+    /// `f32`.
+    Single,
+    /// `f64`.
+    Double,
+    /// Truth values.
+    Bool,
+    /// Text of any length.
+    Text,
+    /// Text of any length in ASCII.
+    Ascii,
+    /// Pairs of numbers.
+    Compound,
+}
+
+#[derive(H5Type, Clone, Copy)]
+#[repr(C)]
+struct Pair {
+    first: f64,
+    second: i32,
+}
+
+/// One to three changes.
+pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
+    let index = any::<Index>;
+    let types = prop::sample::select(vec![
+        Type::Tiny,
+        Type::Whole,
+        Type::Single,
+        Type::Double,
+        Type::Bool,
+        Type::Text,
+        Type::Ascii,
+        Type::Compound,
+    ]);
+    let attribute = prop::sample::select(vec!["program", "unit", "box", "seed", "boundary", "version", "viscosity"]);
+    prop::collection::vec(
+        prop_oneof![
+            2 => index().prop_map(Edit::Remove),
+            2 => (index(), index()).prop_map(|(a, b)| Edit::Swap(a, b)),
+            2 => (index(), index(), any::<bool>()).prop_map(|(at, to, hard)| Edit::Link(at, to, hard)),
+            1 => index().prop_map(Edit::Dangling),
+            4 => (index(), types, prop::collection::vec(0..4usize, 0..4), hostile::number())
+                .prop_map(|(at, kind, shape, number)| Edit::Replace(at, kind, shape, number)),
+            1 => (index(), 1..4usize).prop_map(|(at, dimensions)| Edit::Huge(at, dimensions)),
+            4 => (index(), index(), hostile::number()).prop_map(|(at, item, number)| Edit::Number(at, item, number)),
+            1 => index().prop_map(Edit::Group),
+            1 => (index(), attribute, prop::option::of(hostile::number()))
+                .prop_map(|(at, name, number)| Edit::Attribute(at, name.to_owned(), number)),
+        ],
+        1..4,
+    )
+}
+
+/// Carries out the changes of a good file; those that make no sense are left out.
+pub fn apply(path: &Path, edits: &[Edit]) -> hdf5::Result<()> {
+    let file = File::open_rw(path)?;
+    let mut names = Vec::new();
+    collect(&file, "", &mut names)?;
+    if !names.is_empty() {
+        for edit in edits {
+            let _ = change(&file, &names, edit);
+        }
+    }
+    file.close()
+}
+
+fn collect(group: &Group, parent: &str, names: &mut Vec<String>) -> hdf5::Result<()> {
+    for name in group.member_names()? {
+        let name = format!("{parent}/{name}");
+        names.push(name.clone());
+        if let Ok(inner) = group.file()?.group(&name) {
+            collect(&inner, &name, names)?;
+        }
+    }
+    Ok(())
+}
+
+fn change(file: &File, names: &[String], edit: &Edit) -> hdf5::Result<()> {
+    let name = |index: &Index| names[index.index(names.len())].as_str();
+    match edit {
+        Edit::Remove(at) => file.unlink(name(at)),
+        Edit::Swap(a, b) => {
+            file.relink(name(a), "/moved")?;
+            file.relink(name(b), name(a))?;
+            file.relink("/moved", name(b))
+        }
+        Edit::Link(at, to, hard) => link(file, name(at), name(to), *hard),
+        Edit::Dangling(at) => {
+            file.unlink(name(at))?;
+            file.link_soft("/nowhere", name(at))
+        }
+        Edit::Replace(at, kind, shape, number) => {
+            file.unlink(name(at))?;
+            replacement(file, name(at), (*kind, shape), *number)
+        }
+        Edit::Huge(at, dimensions) => {
+            file.unlink(name(at))?;
+            let shape = [vec![1 << 40], vec![3; dimensions - 1]].concat();
+            let chunk = [vec![1024], vec![3; dimensions - 1]].concat();
+            file.new_dataset::<f64>().chunk(chunk).shape(shape).create(name(at)).map(drop)
+        }
+        Edit::Number(at, item, number) => {
+            let dataset = file.dataset(name(at))?;
+            if dataset.storage_size() == 0 {
+                return Ok(());
+            }
+            let mut values = dataset.read_dyn::<f64>()?;
+            let count = values.len().max(1);
+            values.iter_mut().skip(item.index(count)).take(1).for_each(|value| *value = *number);
+            dataset.write(&values)
+        }
+        Edit::Group(at) => {
+            file.unlink(name(at))?;
+            file.create_group(name(at)).map(drop)
+        }
+        Edit::Attribute(at, attribute, number) => set_attribute(file, name(at), (attribute, *number)),
+    }
+}
+
+/// A link to a group that it stands in makes the file endless.
+fn link(file: &File, at: &str, to: &str, hard: bool) -> hdf5::Result<()> {
+    let parent = at.rsplit_once('/').map_or("/", |(parent, _)| if parent.is_empty() { "/" } else { parent });
+    let to = if hard { parent } else { to };
+    file.unlink(at)?;
+    if hard { file.link_hard(to, at) } else { file.link_soft(to, at) }
+}
+
+fn set_attribute(file: &File, at: &str, (name, number): (&str, Option<f64>)) -> hdf5::Result<()> {
+    let group = file.group(at)?;
+    drop(group.delete_attr(name));
+    match number {
+        Some(number) => group.new_attr::<f64>().create(name)?.write_scalar(&number),
+        None => Ok(()),
+    }
+}
+
+fn replacement(group: &Group, name: &str, form: (Type, &[usize]), number: f64) -> hdf5::Result<()> {
+    match form.0 {
+        Type::Tiny => filled(group, name, form.1, number as i8),
+        Type::Whole => filled(group, name, form.1, number as u64),
+        Type::Single => filled(group, name, form.1, number as f32),
+        Type::Double => filled(group, name, form.1, number),
+        Type::Bool => filled(group, name, form.1, number > 0.0),
+        Type::Text => filled(group, name, form.1, "a text".parse::<VarLenUnicode>().expect("text")),
+        Type::Ascii => filled(group, name, form.1, VarLenAscii::from_ascii("a text").expect("ASCII")),
+        Type::Compound => filled(group, name, form.1, Pair { first: number, second: 1 }),
+    }
+}
+
+fn filled<T: H5Type + Clone>(group: &Group, name: &str, shape: &[usize], value: T) -> hdf5::Result<()> {
+    let values = ndarray::ArrayD::from_elem(shape.to_vec(), value);
+    let extents = if shape.is_empty() { Extents::Scalar } else { Extents::simple(shape.to_vec()) };
+    group.new_dataset::<T>().shape(extents).create(name)?.write(&values)
+}
+
+/// A tree of keys and values as groups and datasets, as cases are brought in HDF5.
+pub fn write_tree(path: &Path, tree: &Value) -> hdf5::Result<()> {
+    let file = File::create(path)?;
+    write_members(&file, tree);
+    file.close()
+}
+
+fn write_members(group: &Group, tree: &Value) {
+    let Value::Table(table) = tree else { return };
+    for (name, value) in table {
+        // A name that HDF5 can't have is left out.
+        let _ = write_member(group, name, value);
+    }
+}
+
+fn write_member(group: &Group, name: &str, value: &Value) -> hdf5::Result<()> {
+    match value {
+        Value::Table(_) => {
+            write_members(&group.create_group(name)?, value);
+            Ok(())
+        }
+        Value::Boolean(truth) => filled(group, name, &[], *truth),
+        Value::Integer(number) => filled(group, name, &[], *number),
+        Value::Float(number) => filled(group, name, &[], *number),
+        Value::Array(_) => {
+            let numbers = flat(value);
+            let shape = regular_shape(value).filter(|shape| shape.iter().product::<usize>() == numbers.len());
+            let values = ndarray::ArrayD::from_shape_vec(shape.unwrap_or(vec![numbers.len()]), numbers)
+                .map_err(|e| hdf5::Error::from(e.to_string()))?;
+            group.new_dataset_builder().with_data(&values).create(name).map(drop)
+        }
+        other => {
+            let text: VarLenUnicode = other.as_str().unwrap_or("text").parse().map_err(|_| "a zero byte")?;
+            filled(group, name, &[], text)
+        }
+    }
+}
+
+fn flat(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(list) => list.iter().flat_map(flat).collect(),
+        Value::Float(number) => vec![*number],
+        Value::Integer(number) => vec![*number as f64],
+        _ => vec![],
+    }
+}
+
+fn regular_shape(value: &Value) -> Option<Vec<usize>> {
+    let Value::Array(list) = value else { return Some(vec![]) };
+    let inner = list.first().map_or(Some(vec![]), regular_shape)?;
+    Some([vec![list.len()], inner].concat())
+}

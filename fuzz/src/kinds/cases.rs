@@ -1,0 +1,50 @@
+//! Cases of `mobility`.
+
+use super::{change_bytes, change_tree};
+use crate::lab::{Fault, Lab};
+use crate::verdict::End;
+use crate::{hdf5_file, tree};
+use proptest::prelude::*;
+
+pub fn json(lab: &mut Lab) -> Result<End, Fault> {
+    let tree = changed_case(lab);
+    lab.write("case.json", tree::to_json(&tree))?;
+    lab.ask(&["mobility", "case.json"])
+}
+
+pub fn json_bytes(lab: &mut Lab) -> Result<End, Fault> {
+    let good = tree::to_json(lab.one_of(&lab.pool.cases));
+    let bytes = change_bytes(lab, good.as_bytes());
+    lab.write("case.json", bytes)?;
+    lab.ask(&["mobility", "case.json"])
+}
+
+pub fn hdf5(lab: &mut Lab) -> Result<End, Fault> {
+    let path = lab.folder.join("case.h5");
+    if lab.draw(any::<bool>()) {
+        let tree = changed_case(lab);
+        hdf5_file::write_tree(&path, &tree)?;
+    } else {
+        std::fs::copy(good_file(lab), &path)?;
+        let edits = lab.draw(hdf5_file::edits());
+        hdf5_file::apply(&path, &edits)?;
+    }
+    lab.ask(&["mobility", "case.h5"])
+}
+
+pub fn hdf5_bytes(lab: &mut Lab) -> Result<End, Fault> {
+    let good = std::fs::read(good_file(lab))?;
+    let bytes = change_bytes(lab, &good);
+    lab.write("case.h5", bytes)?;
+    lab.ask(&["mobility", "case.h5"])
+}
+
+fn changed_case(lab: &mut Lab) -> toml::Value {
+    let good = lab.one_of(&lab.pool.cases).clone();
+    change_tree(lab, good)
+}
+
+fn good_file(lab: &mut Lab) -> std::path::PathBuf {
+    let number = lab.draw(0..lab.pool.cases.len());
+    lab.pool.folder.join(format!("case-{number}.h5"))
+}

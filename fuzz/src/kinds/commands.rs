@@ -1,0 +1,72 @@
+//! Command lines.
+
+use crate::hostile;
+use crate::lab::{Fault, Lab};
+use crate::pool::{CASES, SCENES};
+use crate::verdict::End;
+use std::ffi::OsString;
+use std::os::unix::ffi::OsStringExt;
+
+/// Good command lines.
+const COMMANDS: [&[&str]; 12] = [
+    &["run", "scene.toml", "--out", "out", "--set", "time.steps=1"],
+    &["check", "scene.toml", "--set", "box.edges=[9,9,9]"],
+    &["resume", "plain", "--steps", "3"],
+    &["stats", "plain", "--from", "0", "--to", "1", "--distance", "3", "--diffusive-from", "0.01", "--out", "s"],
+    &["mobility", "case.json", "--tolerance", "1e-2", "--out", "answer.h5"],
+    &["bench", "--particles", "20", "--repeats", "1", "--tolerance", "1e-2"],
+    &["two-sphere", "--ratio", "1.5", "--gap", "0.1", "--json"],
+    &["new", "settling"],
+    &["info", "plain/trajectory.h5", "--scene"],
+    &["completions", "bash"],
+    &["run", "scene.toml", "--force", "--threads", "1"],
+    &["--help"],
+];
+
+pub fn words(lab: &mut Lab) -> Result<End, Fault> {
+    lab.write("scene.toml", SCENES[1].1)?;
+    lab.write("case.json", CASES[0])?;
+    lab.bring("plain")?;
+    let mut words: Vec<OsString> = lab.one_of(&COMMANDS).iter().map(OsString::from).collect();
+    for _ in 0..lab.draw(1..4usize) {
+        change_words(lab, &mut words);
+    }
+    lab.ask_os(&words)
+}
+
+fn change_words(lab: &mut Lab, words: &mut Vec<OsString>) {
+    if words.is_empty() {
+        return;
+    }
+    let flags = [
+        "--set",
+        "--out",
+        "--threads",
+        "--tolerance",
+        "--steps",
+        "--force",
+        "--",
+        "-h",
+        "--version",
+        "--grid",
+        "--case",
+        "--kind",
+        "--ratio",
+        "--gap",
+        "--from",
+    ];
+    let (at, other) = (lab.draw(0..words.len()), lab.draw(0..words.len()));
+    let new = match lab.draw(0..5) {
+        0 => lab.draw(hostile::number()).to_string().into(),
+        1 => lab.draw(hostile::whole()).to_string().into(),
+        2 => lab.draw(hostile::word()).into(),
+        3 => OsString::from(*lab.one_of(&flags)),
+        _ => OsString::from_vec(vec![b'a', 0xff, 0xfe]),
+    };
+    match lab.draw(0..5) {
+        0 => drop(words.remove(at)),
+        1 => words.insert(at, new),
+        2 => words.swap(at, other),
+        _ => words[at] = new,
+    }
+}

@@ -1,0 +1,59 @@
+//! Kinds of hostile input, and what the program is asked to do with each.
+
+mod cases;
+mod commands;
+mod placed;
+mod results;
+mod scenes;
+
+use crate::bytes;
+use crate::lab::{Fault, Lab};
+use crate::tree;
+use crate::verdict::End;
+
+/// Makes a case and has it judged; mistakes of the harness itself come as faults, too.
+pub type Trial = fn(&mut Lab) -> Result<End, Fault>;
+
+/// The kinds with their parts of all cases.
+pub const KINDS: [(&str, usize, Trial); 16] = [
+    ("scenes", 10, scenes::keys),
+    ("scenes as bytes", 2, scenes::bytes),
+    ("--set", 4, scenes::overrides),
+    ("cases in JSON", 4, cases::json),
+    ("cases in JSON as bytes", 1, cases::json_bytes),
+    ("cases in HDF5", 3, cases::hdf5),
+    ("cases in HDF5 as bytes", 1, cases::hdf5_bytes),
+    ("checkpoints as bytes", 1, results::checkpoint_bytes),
+    ("checkpoints with a checksum that fits", 3, results::checkpoint_numbers),
+    ("results in HDF5", 3, results::hdf5),
+    ("results as bytes", 2, results::bytes),
+    ("folders of results", 1, results::folders),
+    ("particles in CSV and XYZ", 3, placed::text),
+    ("particles in HDF5", 2, placed::hdf5),
+    ("costs of the machine", 1, scenes::costs),
+    ("command lines", 3, commands::words),
+];
+
+/// The kind of the case of this number.
+pub fn kind_of(number: u64) -> usize {
+    let all: usize = KINDS.iter().map(|(_, part, _)| part).sum();
+    let mut place = (number as usize).wrapping_mul(7) % all;
+    KINDS.iter().position(|(_, part, _)| place.checked_sub(*part).map(|rest| place = rest).is_none()).unwrap_or(0)
+}
+
+/// Changes of a tree, at random.
+fn change_tree(lab: &mut Lab, mut tree: toml::Value) -> toml::Value {
+    for edit in lab.draw(tree::edits(lab.pool.keys)) {
+        tree::apply(&mut tree, &edit);
+    }
+    tree
+}
+
+/// Changes of bytes, at random.
+fn change_bytes(lab: &mut Lab, good: &[u8]) -> Vec<u8> {
+    let mut bytes = good.to_vec();
+    for edit in lab.draw(bytes::edits()) {
+        bytes::apply(&mut bytes, &edit);
+    }
+    bytes
+}

@@ -1,0 +1,137 @@
+//! A case: a folder of its own, random choices that its number fixes, and the program.
+
+use crate::pool::Pool;
+use crate::program::{Ended, Program};
+use crate::verdict::{End, defined, judge};
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// Why a case was not survived.
+#[derive(Debug)]
+pub struct Fault {
+    /// What happened.
+    pub what: String,
+    /// The command.
+    pub command: Vec<OsString>,
+    /// Its last words.
+    pub stderr: String,
+}
+
+/// A mistake of the harness itself, so that it is not passed over.
+impl<E: std::error::Error> From<E> for Fault {
+    fn from(error: E) -> Self {
+        Self::new(&format!("the harness failed: {error}"))
+    }
+}
+
+impl Fault {
+    /// One that no command shows.
+    pub fn new(what: &str) -> Self {
+        Self { what: what.to_owned(), command: vec![], stderr: String::new() }
+    }
+}
+
+/// Where a case is made.
+pub struct Lab<'a> {
+    /// The program.
+    pub program: &'a Program,
+    /// Good files.
+    pub pool: &'a Pool,
+    /// The folder of the case.
+    pub folder: PathBuf,
+    random: TestRunner,
+}
+
+impl<'a> Lab<'a> {
+    /// The place of the case of this number.
+    pub fn new(program: &'a Program, pool: &'a Pool, folder: &Path, [seed, number]: [u64; 2]) -> Self {
+        let mut bytes = [0; 32];
+        bytes[..8].copy_from_slice(&seed.to_le_bytes());
+        bytes[8..16].copy_from_slice(&number.to_le_bytes());
+        let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
+        let random = TestRunner::new_with_rng(Config::default(), rng);
+        Self { program, pool, folder: folder.to_owned(), random }
+    }
+
+    /// A random choice.
+    pub fn draw<S: Strategy>(&mut self, strategy: S) -> S::Value {
+        strategy.new_tree(&mut self.random).expect("no strategy here rejects values").current()
+    }
+
+    /// One of a list.
+    pub fn one_of<'b, T>(&mut self, list: &'b [T]) -> &'b T {
+        &list[self.draw(0..list.len())]
+    }
+
+    /// A file in the case's folder.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> std::io::Result<()> {
+        std::fs::write(self.folder.join(name), content)
+    }
+
+    /// A folder of good results in the case's folder, under the same name.
+    pub fn bring(&self, name: &str) -> std::io::Result<PathBuf> {
+        let to = self.folder.join(name);
+        copy(&self.pool.folder.join(name), &to)?;
+        Ok(to)
+    }
+
+    /// Runs the program and judges it.
+    pub fn ask(&self, arguments: &[&str]) -> Result<End, Fault> {
+        let arguments: Vec<OsString> = arguments.iter().map(OsString::from).collect();
+        self.ask_os(&arguments)
+    }
+
+    /// The same with arguments that need not be text.
+    pub fn ask_os(&self, arguments: &[OsString]) -> Result<End, Fault> {
+        let ended = self.program.run(&self.folder, arguments).map_err(|error| Fault {
+            what: format!("it does not start: {error}"),
+            command: arguments.to_vec(),
+            stderr: String::new(),
+        })?;
+        judge(&ended, &self.names(arguments)).map_err(|what| fault(ended, what))
+    }
+
+    /// Whether the tables in a folder of results are numbers, but for those that may be undefined.
+    pub fn tables_are_finite(&self, folder: &str) -> Result<(), Fault> {
+        let mut tables = files(&self.folder.join(folder));
+        tables.retain(|path| path.extension().is_some_and(|extension| extension == "csv"));
+        tables.iter().try_for_each(|path| {
+            let text = String::from_utf8_lossy(&std::fs::read(path).unwrap_or_default()).into_owned();
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let wrong =
+                |what| Fault { what: format!("{name}: {what}"), command: vec![folder.into()], stderr: text.clone() };
+            defined(&text).map_err(wrong)
+        })
+    }
+
+    /// What an error may name: the files of the case, the words of the command line, and keys.
+    fn names(&self, arguments: &[OsString]) -> Vec<String> {
+        let words =
+            arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).filter(|word| !word.is_empty());
+        let files = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let files = files.filter_map(|entry| entry.file_name().into_string().ok());
+        words.chain(files).chain(self.pool.keys.iter().cloned()).collect()
+    }
+}
+
+fn fault(ended: Ended, what: String) -> Fault {
+    Fault { what, command: ended.arguments, stderr: ended.stderr }
+}
+
+/// All files in a folder and its folders, by name.
+pub fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut entries: Vec<PathBuf> =
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    entries.into_iter().flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+}
+
+fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+    if !from.is_dir() {
+        return std::fs::copy(from, to).map(drop);
+    }
+    std::fs::create_dir_all(to)?;
+    std::fs::read_dir(from)?.flatten().try_for_each(|entry| copy(&entry.path(), &to.join(entry.file_name())))
+}

@@ -1,0 +1,99 @@
+//! Hostile input for fcm-solve: good files of every kind with changes, and what the program does with them.
+
+mod bytes;
+mod checkpoint;
+mod hdf5_file;
+mod hostile;
+mod kinds;
+mod lab;
+mod pool;
+mod program;
+mod report;
+mod table;
+mod tree;
+mod verdict;
+
+use anyhow::Context;
+use clap::Parser;
+use kinds::{KINDS, kind_of};
+use lab::Lab;
+use pool::Pool;
+use program::{Limits, Program};
+use report::Report;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Tries the program with hostile input.
+#[derive(Parser)]
+struct Args {
+    /// The program
+    #[arg(long, value_name = "FILE")]
+    program: PathBuf,
+    /// How many cases
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    cases: u64,
+    /// Where random numbers start
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Only the case of this number
+    #[arg(long, value_name = "K")]
+    case: Option<u64>,
+    /// Only this kind of input
+    #[arg(long, value_name = "NAME")]
+    kind: Option<String>,
+    /// Where the folders of cases are kept that the program did not survive
+    #[arg(long, value_name = "DIR", default_value = "target/fuzz")]
+    keep: PathBuf,
+    /// Processes at a time
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    jobs: usize,
+    /// Gigabytes of address space that a process may have
+    #[arg(long, value_name = "GB", default_value_t = 2)]
+    memory: u64,
+    /// Seconds until a run is asked to stop, and that anything else may take of a core
+    #[arg(long, value_name = "S", default_value_t = 10)]
+    seconds: u64,
+}
+
+fn main() -> anyhow::Result<ExitCode> {
+    let args = Args::parse();
+    let limits = Limits {
+        memory: args.memory << 30,
+        patience: Duration::from_secs(args.seconds),
+        processor_seconds: args.seconds,
+    };
+    let path = args.program.canonicalize().with_context(|| format!("there is no {}", args.program.display()))?;
+    let program = Program { path, limits };
+    let place = tempfile::tempdir()?;
+    let pool = Pool::make(place.path(), &program)?;
+    std::fs::create_dir_all(&args.keep)?;
+    let report = Report::new(&args.keep);
+    let numbers = args.case.map_or(0..args.cases, |case| case..case + 1);
+    let next = AtomicU64::new(numbers.start);
+    std::thread::scope(|scope| {
+        for _ in 0..args.jobs.max(1) {
+            scope.spawn(|| {
+                while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|n| numbers.contains(n)) {
+                    if args.kind.as_deref().is_none_or(|kind| kind == KINDS[kind_of(number)].0) {
+                        try_case(&report, &program, &pool, [args.seed, number]);
+                    }
+                }
+            });
+        }
+    });
+    print!("{report}");
+    Ok(if report.all_survived() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn try_case(report: &Report, program: &Program, pool: &Pool, [seed, number]: [u64; 2]) {
+    let kind = kind_of(number);
+    let folder = match tempfile::tempdir() {
+        Ok(folder) => folder,
+        Err(error) => return eprintln!("case {number}: no folder for it: {error}"),
+    };
+    let mut lab = Lab::new(program, pool, folder.path(), [seed, number]);
+    let result = KINDS[kind].2(&mut lab);
+    report.add(kind, number, result, folder);
+}

@@ -1,0 +1,94 @@
+//! The program as a process with limits.
+
+use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, prlimit};
+use std::ffi::OsString;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// What a process may use.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Address space in bytes.
+    pub memory: u64,
+    /// After this time a run is asked to stop.
+    pub patience: Duration,
+    /// Seconds of its own in which anything else ends, and in which a run stops that was asked to.
+    pub processor_seconds: u64,
+}
+
+/// The program.
+#[derive(Debug)]
+pub struct Program {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What it may use.
+    pub limits: Limits,
+}
+
+/// A process that came to its end.
+#[derive(Debug)]
+pub struct Ended {
+    /// Its arguments.
+    pub arguments: Vec<OsString>,
+    /// How it ended.
+    pub status: ExitStatus,
+    /// What it printed.
+    pub stdout: String,
+    /// What it said besides.
+    pub stderr: String,
+    /// Whether it was asked to stop.
+    pub asked_to_stop: bool,
+}
+
+impl Program {
+    /// The same with so many times the time.
+    pub fn with_patience(&self, times: u32) -> Self {
+        let Limits { memory, patience, processor_seconds } = self.limits;
+        let processor_seconds = processor_seconds * u64::from(times);
+        Self { path: self.path.clone(), limits: Limits { memory, patience: patience * times, processor_seconds } }
+    }
+
+    /// Runs it in a folder, which is also where it finds the costs of the machine.
+    pub fn run(&self, folder: &Path, arguments: &[OsString]) -> anyhow::Result<Ended> {
+        let [out, err] = ["stdout", "stderr"].map(|name| folder.join(name));
+        let mut child = Command::new(&self.path)
+            .args(arguments)
+            .current_dir(folder)
+            .env("XDG_CACHE_HOME", folder)
+            .env("RAYON_NUM_THREADS", "1")
+            .stdin(Stdio::null())
+            .stdout(File::create(&out)?)
+            .stderr(File::create(&err)?)
+            .spawn()?;
+        let may_take_long = arguments.first().is_some_and(|first| first == "run" || first == "resume");
+        let (status, asked_to_stop) = self.wait(&mut child, may_take_long)?;
+        let read = |path: &Path| Ok::<_, std::io::Error>(String::from_utf8_lossy(&std::fs::read(path)?).into_owned());
+        Ok(Ended { arguments: arguments.to_vec(), status, stdout: read(&out)?, stderr: read(&err)?, asked_to_stop })
+    }
+
+    fn wait(&self, child: &mut Child, may_take_long: bool) -> anyhow::Result<(ExitStatus, bool)> {
+        let pid = Pid::from_child(child);
+        let Limits { memory, patience, processor_seconds } = self.limits;
+        for (resource, most) in [(Resource::As, memory), (Resource::Cpu, processor_seconds), (Resource::Core, 0)] {
+            // The process may be gone already.
+            let _ = prlimit(Some(pid), resource, Rlimit { current: Some(most), maximum: Some(most) });
+        }
+        let (start, mut asked, mut nap) = (Instant::now(), false, Duration::from_millis(1));
+        loop {
+            if let Some(status) = child.try_wait()? {
+                return Ok((status, asked));
+            }
+            if may_take_long && !asked && start.elapsed() > patience {
+                kill_process(pid, Signal::TERM)?;
+                asked = true;
+            }
+            if start.elapsed() > 12 * patience {
+                child.kill()?;
+            }
+            std::thread::sleep(nap);
+            nap = (nap * 2).min(Duration::from_millis(20));
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Changes of tables in text: cells and lines.
+
+use crate::hostile;
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+/// One change.
+#[derive(Debug, Clone)]
+pub enum Edit {
+    /// Another text in a cell.
+    Cell(Index, Index, String),
+    /// A line less.
+    Remove(Index),
+    /// A line once more at another place.
+    Copy(Index, Index),
+    /// One of the separators doubled, or left out.
+    Separator(Index, Index, bool),
+}
+
+/// One to four changes.
+pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
+    let index = any::<Index>;
+    let cell = prop_oneof![
+        3 => hostile::number().prop_map(|number| number.to_string()),
+        2 => hostile::whole().prop_map(|number| number.to_string()),
+        2 => hostile::word(),
+        1 => Just("Properties=species:I:1:pos:R:18446744073709551615:radius:R:1".to_owned()),
+    ];
+    prop::collection::vec(
+        prop_oneof![
+            5 => (index(), index(), cell).prop_map(|(line, cell, text)| Edit::Cell(line, cell, text)),
+            1 => index().prop_map(Edit::Remove),
+            1 => (index(), index()).prop_map(|(from, to)| Edit::Copy(from, to)),
+            1 => (index(), index(), any::<bool>()).prop_map(|(line, at, twice)| Edit::Separator(line, at, twice)),
+        ],
+        1..5,
+    )
+}
+
+/// Carries out a change of a table whose cells this character separates.
+pub fn apply(text: &str, separator: char, edit: &Edit) -> String {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    let count = lines.len();
+    match edit {
+        Edit::Cell(line, cell, new) => {
+            let line = &mut lines[line.index(count)];
+            let mut cells: Vec<&str> = line.split(separator).collect();
+            let at = cell.index(cells.len());
+            cells[at] = new;
+            *line = cells.join(&separator.to_string());
+        }
+        Edit::Remove(line) => drop(lines.remove(line.index(count))),
+        Edit::Copy(from, to) => lines.insert(to.index(count), lines[from.index(count)].clone()),
+        Edit::Separator(line, at, twice) => {
+            let line = &mut lines[line.index(count)];
+            let places: Vec<usize> = line.match_indices(separator).map(|(place, _)| place).collect();
+            match (places.is_empty(), twice) {
+                (true, _) => line.push(separator),
+                (false, true) => line.insert(places[at.index(places.len())], separator),
+                (false, false) => drop(line.remove(places[at.index(places.len())])),
+            }
+        }
+    }
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,229 @@
+//! Changes of a tree of keys and values, as TOML and JSON have it.
+
+use crate::hostile;
+use proptest::prelude::*;
+use proptest::sample::Index;
+use toml::Value;
+
+/// One change. Places count the nodes of the tree in the order of its text.
+#[derive(Debug, Clone)]
+pub enum Edit {
+    /// Another value.
+    Replace(Index, Value),
+    /// A number of the tree times this.
+    Scale(Index, f64),
+    /// Without the key or item.
+    Remove(Index),
+    /// The value of the one put in the place of the other.
+    Copy(Index, Index),
+    /// The two exchanged.
+    Swap(Index, Index),
+    /// A key under another name.
+    Rename(Index, String),
+    /// A key of any section, or an item of any list, more.
+    Insert(Index, String, Value),
+    /// A value in so many lists.
+    Nest(Index, usize),
+}
+
+/// A place in a tree, from its root.
+#[derive(Debug, Clone, PartialEq)]
+enum Part {
+    Key(String),
+    Item(usize),
+}
+
+/// One to four changes; half of the time they leave the shape of the tree as it is.
+pub fn edits(keys: &'static [String]) -> impl Strategy<Value = Vec<Edit>> {
+    let mild = prop_oneof![
+        3 => (any::<Index>(), 0.3..3.0).prop_map(|(at, factor)| Edit::Scale(at, factor)),
+        2 => (any::<Index>(), hostile::number()).prop_map(|(at, factor)| Edit::Scale(at, factor)),
+        2 => (any::<Index>(), hostile::number()).prop_map(|(at, number)| Edit::Replace(at, Value::Float(number))),
+    ];
+    prop_oneof![prop::collection::vec(mild, 1..3), prop::collection::vec(any_edit(keys), 1..4)]
+}
+
+fn any_edit(keys: &'static [String]) -> impl Strategy<Value = Edit> {
+    let index = any::<Index>;
+    let name = || prop_oneof![4 => prop::sample::select(keys), 1 => hostile::word()];
+    prop_oneof![
+        6 => (index(), hostile::value()).prop_map(|(at, value)| Edit::Replace(at, value)),
+        3 => (index(), hostile::number()).prop_map(|(at, factor)| Edit::Scale(at, factor)),
+        2 => index().prop_map(Edit::Remove),
+        2 => (index(), index()).prop_map(|(from, to)| Edit::Copy(from, to)),
+        2 => (index(), index()).prop_map(|(a, b)| Edit::Swap(a, b)),
+        1 => (index(), name()).prop_map(|(at, name)| Edit::Rename(at, name)),
+        3 => (index(), name(), hostile::value()).prop_map(|(at, name, value)| Edit::Insert(at, name, value)),
+        1 => (index(), 1..200usize).prop_map(|(at, depth)| Edit::Nest(at, depth)),
+    ]
+}
+
+/// Carries out a change, if the tree has something to change.
+pub fn apply(tree: &mut Value, edit: &Edit) {
+    let places = places(tree);
+    if places.is_empty() {
+        return;
+    }
+    let place = |index: &Index| &places[index.index(places.len())];
+    match edit {
+        Edit::Replace(at, value) => put(tree, place(at), value.clone()),
+        Edit::Scale(at, factor) => scale(tree, &places, *at, *factor),
+        Edit::Remove(at) => drop(take(tree, place(at))),
+        Edit::Copy(from, to) => {
+            if let Some(value) = find(tree, place(from)).cloned() {
+                put(tree, place(to), value);
+            }
+        }
+        Edit::Swap(a, b) => {
+            if let (Some(x), Some(y)) = (find(tree, place(a)).cloned(), find(tree, place(b)).cloned()) {
+                put(tree, place(a), y);
+                put(tree, place(b), x);
+            }
+        }
+        Edit::Rename(at, name) => {
+            let place = place(at);
+            if let Some(value) = take(tree, place) {
+                insert(tree, &place[..place.len() - 1], name, value);
+            }
+        }
+        Edit::Insert(at, name, value) => {
+            let place = place(at);
+            insert(tree, &place[..place.len() - 1], name, value.clone());
+        }
+        Edit::Nest(at, depth) => {
+            if let Some(value) = find(tree, place(at)) {
+                let inner = std::mem::replace(value, Value::Boolean(false));
+                *value = (0..*depth).fold(inner, |inner, _| Value::Array(vec![inner]));
+            }
+        }
+    }
+}
+
+/// The places of all values but the root.
+fn places(tree: &Value) -> Vec<Vec<Part>> {
+    let mut all = Vec::new();
+    collect(tree, &mut Vec::new(), &mut all);
+    all
+}
+
+fn collect(value: &Value, place: &mut Vec<Part>, all: &mut Vec<Vec<Part>>) {
+    let mut visit = |part: Part, inner: &Value| {
+        place.push(part);
+        all.push(place.clone());
+        collect(inner, place, all);
+        place.pop();
+    };
+    match value {
+        Value::Table(table) => table.iter().for_each(|(key, inner)| visit(Part::Key(key.clone()), inner)),
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, inner)| visit(Part::Item(i), inner)),
+        _ => {}
+    }
+}
+
+fn find<'a>(tree: &'a mut Value, place: &[Part]) -> Option<&'a mut Value> {
+    place.iter().try_fold(tree, |value, part| match (value, part) {
+        (Value::Table(table), Part::Key(key)) => table.get_mut(key),
+        (Value::Array(list), Part::Item(item)) => list.get_mut(*item),
+        _ => None,
+    })
+}
+
+fn put(tree: &mut Value, place: &[Part], value: Value) {
+    if let Some(found) = find(tree, place) {
+        *found = value;
+    }
+}
+
+fn take(tree: &mut Value, place: &[Part]) -> Option<Value> {
+    let (last, parent) = place.split_last()?;
+    match (find(tree, parent)?, last) {
+        (Value::Table(table), Part::Key(key)) => table.remove(key),
+        (Value::Array(list), Part::Item(item)) if *item < list.len() => Some(list.remove(*item)),
+        _ => None,
+    }
+}
+
+fn insert(tree: &mut Value, parent: &[Part], name: &str, value: Value) {
+    match find(tree, parent) {
+        Some(Value::Table(table)) => drop(table.insert(name.to_owned(), value)),
+        Some(Value::Array(list)) => list.push(value),
+        _ => {}
+    }
+}
+
+/// Whole numbers stay whole.
+fn scale(tree: &mut Value, places: &[Vec<Part>], at: Index, factor: f64) {
+    let is_number =
+        |place: &&Vec<Part>| matches!(find(&mut tree.clone(), place), Some(Value::Float(_) | Value::Integer(_)));
+    let numbers: Vec<&Vec<Part>> = places.iter().filter(is_number).collect();
+    if numbers.is_empty() {
+        return;
+    }
+    match find(tree, numbers[at.index(numbers.len())]) {
+        Some(Value::Float(number)) => *number *= factor,
+        Some(Value::Integer(number)) => *number = (*number as f64 * factor).round() as i64,
+        _ => {}
+    }
+}
+
+/// All keys of a tree.
+pub fn keys(tree: &Value) -> Vec<String> {
+    let key = |place: Vec<Part>| match place.into_iter().next_back() {
+        Some(Part::Key(key)) => Some(key),
+        _ => None,
+    };
+    places(tree).into_iter().filter_map(key).collect()
+}
+
+/// The tree as JSON; what JSON has no word for stands there as it must not.
+pub fn to_json(tree: &Value) -> String {
+    let joined = |parts: Vec<String>| parts.join(", ");
+    match tree {
+        Value::Table(table) => {
+            let entry = |(key, value): (&String, &Value)| format!("{}: {}", quoted(key), to_json(value));
+            format!("{{{}}}", joined(table.iter().map(entry).collect()))
+        }
+        Value::Array(list) => format!("[{}]", joined(list.iter().map(to_json).collect())),
+        Value::String(text) => quoted(text),
+        Value::Float(number) if number.is_infinite() => "1e999".to_owned(),
+        Value::Float(number) if number.is_nan() => "NaN".to_owned(),
+        Value::Float(number) => format!("{number:e}"),
+        Value::Datetime(_) => "null".to_owned(),
+        other => other.to_string(),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+
+    fn tree() -> Value {
+        toml::from_str("a = 1.5\n[b]\nc = [1, 2]\nd = 'x'\n").unwrap()
+    }
+
+    #[test]
+    fn every_change_leaves_a_tree_that_can_be_written() {
+        let keys: &'static [String] = keys(&tree()).leak();
+        assert_eq!(keys, ["a", "b", "c", "d"]);
+        let (mut runner, mut changed) = (TestRunner::deterministic(), 0);
+        for _ in 0..500 {
+            let mut after = tree();
+            edits(keys).new_tree(&mut runner).unwrap().current().iter().for_each(|edit| apply(&mut after, edit));
+            toml::to_string(&after).unwrap();
+            changed += usize::from(after != tree());
+        }
+        assert!(changed > 400, "{changed} of 500 changes did something");
+    }
+
+    #[test]
+    fn json_has_what_toml_has() {
+        let json: serde_json::Value = serde_json::from_str(&to_json(&tree())).unwrap();
+        assert_eq!(json, serde_json::json!({"a": 1.5, "b": {"c": [1, 2], "d": "x"}}));
+    }
+}
