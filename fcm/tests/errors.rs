@@ -46,7 +46,7 @@ fn particles_larger_than_the_box() {
 
 #[test]
 fn tolerances_out_of_range() {
-    for (tolerance, text) in [(0.0, "0"), (-0.1, "-0.1"), (0.6, "0.6"), (1e-13, "0.0000000000001"), (f64::NAN, "NaN")] {
+    for (tolerance, text) in [(0.0, "0"), (-0.1, "-0.1"), (0.6, "0.6"), (1e-13, "1e-13"), (f64::NAN, "NaN")] {
         let message = refusal(&Problem { tolerance, ..problem() });
         assert_eq!(message, format!("the tolerance is {text}; it needs to be between 1e-12 and 0.5"));
     }
@@ -88,10 +88,10 @@ fn fixed_choices_that_are_none() {
     assert_eq!(message, "hydrodynamics.support is 0; a stencil needs at least 1 point");
     for (width, text) in [(0.0, "0"), (0.8, "0.8"), (f64::NAN, "NaN")] {
         let message = refused(Fixed { width: Some(width), ..Fixed::default() });
-        assert_eq!(message, format!("hydrodynamics.width is {text}; it needs to be at least 0.8463"));
+        assert_eq!(message, format!("hydrodynamics.width is {text}; it needs to be at least 0.84628"));
     }
     let message = refused(Fixed { cutoff: Some(f64::NAN), ..Fixed::default() });
-    assert_eq!(message, "hydrodynamics.cutoff is NaN; it needs to be at least 0.0000");
+    assert_eq!(message, "hydrodynamics.cutoff is NaN; it needs to be at least 0");
     for (iteration_tolerance, text) in [(0.0, "0"), (-1e-3, "-0.001"), (f64::NAN, "NaN"), (1.0, "1")] {
         let message = refused(Fixed { iteration_tolerance: Some(iteration_tolerance), ..Fixed::default() });
         let expected = format!("hydrodynamics.iteration_tolerance is {text}; it needs to be above 0 and below 1");
