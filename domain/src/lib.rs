@@ -1,10 +1,13 @@
 //! Who and where: the ranks, the periodic box, the share of space that each rank owns, the particles and their near
 //! pairs. Everything else in the project stands on these types; they know nothing of a fluid.
 
+mod bytes;
 mod cells;
 mod comm;
+mod crowd;
 mod exchange;
 mod interrupt;
+mod memory;
 mod neighbours;
 mod number;
 mod packing;
@@ -13,21 +16,29 @@ mod particles;
 mod partition;
 mod periodic_box;
 mod random;
+mod resident;
+mod room;
+mod rows;
 mod traceless;
 mod units;
 mod vicinity;
 
-pub use comm::{Comm, CommError, Failure, Launcher, Window};
+pub use bytes::{Bytes, GROWING, readable_bytes};
+pub use comm::{Comm, CommError, Failure, Launcher, Need, NoRoom, Window};
+pub use crowd::Crowd;
 pub use exchange::{Exchange, Reach};
 pub use interrupt::{Interrupt, Interrupted};
+pub use memory::packing_bytes;
 pub use neighbours::{Neighbour, Neighbours};
 pub use number::Number;
 pub use packing::{PackingError, random_packing};
 pub use pairs::{Pair, Pairs, fold_pairs};
 pub use particles::{Column, ColumnError, Particles};
-pub use partition::{Partition, block, block_of};
+pub use partition::{Partition, Place, block, block_of};
 pub use periodic_box::{BoxError, PeriodicBox};
 pub use random::Random;
+pub use resident::Process;
+pub use room::{Room, Taken};
 pub use traceless::Traceless;
 pub use units::{Units, power_of_two};
 pub use vicinity::{Present, Vicinity};

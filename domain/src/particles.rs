@@ -1,7 +1,7 @@
 //! The particle store: one column a property, one row a particle.
 
+use crate::rows::{Delivery, Picked, Sorted, Way};
 use crate::{Partition, PeriodicBox, Vector};
-use bytemuck::{Pod, Zeroable};
 
 /// A named property of every particle: `width` numbers each, row by row. Whatever a particle must not lose when it
 /// changes rank or the run is resumed, such as its past velocities, is a column.
@@ -47,17 +47,6 @@ pub struct Particles {
     pub columns: Vec<Column>,
 }
 
-/// The fixed part of a particle as it travels between ranks.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct Row {
-    id: u64,
-    position: Vector,
-    radius: f64,
-    steps: [i32; 3],
-    species: u32,
-}
-
 impl Particles {
     /// How many particles this rank owns.
     pub fn len(&self) -> usize {
@@ -71,7 +60,11 @@ impl Particles {
 
     /// Adds a particle; its columns are filled with zeros.
     pub fn push(&mut self, id: u64, position: Vector, radius: f64, species: u32) {
-        self.push_row(Row { id, position, radius, steps: [0; 3], species });
+        self.ids.push(id);
+        self.positions.push(position);
+        self.steps.push([0; 3]);
+        self.radii.push(radius);
+        self.species.push(species);
         let count = self.len();
         for column in &mut self.columns {
             column.values.resize(column.width * count, 0.0);
@@ -126,25 +119,13 @@ impl Particles {
 
     /// Puts the particles in the order of the list of rows given; rows that it does not name are dropped.
     pub fn arrange(&mut self, order: &[usize]) {
-        *self = self.selected(order);
+        self.each_property(&Picked(order));
     }
 
     /// The rows given, in that order, as a store of their own.
     #[must_use]
     pub fn selected(&self, rows: &[usize]) -> Self {
-        let pick_rows = |c: &Column| Column {
-            name: c.name.clone(),
-            width: c.width,
-            values: rows.iter().flat_map(|&r| &c.values[r * c.width..(r + 1) * c.width]).copied().collect(),
-        };
-        Self {
-            ids: rows.iter().map(|&r| self.ids[r]).collect(),
-            positions: rows.iter().map(|&r| self.positions[r]).collect(),
-            steps: rows.iter().map(|&r| self.steps[r]).collect(),
-            radii: rows.iter().map(|&r| self.radii[r]).collect(),
-            species: rows.iter().map(|&r| self.species[r]).collect(),
-            columns: self.columns.iter().map(pick_rows).collect(),
-        }
+        self.mapped(&Picked(rows), |_| true)
     }
 
     /// Hands every particle, with all its columns, to the rank that owns the place where it is, and puts each rank's
@@ -153,7 +134,7 @@ impl Particles {
     pub fn migrate(&mut self, partition: &Partition, cell: &PeriodicBox) {
         if partition.comm().size() > 1 {
             let owners: Vec<usize> = self.positions.iter().map(|&p| partition.owner(cell, p)).collect();
-            *self = self.sent_to(&owners, partition);
+            self.each_property(&Delivery::plan(&owners, partition.comm()));
         }
         let lines = partition.lines();
         let place = |row: &usize| {
@@ -180,52 +161,45 @@ impl Particles {
         }
     }
 
-    /// All particles on the first rank, in the order of their ids; none on the others.
+    /// All particles on the first rank, in the order of their ids; none on the others. Collective.
     #[must_use]
     pub fn gathered(&self, partition: &Partition) -> Self {
-        let mut all = self.sent_to(&vec![0; self.len()], partition);
-        let mut order: Vec<usize> = (0..all.len()).collect();
-        order.sort_by_key(|&r| all.ids[r]);
-        all.arrange(&order);
-        all
+        self.gathered_with(partition, |_| true)
     }
 
-    fn sent_to(&self, owners: &[usize], partition: &Partition) -> Self {
-        let comm = partition.comm();
-        let mut leaving = vec![Vec::new(); comm.size()];
-        for (row, &owner) in owners.iter().enumerate() {
-            leaving[owner].push(row);
-        }
-        let parts: Vec<Self> = leaving.iter().map(|rows| self.selected(rows)).collect();
-        let rows: Vec<Vec<Row>> = parts.iter().map(|part| (0..part.len()).map(|r| part.row(r)).collect()).collect();
-        let mut arrived = Self::default();
-        for row in comm.exchange(&rows).concat() {
-            arrived.push_row(row);
-        }
-        for (place, column) in self.columns.iter().enumerate() {
-            let values: Vec<Vec<f64>> = parts.iter().map(|part| part.columns[place].values.clone()).collect();
-            let values = comm.exchange(&values).concat();
-            arrived.columns.push(Column { name: column.name.clone(), width: column.width, values });
-        }
-        arrived
+    /// The same with those columns alone whose names are wanted. Collective.
+    #[must_use]
+    pub fn gathered_with(&self, partition: &Partition, wanted: impl Fn(&str) -> bool) -> Self {
+        let delivery = Delivery::plan(&vec![0; self.len()], partition.comm());
+        let ids = delivery.of(&self.ids, 1);
+        let mut order: Vec<usize> = (0..ids.len()).collect();
+        order.sort_by_key(|&row| ids[row]);
+        self.mapped(&Sorted { delivery, order: Picked(&order) }, wanted)
     }
 
-    fn row(&self, r: usize) -> Row {
-        Row {
-            id: self.ids[r],
-            position: self.positions[r],
-            radius: self.radii[r],
-            steps: self.steps[r],
-            species: self.species[r],
+    /// Each property in turn as a way to move rows has it, so that never more than one is there twice.
+    fn each_property(&mut self, way: &impl Way) {
+        self.ids = way.of(&self.ids, 1);
+        self.positions = way.of(&self.positions, 1);
+        self.steps = way.of(&self.steps, 1);
+        self.radii = way.of(&self.radii, 1);
+        self.species = way.of(&self.species, 1);
+        for column in &mut self.columns {
+            column.values = way.of(&column.values, column.width);
         }
     }
 
-    fn push_row(&mut self, row: Row) {
-        self.ids.push(row.id);
-        self.positions.push(row.position);
-        self.radii.push(row.radius);
-        self.steps.push(row.steps);
-        self.species.push(row.species);
+    /// A store of its own of what a way to move rows makes of this one, with the columns that are wanted.
+    fn mapped(&self, way: &impl Way, wanted: impl Fn(&str) -> bool) -> Self {
+        let column = |c: &Column| Column { name: c.name.clone(), width: c.width, values: way.of(&c.values, c.width) };
+        Self {
+            ids: way.of(&self.ids, 1),
+            positions: way.of(&self.positions, 1),
+            steps: way.of(&self.steps, 1),
+            radii: way.of(&self.radii, 1),
+            species: way.of(&self.species, 1),
+            columns: self.columns.iter().filter(|c| wanted(&c.name)).map(column).collect(),
+        }
     }
 }
 

@@ -14,6 +14,53 @@ pub fn block_of(count: usize, parts: usize, element: usize) -> usize {
     (parts * (element + 1) - 1) / count
 }
 
+/// Where a rank stands in the table of ranks, and what it owns there: as [`Partition`] has it, also for ranks that are
+/// only thought of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    table: [usize; 2],
+    index: [usize; 2],
+    lines: [usize; 2],
+}
+
+impl Place {
+    /// The place of one of so many ranks that share out grid lines as [`Partition::new`] does.
+    pub fn of(ranks: usize, rank: usize, lines: [usize; 2]) -> Self {
+        Self::in_table(best_table(ranks, lines), rank, lines)
+    }
+
+    fn in_table(table: [usize; 2], rank: usize, lines: [usize; 2]) -> Self {
+        Self { table, index: [rank / table[1], rank % table[1]], lines }
+    }
+
+    /// Rows and columns of the table of ranks.
+    pub fn table(&self) -> [usize; 2] {
+        self.table
+    }
+
+    /// The row and the column where the rank stands.
+    pub fn index(&self) -> [usize; 2] {
+        self.index
+    }
+
+    /// Grid lines along y and along z.
+    pub fn lines(&self) -> [usize; 2] {
+        self.lines
+    }
+
+    /// The rank's lines along y and along z.
+    pub fn owned(&self) -> [Range<usize>; 2] {
+        std::array::from_fn(|d| block(self.lines[d], self.table[d], self.index[d]))
+    }
+}
+
+/// Slabs along z while each rank gets at least four lines, which needs one transposition fewer, pencils beyond.
+fn best_table(ranks: usize, lines: [usize; 2]) -> [usize; 2] {
+    let slabs = ranks <= 4 || ranks * 4 <= lines[1];
+    let rows = if slabs { 1 } else { (1..=ranks.isqrt()).rev().find(|r| ranks.is_multiple_of(*r)).unwrap_or(1) };
+    [rows, ranks / rows]
+}
+
 /// The ranks as a table of `rows x columns`: rank `r` stands in row `r / columns`. Real space is shared out in pencils
 /// along x: the row says which lines along y a rank owns, the column which along z. A particle lives with the rank
 /// whose pencil holds it.
@@ -22,18 +69,14 @@ pub struct Partition {
     all: Comm,
     row: Comm,
     column: Comm,
-    table: [usize; 2],
-    lines: [usize; 2],
+    place: Place,
 }
 
 impl Partition {
     /// Shares out `lines = [along y, along z]` grid lines among the ranks: in slabs along z while each rank gets at
     /// least four, which needs one transposition fewer, in pencils beyond.
     pub fn new(comm: &Comm, lines: [usize; 2]) -> Self {
-        let ranks = comm.size();
-        let slabs = ranks <= 4 || ranks * 4 <= lines[1];
-        let rows = if slabs { 1 } else { (1..=ranks.isqrt()).rev().find(|r| ranks.is_multiple_of(*r)).unwrap_or(1) };
-        Self::with_table(comm, lines, [rows, ranks / rows])
+        Self::with_table(comm, lines, best_table(comm.size(), lines))
     }
 
     /// Shares out grid lines among a table of ranks of the caller's choice.
@@ -42,8 +85,9 @@ impl Partition {
     /// If the table does not have as many places as there are ranks.
     pub fn with_table(comm: &Comm, lines: [usize; 2], table: [usize; 2]) -> Self {
         assert_eq!(table[0] * table[1], comm.size(), "the table of ranks has a place for each rank");
-        let (row, column) = (comm.rank() / table[1], comm.rank() % table[1]);
-        Self { all: comm.clone(), row: comm.split(row), column: comm.split(column), table, lines }
+        let place = Place::in_table(table, comm.rank(), lines);
+        let [row, column] = place.index;
+        Self { all: comm.clone(), row: comm.split(row), column: comm.split(column), place }
     }
 
     /// All ranks.
@@ -61,33 +105,38 @@ impl Partition {
         &self.column
     }
 
+    /// Where this rank stands.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
     /// Grid lines along y and along z.
     pub fn lines(&self) -> [usize; 2] {
-        self.lines
+        self.place.lines
     }
 
     /// Rows and columns of the table of ranks.
     pub fn table(&self) -> [usize; 2] {
-        self.table
+        self.place.table
     }
 
     /// This rank's lines along y and along z.
     pub fn owned(&self) -> [Range<usize>; 2] {
-        self.owned_by(self.all.rank())
+        self.place.owned()
     }
 
     /// Another rank's lines along y and along z.
     pub fn owned_by(&self, rank: usize) -> [Range<usize>; 2] {
-        let place = [rank / self.table[1], rank % self.table[1]];
-        std::array::from_fn(|d| block(self.lines[d], self.table[d], place[d]))
+        Place::in_table(self.place.table, rank, self.place.lines).owned()
     }
 
     /// The rank whose pencil holds a position inside the box.
     pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
-        let line = |d: usize, fraction: f64| ((fraction * self.lines[d] as f64) as usize).min(self.lines[d] - 1);
-        let row = block_of(self.lines[0], self.table[0], line(0, position.y / cell.edges().y));
-        let column = block_of(self.lines[1], self.table[1], line(1, position.z / cell.edges().z));
-        row * self.table[1] + column
+        let Place { table, lines, .. } = self.place;
+        let line = |d: usize, fraction: f64| ((fraction * lines[d] as f64) as usize).min(lines[d] - 1);
+        let row = block_of(lines[0], table[0], line(0, position.y / cell.edges().y));
+        let column = block_of(lines[1], table[1], line(1, position.z / cell.edges().z));
+        row * table[1] + column
     }
 }
 

@@ -52,6 +52,9 @@ const SPARSEST: usize = 16;
 const BATCH: usize = 1024;
 
 impl Vicinity {
+    /// How far the lists reach, over the cutoff.
+    pub const REACH: f64 = 1.0 + SKIN;
+
     /// Nobody yet, on ranks that share out space by `partition`.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
         Self { cutoff, partition: partition.clone(), found: None, near: Neighbours::default(), searches: 0 }
@@ -71,14 +74,19 @@ impl Vicinity {
     pub fn update(&mut self, cell: &PeriodicBox, present: &Present) {
         let cutoff = self.cutoff;
         let near = |found: &Found| Some(found.within(&found.follow(cell, present, cutoff)?, cutoff));
-        let mut picked = self.found.as_ref().and_then(near);
-        if self.partition.comm().any(picked.is_none()) {
-            let found = self.search(cell, present);
-            // Where nobody can be followed, a search has no skin.
-            picked = Some(near(&found).unwrap_or_else(|| found.lists.clone()));
-            self.found = Some(found);
+        self.near = Neighbours::default();
+        let picked = self.found.as_ref().and_then(near);
+        if !self.partition.comm().any(picked.is_none()) {
+            self.near = picked.unwrap_or_default();
+            return;
         }
-        self.near = picked.unwrap_or_default();
+        // What is of no use any more makes room.
+        drop(picked);
+        self.found = None;
+        let found = self.search(cell, present);
+        // Where nobody can be followed, a search has no skin.
+        self.near = near(&found).unwrap_or_else(|| found.lists.clone());
+        self.found = Some(found);
     }
 
     fn search(&mut self, cell: &PeriodicBox, present: &Present) -> Found {

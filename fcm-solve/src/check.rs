@@ -4,7 +4,7 @@ use crate::granular;
 use crate::machine::on_this_machine;
 use crate::run::read;
 use crate::streams;
-use crate::suspension::Outline;
+use crate::suspension::{Asked, Outline, Ranks};
 use domain::Comm;
 use io::Kind;
 use std::path::PathBuf;
@@ -17,14 +17,30 @@ pub struct Args {
     /// Set a key of the scene, as in --set time.step=0.01; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    /// Predict the memory of so many ranks, which are not started [default: those that are present]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    ranks: Option<u32>,
+    /// Ranks that share a machine [default: all of them]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "ranks")]
+    ranks_per_machine: Option<u32>,
 }
 
 /// Checks the scene and prints how it would be computed. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let scene = on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
     let outline = match scene.kind() {
-        Kind::Suspension(scene) => Outline::of(scene, comm)?.to_string(),
+        Kind::Suspension(scene) => Outline::of(scene, asked(args, comm), comm)?.to_string(),
         other => granular::outline(other),
     };
     streams::print(comm, &outline)
+}
+
+/// The ranks to predict memory for; those that are not present have the threads that this machine would give them.
+fn asked(args: &Args, comm: &Comm) -> Asked {
+    let threads = rayon::current_num_threads();
+    let Some(count) = args.ranks.map(|ranks| ranks as usize) else {
+        return Asked { ranks: Ranks { count: comm.size(), threads }, on_a_machine: comm.size() };
+    };
+    let on_a_machine = args.ranks_per_machine.map_or(count, |ranks| ranks as usize).min(count);
+    Asked { ranks: Ranks { count, threads: (threads / on_a_machine).max(1) }, on_a_machine }
 }

@@ -4,9 +4,10 @@ use crate::lubricated::{Guess, Hydrodynamics, Solved};
 use crate::number::tolerance;
 use crate::overlaps::Overlaps;
 use crate::run::in_full;
+use crate::suspension::Single;
 use crate::{machine, streams};
 use anyhow::{Context, bail, ensure};
-use domain::{Comm, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
+use domain::{Bytes, Comm, Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, Problem};
 use io::{Answer, Case, Terms};
 use lubrication::Range;
@@ -66,10 +67,11 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     for caution in cautions(&case, &cell, plan.burden(&problem))?.iter().filter(|_| comm.is_first()) {
         streams::log(format_args!("warning: {caution}"));
     }
-    let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-    let mut particles = place(&case, &cell, &partition);
     let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
     let range = case.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
+    single(&case, &plan, range).check_room(comm)?;
+    let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+    let mut particles = place(&case, &cell, &partition);
     let mut hydrodynamics = comm.agree(Hydrodynamics::new(&plan, &partition, range))?;
     let start = Instant::now();
     let solved = evaluate(&case, &cell, &mut particles, &mut hydrodynamics)?;
@@ -105,6 +107,15 @@ fn cautions(case: &Case, cell: &PeriodicBox, burden: Option<String>) -> anyhow::
     }
     let caution = |overlaps| format!("{overlaps}; the answer is that of the method, but spheres can't be there");
     Ok(overlaps.map(caution).into_iter().chain(burden).collect())
+}
+
+/// What takes memory: of a particle 32 numbers in columns, and those of the case and of the answer, as they are and as
+/// text of about 20 characters each.
+fn single<'a>(case: &Case, plan: &'a Plan, lubrication: Option<Range>) -> Single<'a> {
+    let numbers = 32;
+    let text = (8 + 20) * numbers * case.positions.len();
+    let radii = case.radii().into_iter().map(|radius| (radius, 1)).collect();
+    Single { plan, radii, lubrication, numbers, besides: Bytes::keep(text as f64) }
 }
 
 fn problem(case: &Case, cell: &PeriodicBox, (tolerance, costs): (f64, Costs)) -> Problem {

@@ -33,6 +33,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let scene = kept_scene(&folder, args.steps, comm)?;
     if let Some(work) = Whole::of(&scene) {
         granular::on_one_rank(comm)?;
+        granular::check_room(scene.kind(), comm)?;
         return work.carry_out(&scene, &folder, comm);
     }
     let checkpoint = comm.agree(latest(&folder, comm))?;

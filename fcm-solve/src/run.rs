@@ -55,6 +55,7 @@ fn start(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) -> anyhow
     let scene = with_least_repulsion(on_this_machine(scene, comm)?, comm)?;
     if let Some(work) = Whole::of(&scene) {
         granular::on_one_rank(comm)?;
+        granular::check_room(scene.kind(), comm)?;
         folder.start_with(scene.text())?;
         signals.go_on_with(resume_command(folder.path(), None));
         return work.carry_out(&scene, &folder, comm);

@@ -1,7 +1,7 @@
 //! What a scene runs, as the march and the recorder see it.
 
 use crate::clock::Clock;
-use crate::granular::{CellRun, DiskRun};
+use crate::granular::{self, CellRun, DiskRun};
 use crate::suspension::Observed;
 use anyhow::bail;
 use domain::{Comm, Interrupt};
@@ -60,6 +60,9 @@ pub trait Simulation {
 
 /// A scene at its start.
 pub fn start(scene: &Scene, comm: &Comm) -> anyhow::Result<Box<dyn Simulation>> {
+    if !matches!(scene.kind(), Kind::Suspension(_)) {
+        granular::check_room(scene.kind(), comm)?;
+    }
     Ok(match scene.kind() {
         Kind::Suspension(scene) => Box::new(Observed::start(scene, comm)?),
         Kind::GranularDisks(scene) => Box::new(DiskRun::start(scene, comm)?),
@@ -70,6 +73,9 @@ pub fn start(scene: &Scene, comm: &Comm) -> anyhow::Result<Box<dyn Simulation>> 
 
 /// A scene as a checkpoint has it, which the first rank brings.
 pub fn resume(scene: &Scene, checkpoint: Option<Checkpoint>, comm: &Comm) -> anyhow::Result<Box<dyn Simulation>> {
+    if !matches!(scene.kind(), Kind::Suspension(_)) {
+        granular::check_room(scene.kind(), comm)?;
+    }
     Ok(match (scene.kind(), checkpoint) {
         (Kind::Suspension(scene), checkpoint) => Box::new(Observed::resume(scene, checkpoint, comm)?),
         (Kind::GranularDisks(scene), Some(checkpoint)) => Box::new(DiskRun::resume(scene, &checkpoint, comm)?),

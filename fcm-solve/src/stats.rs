@@ -2,10 +2,10 @@
 
 use crate::number::{finite, positive};
 use crate::run::in_full;
-use crate::statistics::{COLUMNS, Statistics};
+use crate::statistics::{self, COLUMNS, Statistics};
 use crate::streams;
 use anyhow::{Context, bail, ensure};
-use domain::{Comm, Particles};
+use domain::{Comm, Need, Particles, Process};
 use io::{Kind, Multipoles, Provenance, Recorded, Scene, SuspensionScene, Table, write_tables};
 use std::path::PathBuf;
 
@@ -48,7 +48,8 @@ fn take(args: &Args) -> anyhow::Result<()> {
     wanted.distance = args.distance.or(wanted.distance);
     let until = args.to.unwrap_or(f64::INFINITY);
     let frames: Vec<(usize, f64)> = recorded.times().iter().copied().enumerate().collect();
-    let meant = frames.into_iter().filter(|(_, time)| (wanted.from..=until).contains(time));
+    let meant: Vec<_> = frames.into_iter().filter(|(_, time)| (wanted.from..=until).contains(time)).collect();
+    let samples = meant.len() as u64;
     let mut statistics: Option<Statistics> = None;
     for (frame, time) in meant {
         let (cell, particles) = match recorded.frame(frame) {
@@ -59,6 +60,9 @@ fn take(args: &Args) -> anyhow::Result<()> {
             }
         };
         fits(&particles, suspension).with_context(|| format!("frame {frame} of {}", trajectory.display()))?;
+        if statistics.is_none() {
+            check_room((particles.len() as f64, suspension.species.len()), samples)?;
+        }
         let statistics = statistics.get_or_insert_with(|| Statistics::new(suspension, wanted, &particles));
         statistics.sample(time, &cell, &particles);
     }
@@ -89,6 +93,16 @@ fn fits(particles: &Particles, scene: &SuspensionScene) -> anyhow::Result<()> {
     let unknown = particles.species.iter().find(|&&s| s as usize >= species);
     ensure!(unknown.is_none(), "it has a sphere of species {}; the scene has {species}, from 0", unknown.unwrap_or(&0));
     Ok(())
+}
+
+/// Refuses samples of so many particles and species that there is no memory for.
+fn check_room((particles, species): (f64, usize), samples: u64) -> anyhow::Result<()> {
+    let kept = statistics::bytes(particles, samples, (species, rayon::current_num_threads()));
+    let peak = kept.then(Particles::bytes(particles, 11)).then(statistics::sample_bytes(particles));
+    let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
+    Comm::check_room_of(&[need]).with_context(|| {
+        format!("{samples} samples of {particles} particles take too much memory; take fewer, by --from and --to")
+    })
 }
 
 /// The summary for reading: quantity, species, value and error.

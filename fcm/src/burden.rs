@@ -2,7 +2,7 @@
 
 use crate::cost::{self, Costs};
 use crate::plan::Plan;
-use crate::problem::{Method, Problem};
+use crate::problem::{Method, Precision, Problem};
 
 /// Seconds of an evaluation, and bytes of a grid, from which on a plan is hopeless.
 const SECONDS: f64 = 3600.0;
@@ -13,7 +13,7 @@ impl Plan {
     /// than machines have, and what would help; nothing if it isn't.
     #[must_use]
     pub fn burden(&self, problem: &Problem) -> Option<String> {
-        let (seconds, bytes) = (self.predicted_seconds, self.grid_bytes_per_rank(1) as f64);
+        let (seconds, bytes) = (self.predicted_seconds, self.grid_bytes());
         if seconds < SECONDS && bytes < BYTES {
             return None;
         }
@@ -28,6 +28,12 @@ impl Plan {
         };
         let hours = seconds / 3600.0;
         Some(format!("an evaluation takes about {hours:.1e} hours, and its grid {:.1e} GB: {cause}", bytes / 1e9))
+    }
+
+    /// Bytes of a velocity field on the grid.
+    fn grid_bytes(&self) -> f64 {
+        let size = if self.precision == Precision::Single { 4.0 } else { 8.0 };
+        3.0 * size * self.grid.iter().map(|&n| n as f64).product::<f64>()
     }
 
     fn burden_of_grid(&self, problem: &Problem) -> String {

@@ -23,7 +23,7 @@ use solver::{Memory, Real};
 const MOST_TABULATED: usize = 8;
 
 /// Values by which a pair, or a load, is described: a multiple of the lanes of any vector.
-const RECORD: usize = 16;
+pub(crate) const RECORD: usize = 16;
 
 /// The particles present: positions, classes of radius, and loads; an empty list of forces or dipoles stands for none.
 pub(crate) struct Loaded<'a> {
@@ -100,6 +100,16 @@ impl<T: Real> Near<T> {
             }
         };
         Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
+    }
+
+    /// Bytes of the tables of [`Self::new`].
+    pub fn table_bytes(envelopes: &[Envelope], common: Common, cutoff: f64, tolerance: f64) -> f64 {
+        if envelopes.len() > MOST_TABULATED {
+            return 0.0;
+        }
+        let bytes = |functions: PairFunctions| Table::<T>::bytes(&functions, cutoff, tolerance);
+        let pairs = envelopes.iter().flat_map(|&i| envelopes.iter().map(move |&j| PairFunctions::new(i, j, common)));
+        pairs.map(bytes).sum::<Option<f64>>().unwrap_or(0.0)
     }
 
     fn of_itself(&self, present: &Loaded, row: usize) -> (Vector, Tensor) {

@@ -215,15 +215,6 @@ impl Plan {
         (0.01 * self.tolerance).max(1e-14)
     }
 
-    /// Bytes that a rank needs for its share of the grid.
-    pub fn grid_bytes_per_rank(&self, ranks: usize) -> u64 {
-        let size = if self.precision == Precision::Single { 4 } else { 8 };
-        let copies = if ranks > 1 { 3 } else { 1 };
-        let points = self.grid.iter().map(|&n| n as u64).product::<u64>();
-        let row = (self.grid[0] + self.support.lanes) as u64;
-        copies * size * 3 * points / self.grid[0] as u64 * row / ranks as u64
-    }
-
     /// The plan in a line.
     pub fn in_short(&self) -> String {
         let [nx, ny, nz] = self.grid;

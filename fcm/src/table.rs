@@ -68,18 +68,7 @@ impl<T: Real> Table<T> {
     /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and
     /// point; none where that takes too many intervals, as for a cutoff of hundreds of radii.
     pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<Self> {
-        let first = functions.exact(0.0);
-        let bound = functions.derivative(0.0, DEGREE + 1);
-        let factorial = 720.0;
-        // Half an interval, from the first neglected term, which is largest at r = 0.
-        let half = (0..9)
-            .filter(|&f| bound[f] != 0.0)
-            .map(|f| (tolerance * factorial * (first[f] / bound[f]).abs()).powf(1.0 / (DEGREE + 1) as f64))
-            .fold(f64::INFINITY, f64::min);
-        let count = ((cutoff * cutoff / (2.0 * half)).ceil() as usize).max(8);
-        if count > MOST_INTERVALS {
-            return None;
-        }
+        let count = Self::intervals(functions, cutoff, tolerance)?;
         let width = cutoff * cutoff / count as f64;
         let interval = |i: usize| {
             let middle = (i as f64 + 0.5) * width;
@@ -92,6 +81,24 @@ impl<T: Real> Table<T> {
             interval
         };
         Some(Self { per_interval: 1.0 / width, intervals: (0..count).map(interval).collect() })
+    }
+
+    fn intervals(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<usize> {
+        let first = functions.exact(0.0);
+        let bound = functions.derivative(0.0, DEGREE + 1);
+        let factorial = 720.0;
+        // Half an interval, from the first neglected term, which is largest at r = 0.
+        let half = (0..9)
+            .filter(|&f| bound[f] != 0.0)
+            .map(|f| (tolerance * factorial * (first[f] / bound[f]).abs()).powf(1.0 / (DEGREE + 1) as f64))
+            .fold(f64::INFINITY, f64::min);
+        let count = ((cutoff * cutoff / (2.0 * half)).ceil() as usize).max(8);
+        (count <= MOST_INTERVALS).then_some(count)
+    }
+
+    /// Bytes of the table that [`Self::new`] makes, if it makes one.
+    pub fn bytes(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<f64> {
+        Self::intervals(functions, cutoff, tolerance).map(|count| (count * size_of::<Interval<T>>()) as f64)
     }
 
     /// The functions at `r^2 = square`, below the cutoff.

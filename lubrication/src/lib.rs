@@ -8,6 +8,7 @@ mod far_field;
 #[cfg(test)]
 mod free_pair;
 mod gaussian;
+mod memory;
 mod opening;
 mod pair_factor;
 mod pair_force;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::blocks::Blocks;
-use crate::chebyshev::Chebyshev;
+use crate::chebyshev::{Chebyshev, Samples};
 use crate::far_field;
 use crate::root::{LANES, Roots, Scales, flat_roots};
 use crate::two_sphere::{TwoSphere, TwoSphereError};
@@ -45,9 +45,17 @@ impl RootTable {
         Roots::from_flat(&lanes, factor, &self.scales)
     }
 
+    /// Bytes of the table of a ratio.
+    pub fn bytes(ratio: f64) -> f64 {
+        f64::from(Self::pieces_of(ratio)) * (size_of::<Chebyshev<LANES>>() + size_of::<Samples<LANES>>()) as f64
+    }
+
+    fn pieces_of(ratio: f64) -> i32 {
+        (FARTHEST * ratio / CLOSEST).log(GROWTH).ceil() as i32
+    }
+
     fn compute(exact: &TwoSphere) -> Self {
-        let farthest = FARTHEST * exact.ratio();
-        let count = (farthest / CLOSEST).log(GROWTH).ceil() as i32;
+        let count = Self::pieces_of(exact.ratio());
         let edge = |k: i32| (CLOSEST * GROWTH.powi(k)).ln();
         let piece = |k: i32| {
             let values = Chebyshev::<LANES>::nodes(edge(k), edge(k + 1)).map(|log| roots(exact, log.exp()));

@@ -1,7 +1,7 @@
 //! Where the values of a rank's share stand in memory, in each stage of a transform.
 
 use crate::Real;
-use domain::{Partition, block};
+use domain::{Place, block};
 use std::ops::Range;
 
 /// The share of one rank. Physical values stand in rows along x, [component][z][y][x], with room for a halo after each
@@ -24,6 +24,9 @@ pub(crate) struct Layout {
     pub spectral: Strides,
     /// Reals of room that every stage fits in.
     pub capacity: usize,
+    /// Reals of this rank's blocks of a spectral row, and of the whole row.
+    pub width: usize,
+    pub width_in_all: usize,
 }
 
 /// Distances in memory between neighbours, in reals.
@@ -42,33 +45,34 @@ impl Strides {
 }
 
 impl Layout {
-    pub fn new<T: Real>(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
+    pub fn new<T: Real>(points: [usize; 3], place: &Place, halo: usize) -> Self {
         let [nx, ny, nz] = points;
-        assert_eq!(partition.lines(), [ny, nz], "the partition shares out the lines of this grid");
+        assert_eq!(place.lines(), [ny, nz], "the partition shares out the lines of this grid");
         let block_size = 2 * T::LANES;
         let blocks_in_all = (nx / 2).div_ceil(T::LANES);
-        let rows = partition.owned();
-        let (column, row) = (partition.column(), partition.row());
-        let blocks = block(blocks_in_all, column.size(), column.rank());
-        let modes = block(ny, row.size(), row.rank());
+        let rows = place.owned();
+        let ([in_column, in_row], [row, column]) = (place.table(), place.index());
+        let blocks = block(blocks_in_all, in_column, row);
+        let modes = block(ny, in_row, column);
         let odd_lines = |reals: usize| (reals.div_ceil(T::LANES) | 1) * T::LANES;
         let y = odd_lines((nx + halo).max(blocks_in_all * block_size));
         let z = odd_lines(rows[0].len() * y);
         let physical = Strides { component: apart::<T>(rows[1].len() * z), z, y };
         let width = blocks.len() * block_size;
-        let transposed = if column.size() == 1 {
+        let transposed = if in_column == 1 {
             physical
         } else {
             Strides { component: width, z: 3 * width, y: 3 * width * rows[1].len() }
         };
-        let spectral = if row.size() == 1 {
+        let spectral = if in_row == 1 {
             transposed
         } else {
             Strides { component: width * modes.len(), z: 3 * width * modes.len(), y: width }
         };
         let capacity = [3 * physical.component, 3 * width * ny * rows[1].len(), 3 * width * modes.len() * nz];
         let capacity = capacity.into_iter().max().unwrap_or(0);
-        Self { points, rows, blocks, modes, halo, physical, transposed, spectral, capacity }
+        let width_in_all = blocks_in_all * block_size;
+        Self { points, rows, blocks, modes, halo, physical, transposed, spectral, capacity, width, width_in_all }
     }
 }
 

@@ -20,6 +20,7 @@
 mod divergence;
 mod field;
 mod flow;
+mod footprint;
 mod fourier;
 mod grid;
 mod layout;
@@ -33,6 +34,7 @@ mod transform;
 pub use divergence::divergence;
 pub use field::{Field, Physical, Spectral, Tile};
 pub use flow::{BackgroundFlow, FlowError};
+pub use footprint::Footprint;
 pub use grid::{Grid, GridError};
 pub use memory::Memory;
 pub use real::Real;

@@ -52,6 +52,9 @@ impl Level {
 }
 
 impl Blocks {
+    /// What the levels of a long series take.
+    pub const MOST_BYTES: usize = 32 * size_of::<Level>();
+
     /// Adds the series' next number.
     pub fn add(&mut self, value: f64) {
         let mut value = Some(value);

@@ -108,6 +108,10 @@ fn add(sums: &mut [f64], elapsed: f64, then: &[f64], now: &Motion) {
 }
 
 impl Lagrangian {
+    /// Numbers of a particle that a level keeps of one sample, and samples that it keeps.
+    pub(crate) const WIDTH: usize = WIDTH;
+    pub(crate) const KEPT: usize = KEPT;
+
     /// For particles of the species given.
     pub fn new(species: &[u32]) -> Self {
         let mut seen = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];

@@ -9,6 +9,7 @@ mod diffusion;
 mod fluctuations;
 mod histogram;
 mod lagrangian;
+mod memory;
 mod pair_distribution;
 mod profile;
 mod segregation;

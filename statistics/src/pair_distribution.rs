@@ -55,6 +55,9 @@ const DISTANCES: usize = 128;
 const ANGLES: usize = 24;
 
 impl PairDistribution {
+    /// Bins of one pair of species.
+    pub(crate) const BINS: usize = DISTANCES * ANGLES;
+
     /// For distances up to `cutoff` between particles of these species, in a box of a volume.
     pub fn new(cutoff: f64, angle: Angle, species: &[u32], volume: f64) -> Self {
         let mut counts = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];

@@ -12,11 +12,14 @@ pub struct Columns {
     counts: Vec<f64>,
 }
 
+/// Columns along an axis: in a larger box they are wider.
+const MOST: f64 = 1024.0;
+
 impl Columns {
     /// Columns about `width` wide along an axis of a box.
     pub fn new(cell: &PeriodicBox, axis: usize, width: f64, species: usize) -> Self {
         let across = [(axis + 1) % 3, (axis + 2) % 3];
-        let table = across.map(|d| (cell.edges()[d] / width).round().max(1.0) as usize);
+        let table = across.map(|d| (cell.edges()[d] / width).round().clamp(1.0, MOST) as usize);
         let widths = [0, 1].map(|d| cell.edges()[across[d]] / table[d] as f64);
         Self { across, widths, table, species, counts: vec![0.0; table[0] * table[1] * species] }
     }

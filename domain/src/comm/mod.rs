@@ -6,6 +6,7 @@ mod failure;
 mod launcher;
 #[cfg(all(feature = "mpi", target_os = "linux"))]
 mod mapped;
+mod need;
 mod threads;
 mod window;
 
@@ -24,6 +25,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub use failure::Failure;
 use launcher::Job;
 pub use launcher::Launcher;
+pub use need::{Need, NoRoom};
 use window::Segment;
 pub use window::Window;
 

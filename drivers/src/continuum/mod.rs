@@ -17,6 +17,7 @@ mod constitutive;
 mod equations;
 mod jet;
 mod linear;
+mod memory;
 mod problem;
 mod radial;
 mod solution;

@@ -8,6 +8,7 @@ mod gear;
 mod lane_sums;
 mod law;
 mod list;
+mod memory;
 mod motion;
 mod observe;
 mod parameters;

@@ -2,7 +2,7 @@
 
 use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
 use crate::parameter::{ParameterError, positive, require};
-use domain::{Number, Particles, PeriodicBox, Vector};
+use domain::{Comm, Need, Number, Particles, PeriodicBox, Vector};
 use std::f64::consts::PI;
 
 /// How a random start is made ready for the shear: overlaps are taken out by almost plastic contacts, then elastic ones
@@ -108,7 +108,9 @@ impl Model {
             "0 < area_fraction <= 0.84: disks at random jam there",
         )?;
         p.sizes.check()?;
-        let sizes = p.sizes.cover(p.area_fraction * p.edges[0] * p.edges[1], p.length_unit);
+        let area = p.area_fraction * p.edges[0] * p.edges[1];
+        Self::check_count(p.sizes.count(area, p.length_unit), p.area_fraction)?;
+        let sizes = p.sizes.cover(area, p.length_unit);
         Self::of(parameters, sizes)
     }
 
@@ -118,6 +120,26 @@ impl Model {
         let of_row = |(&radius, &species): (&f64, &u32)| Size { radius, species };
         let sizes = particles.radii.iter().zip(&particles.species).map(of_row).collect();
         Self::of(parameters, sizes)
+    }
+
+    /// Refuses more disks than rows have numbers, or than there is memory to list them.
+    fn check_count(count: f64, fraction: f64) -> Result<(), ParameterError> {
+        let found = || format!("{fraction}, which takes {count:.1e} disks");
+        let key = "particles.area_fraction";
+        let most = f64::from(u32::MAX);
+        require(
+            count <= most,
+            key,
+            &found(),
+            format!("at most {most:.1e} disks: a smaller box.edges, or larger radii"),
+        )?;
+        let need = Need { resident: 2.0 * Self::size_bytes(count).most, ..Need::default() };
+        let fits = Comm::check_room_of(&[need]);
+        fits.map_err(|error| ParameterError {
+            key,
+            found: found(),
+            allowed: format!("fewer, or larger radii: {error}"),
+        })
     }
 
     fn of(parameters: Parameters, sizes: Vec<Size>) -> Result<Self, ParameterError> {

@@ -95,16 +95,26 @@ impl Sizes {
         }
     }
 
+    /// How many disks cover an area, about.
+    pub(super) fn count(&self, area: f64, unit: LengthUnit) -> f64 {
+        let relative = self.relative();
+        let mean_area = match &relative {
+            Self::Species(list) => {
+                let length = unit_length(list, unit);
+                let shared: f64 = list.iter().map(|s| s.share * disk_area(s.radius / length)).sum();
+                shared / list.iter().map(|s| s.share).sum::<f64>()
+            }
+            Self::Spread { .. } => relative.scaled(4096, unit).into_iter().map(disk_area).sum::<f64>() / 4096.0,
+        };
+        area / mean_area
+    }
+
     /// The disks that cover an area as nearly as whole numbers can. Species other than the most frequent one are as
     /// many as their shares say; the most frequent one fills what is left.
     pub(super) fn cover(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
         let relative = self.relative();
         let Self::Species(list) = &relative else { return relative.cover_by_spread(area, unit) };
-        let shares: f64 = list.iter().map(|s| s.share).sum();
-        let length = match unit {
-            LengthUnit::Mean => list.iter().map(|s| s.share * s.radius).sum::<f64>() / shares,
-            LengthUnit::Smallest => list.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min),
-        };
+        let length = unit_length(list, unit);
         let covers: Vec<f64> = list.iter().map(|s| disk_area(s.radius / length)).collect();
         let frequent = (1..list.len()).fold(0, |best, s| if list[s].share > list[best].share { s } else { best });
         let each = area / list.iter().zip(&covers).map(|(s, cover)| s.share * cover).sum::<f64>();
@@ -119,19 +129,20 @@ impl Sizes {
     }
 
     fn cover_by_spread(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
-        let mean = |radii: &[f64], of: fn(f64) -> f64| radii.iter().map(|&r| of(r)).sum::<f64>() / radii.len() as f64;
-        let scaled = |count: usize| {
-            let radii: Vec<f64> = (0..count).map(|i| self.quantile((i as f64 + 0.5) / count as f64)).collect();
-            let length = match unit {
-                LengthUnit::Mean => mean(&radii, |r| r),
-                LengthUnit::Smallest => self.quantile(0.0),
-            };
-            radii.into_iter().map(|r| r / length).collect::<Vec<f64>>()
-        };
-        let count = (area / mean(&scaled(4096), disk_area)).round().max(1.0) as usize;
-        let radii = scaled(count);
+        let count = self.count(area, unit).round().max(1.0) as usize;
+        let radii = self.scaled(count, unit);
         let divide = (radii[0] * radii[count - 1]).sqrt();
         radii.into_iter().map(|radius| Size { radius, species: u32::from(radius > divide) }).collect()
+    }
+
+    /// So many radii of a spread.
+    fn scaled(&self, count: usize, unit: LengthUnit) -> Vec<f64> {
+        let radii: Vec<f64> = (0..count).map(|i| self.quantile((i as f64 + 0.5) / count as f64)).collect();
+        let length = match unit {
+            LengthUnit::Mean => radii.iter().sum::<f64>() / radii.len() as f64,
+            LengthUnit::Smallest => self.quantile(0.0),
+        };
+        radii.into_iter().map(|r| r / length).collect()
     }
 
     /// The radius that a fraction of all disks is below, in closed form for a spread.
@@ -143,6 +154,16 @@ impl Sizes {
         }
         let [low, high] = [smallest, largest].map(|r| r.powf(power));
         (low + fraction * (high - low)).powf(1.0 / power)
+    }
+}
+
+/// The radius that is 1.
+fn unit_length(list: &[Species], unit: LengthUnit) -> f64 {
+    match unit {
+        LengthUnit::Mean => {
+            list.iter().map(|s| s.share * s.radius).sum::<f64>() / list.iter().map(|s| s.share).sum::<f64>()
+        }
+        LengthUnit::Smallest => list.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min),
     }
 }
 

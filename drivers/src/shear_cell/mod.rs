@@ -8,6 +8,7 @@ mod grains;
 mod lengths;
 mod lid;
 mod measure;
+mod memory;
 mod packing;
 mod parameters;
 mod run;

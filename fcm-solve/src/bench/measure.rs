@@ -1,8 +1,9 @@
 //! One case: its time and its error.
 
 use super::spheres::{Spheres, loads};
+use crate::suspension::Single;
 use anyhow::Context;
-use domain::{Comm, Particles, Partition};
+use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{
     Costs, Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds,
 };
@@ -108,7 +109,11 @@ impl Task {
             costs: self.costs,
             fixed: self.fixed,
         };
-        Plan::choose(&problem).context("this case can't be evaluated")
+        let plan = Plan::choose(&problem).context("this case can't be evaluated")?;
+        let besides = Bytes::list::<(Vector, [f64; 3])>(spheres.radii.len() as f64);
+        let single = Single { plan: &plan, radii: problem.radii, lubrication: None, numbers: 11, besides };
+        single.check_room(comm)?;
+        Ok(plan)
     }
 
     /// The seconds of an evaluation at each turn's positions, the bytes that a rank sends for the last one, the most of

@@ -6,6 +6,7 @@ mod cell_tables;
 mod continuum;
 mod disks;
 mod keeper;
+mod memory;
 mod outline;
 mod sweep;
 
@@ -14,6 +15,7 @@ pub use cell::CellRun;
 pub use continuum::solve;
 pub use disks::DiskRun;
 use domain::Comm;
+pub use memory::check_room;
 pub use outline::outline;
 pub use sweep::sweep;
 

@@ -1,5 +1,6 @@
 //! Scenes of grains in numbers, before they are run.
 
+use super::memory;
 use domain::Number;
 use drivers::disks::{Model, Sweep, estimated_free_path, viscous_length};
 use drivers::shear_cell::Collisions;
@@ -12,12 +13,13 @@ const GRAIN_STEPS: f64 = 2.5e7;
 
 /// What a scene would be made of and cost.
 pub fn outline(kind: &Kind) -> String {
-    match kind {
+    let scene = match kind {
         Kind::GranularDisks(scene) => disks_and_cost(scene),
         Kind::ShearCell(scene) => cell(scene) + &cell_cost(scene),
         Kind::Continuum(scene) => continuum(scene),
-        _ => String::new(),
-    }
+        _ => return String::new(),
+    };
+    scene + &memory::outline(kind)
 }
 
 /// A system of disks.

@@ -2,6 +2,7 @@
 
 mod block;
 mod coupled;
+pub mod memory;
 mod near_pairs;
 mod particle_matrix;
 mod scaled;

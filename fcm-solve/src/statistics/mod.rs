@@ -1,5 +1,6 @@
 //! Statistics of a suspension, in the course of a run or from its trajectory.
 
+mod memory;
 mod paths;
 mod tables;
 
@@ -7,6 +8,7 @@ use crate::integrator::VELOCITY;
 use crate::suspension::ANGULAR_VELOCITY;
 use domain::{Particles, PeriodicBox, Vector, power_of_two};
 use io::{Axis, Flow, Multipoles, Statistics as Wanted, SuspensionScene};
+pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
 use solver::BackgroundFlow;
 use statistics::{

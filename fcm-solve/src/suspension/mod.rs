@@ -9,6 +9,7 @@ mod fluid;
 mod forces;
 mod gap;
 mod initial;
+mod memory;
 mod moving_box;
 mod near;
 mod observe;
@@ -17,21 +18,24 @@ mod outline;
 mod plan;
 mod rheology;
 mod setup;
+mod single;
 mod steadiness;
 mod stress;
 mod warm_start;
 
 use crate::clock::Clock;
 use crate::integrator::{self, AdamsBashforth};
-use domain::{Column, Comm, Interrupt, Particles, PeriodicBox, Vector};
+use domain::{Comm, Interrupt, Particles, PeriodicBox, Vector};
 pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
 use dynamics::{Dynamics, Moment, Outcome};
 use fcm::PlanError;
 use integrator::VELOCITY;
 use io::{Checkpoint, Integrator, SuspensionScene};
+pub use memory::Ranks;
 pub use observed::Observed;
-pub use outline::Outline;
+pub use outline::{Asked, Outline};
 use setup::Setup;
+pub use single::Single;
 pub use stress::ParticleStress;
 
 /// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
@@ -149,9 +153,8 @@ impl Suspension {
 
     /// All particles in the order of their ids, on the first rank, with all their columns or those named. Collective.
     pub fn gathered(&self, columns: Option<&[&str]>) -> Particles {
-        let wanted = |c: &&Column| columns.is_none_or(|names| names.contains(&c.name.as_str()));
-        let columns = self.particles.columns.iter().filter(wanted).cloned().collect();
-        Particles { columns, ..self.particles.without_columns() }.gathered(self.dynamics.partition())
+        let wanted = |name: &str| columns.is_none_or(|names| names.contains(&name));
+        self.particles.gathered_with(self.dynamics.partition(), wanted)
     }
 
     /// The state, on the first rank. Collective.

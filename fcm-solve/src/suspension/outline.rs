@@ -2,9 +2,10 @@
 
 use super::cautions::cautions;
 use super::gap::Gap;
+use super::memory::{self, Ranks};
 use super::plan::problem;
-use super::setup::Setup;
-use domain::{Comm, Number};
+use super::setup::{Planned, Setup};
+use domain::{Comm, Need, Number, readable_bytes};
 use fcm::Plan;
 use io::SuspensionScene;
 use std::fmt::{Display, Formatter};
@@ -12,46 +13,87 @@ use std::fmt::{Display, Formatter};
 /// Plans that are named beside the one that was chosen.
 const RUNNERS_UP: usize = 3;
 
-/// Bytes of a particle: 6 numbers for itself, 4 velocities, an angular velocity and 4 stresslets.
-const BYTES_A_PARTICLE: u64 = 8 * (6 + 4 * 3 + 3 + 4 * 5);
-
 /// What a run would be made of and what it would cost.
 pub struct Outline {
     particles: usize,
     fraction: f64,
-    /// None for a sphere alone.
+    /// None for a sphere alone, and if there is no memory to place the particles.
     gap: Option<Gap>,
     steps: u64,
     end: f64,
     plan: Plan,
     /// Other plans, the fastest first.
     others: Vec<Plan>,
-    ranks: usize,
+    memory: Memory,
     cautions: Vec<String>,
 }
 
+/// The ranks that a run is thought to have.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    /// They, and their threads.
+    pub ranks: Ranks,
+    /// Ranks that share a machine.
+    pub on_a_machine: usize,
+}
+
+/// What each rank needs, and whether this machine has it.
+struct Memory {
+    needs: Vec<Need>,
+    missing: Option<String>,
+}
+
 impl Outline {
-    /// The outline of a scene on the ranks present. Collective.
-    pub fn of(scene: &SuspensionScene, comm: &Comm) -> anyhow::Result<Self> {
-        let setup = Setup::start(scene, comm)?;
-        let mut others = Plan::ranked(&problem(scene, &setup.radii))?;
-        others.retain(|plan| *plan != setup.plan);
-        let cautions = cautions(scene, &setup.radii);
+    /// The outline of a scene on ranks that need not be present. Collective.
+    pub fn of(scene: &SuspensionScene, asked: Asked, comm: &Comm) -> anyhow::Result<Self> {
+        let planned = Planned::of_scene(scene)?;
+        let places = |planned: &Planned| comm.check_room(memory::placing(scene, &planned.radii)).is_ok();
+        let (planned, gap) = match planned {
+            Some(planned) if comm.any(!places(&planned)) => (planned, None),
+            planned => {
+                let setup = Setup::placed(scene, planned, comm)?;
+                let gap = Some(setup.gap()).filter(|gap| gap.length.is_finite());
+                (Planned { radii: setup.radii, plan: setup.plan }, gap)
+            }
+        };
+        let mut others = Plan::ranked(&problem(scene, &planned.radii))?;
+        others.retain(|plan| *plan != planned.plan);
         Ok(Self {
-            particles: setup.radii.count(),
-            fraction: setup.radii.volume() / scene.cell.volume(),
-            gap: Some(setup.gap()).filter(|gap| gap.length.is_finite()),
+            particles: planned.radii.count(),
+            fraction: planned.radii.volume() / scene.cell.volume(),
+            gap,
             steps: scene.time.steps,
             end: scene.time.end(),
-            plan: setup.plan,
+            memory: Memory::of(scene, &planned, asked),
+            cautions: cautions(scene, &planned.radii),
+            plan: planned.plan,
             others,
-            ranks: comm.size(),
-            cautions,
         })
     }
+}
 
-    fn bytes_per_rank(&self) -> u64 {
-        self.plan.grid_bytes_per_rank(self.ranks) + BYTES_A_PARTICLE * self.particles.div_ceil(self.ranks) as u64
+impl Memory {
+    fn of(scene: &SuspensionScene, planned: &Planned, asked: Asked) -> Self {
+        let needs = memory::needs(scene, (&planned.radii, &planned.plan), asked.ranks);
+        // The first ranks share a machine, and the first of them needs the most.
+        let together = &needs[..asked.on_a_machine.min(needs.len())];
+        let missing = Comm::check_room_of(together).err();
+        let remedy = memory::remedy(scene, &planned.radii);
+        Self { missing: missing.map(|error| format!("{error}, and `run` would refuse it here; {remedy}")), needs }
+    }
+}
+
+impl Display for Memory {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let bytes = |need: &Need| readable_bytes(need.resident);
+        let others = self.needs.iter().skip(1).max_by(|a, b| a.resident.total_cmp(&b.resident));
+        write!(f, "memory     about {} at most on ", self.needs.first().map(bytes).unwrap_or_default())?;
+        match others {
+            None => writeln!(f, "1 rank"),
+            Some(others) => {
+                writeln!(f, "the first of {} ranks, {} on each of the others", self.needs.len(), bytes(others))
+            }
+        }
     }
 }
 
@@ -62,7 +104,7 @@ impl Display for Outline {
         writeln!(f)?;
         write!(f, "{}", self.plan.describe())?;
         writeln!(f, "steps      {}, until time {:.6}", self.steps, Number(self.end))?;
-        writeln!(f, "memory     about {:.1} MB on each of {} rank(s)", self.bytes_per_rank() as f64 / 1e6, self.ranks)?;
+        write!(f, "{}", self.memory)?;
         let seconds = self.plan.predicted_seconds;
         writeln!(
             f,
@@ -72,6 +114,7 @@ impl Display for Outline {
             let label = if number == 0 { "instead" } else { "" };
             writeln!(f, "{label:<10} {:.2e} s: {}", plan.predicted_seconds, plan.in_short())?;
         }
-        self.cautions.iter().try_for_each(|caution| writeln!(f, "warning: {caution}"))
+        let warnings = self.memory.missing.iter().chain(&self.cautions);
+        warnings.into_iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))
     }
 }

@@ -2,7 +2,7 @@
 
 use domain::{Comm, Particles};
 use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Precision, Problem};
-use io::{Evaluation, Flow, Hydrodynamics, Multipoles, SuspensionScene};
+use io::{Evaluation, Flow, Hydrodynamics, Multipoles, Start, SuspensionScene};
 
 /// The radii that occur, smallest first, and how many particles have each.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,9 +12,28 @@ impl Radii {
     /// The radii of particles that are all on the first rank. Collective.
     pub fn shared(particles: &Particles, comm: &Comm) -> Self {
         let mut radii = particles.radii.clone();
-        comm.broadcast(&mut radii);
         radii.sort_by(f64::total_cmp);
-        Self(radii.chunk_by(|a, b| a.total_cmp(b).is_eq()).map(|equal| (equal[0], equal.len())).collect())
+        let mut kinds: Vec<[f64; 2]> =
+            radii.chunk_by(|a, b| a.total_cmp(b).is_eq()).map(|equal| [equal[0], equal.len() as f64]).collect();
+        comm.broadcast(&mut kinds);
+        Self(kinds.into_iter().map(|[radius, count]| (radius, count as usize)).collect())
+    }
+
+    /// The radii of a scene that counts its particles itself; none where a file does.
+    pub fn of_scene(scene: &SuspensionScene) -> Option<Self> {
+        if let Start::File(_) = scene.start {
+            return None;
+        }
+        let mut kinds: Vec<(f64, usize)> =
+            scene.species.iter().map(|s| (s.radius, s.count.unwrap_or(0) as usize)).collect();
+        kinds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let merged = |equal: &[(f64, usize)]| (equal[0].0, equal.iter().map(|kind| kind.1).sum());
+        Some(Self(kinds.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()).map(merged).collect()))
+    }
+
+    /// Each radius and how many particles have it.
+    pub fn kinds(&self) -> &[(f64, usize)] {
+        &self.0
     }
 
     /// How many particles.
@@ -52,12 +71,10 @@ pub fn plan(scene: &SuspensionScene, radii: &Radii) -> Result<Plan, PlanError> {
 
 /// What [`plan`] plans.
 pub fn problem(scene: &SuspensionScene, radii: &Radii) -> Problem {
-    let edges = scene.cell.edges();
-    let shears = matches!(scene.flow, Flow::Shear { lees_edwards: true, .. });
     let costs = scene.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
     Problem {
-        edges,
-        largest_strain: if shears { 0.5 * edges.x / edges.y } else { 0.0 },
+        edges: scene.cell.edges(),
+        largest_strain: largest_strain(scene),
         radii: radii.0.clone(),
         viscosity: scene.viscosity,
         multipoles: match scene.hydrodynamics.multipoles {
@@ -71,6 +88,13 @@ pub fn problem(scene: &SuspensionScene, radii: &Radii) -> Problem {
         costs: costs.unwrap_or_default(),
         fixed: fixed(&scene.hydrodynamics),
     }
+}
+
+/// The largest strain that the box of a scene will have.
+pub fn largest_strain(scene: &SuspensionScene) -> f64 {
+    let edges = scene.cell.edges();
+    let shears = matches!(scene.flow, Flow::Shear { lees_edwards: true, .. });
+    if shears { 0.5 * edges.x / edges.y } else { 0.0 }
 }
 
 /// What the scene says of the plan. With lubrication the grid is in f64: the modes of a pair of gap `h` see differences

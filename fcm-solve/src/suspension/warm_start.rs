@@ -38,6 +38,13 @@ impl WarmStart {
         std::iter::once((self.stresslet(), 5)).chain(motions).collect()
     }
 
+    /// Numbers of a particle in all columns that are kept for it, besides what users of a solution see.
+    pub fn numbers(&self) -> usize {
+        let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
+        let present = if self.lubrication { 5 + 3 * (2 + MOTION.len()) } else { 0 };
+        past + present
+    }
+
     /// Makes the values of now, at the start of a step, the last past ones.
     pub fn remember(&self, particles: &mut Particles) {
         for (name, width) in self.columns() {

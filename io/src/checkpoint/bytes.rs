@@ -33,7 +33,10 @@ impl Checkpoint {
             statistics: self.statistics.len(),
         };
         let header = serde_json::to_vec(&header).expect("a header is JSON");
-        let mut bytes = MAGIC.to_vec();
+        let numbers: usize = p.columns.iter().map(|c| c.values.len()).sum();
+        let arrays = p.len() * (8 + 24 + 12 + 8 + 4) + 8 * numbers + self.statistics.len();
+        let mut bytes = Vec::with_capacity(MAGIC.len() + 8 + header.len() + arrays + 8);
+        bytes.extend(MAGIC);
         bytes.extend((header.len() as u64).to_le_bytes());
         bytes.extend(header);
         bytes.extend(bytemuck::cast_slice::<_, u8>(&p.ids));

@@ -37,7 +37,16 @@ pub(super) fn vector(key: &str, value: [f64; 3]) -> Result<Vector, Fault> {
     Ok(Vector::from_array(value))
 }
 
+/// Grid points along an axis that a transform may have.
+const MOST_POINTS: usize = 1 << 20;
+
 pub(super) fn grid_points(key: &str, points: usize) -> Result<(), Fault> {
+    if points > MOST_POINTS {
+        return Err(Fault::new(
+            key,
+            format!("is {points}; the transform takes up to {MOST_POINTS} points along an axis"),
+        ));
+    }
     let mut rest = points;
     for prime in [2, 3, 5, 7] {
         while rest > 0 && rest.is_multiple_of(prime) {
@@ -48,4 +57,28 @@ pub(super) fn grid_points(key: &str, points: usize) -> Result<(), Fault> {
         return Ok(());
     }
     Err(Fault::new(key, format!("is {points}; the transform takes even numbers whose prime factors are 2, 3, 5 and 7")))
+}
+
+/// Rows of particles are numbered in 32 bits.
+pub(super) const MOST_PARTICLES: f64 = u32::MAX as f64;
+
+/// A number of `things` that follows from a key; `found` says how.
+pub(super) fn few_enough(key: &str, found: &str, (count, things): (f64, &str)) -> Result<(), Fault> {
+    if count <= MOST_PARTICLES {
+        return Ok(());
+    }
+    let message = format!(
+        "is {found}: the scene has {count:.1e} {things}, but they are numbered in 32 bits, {MOST_PARTICLES:.1e} at most; \
+         take fewer, or a smaller box"
+    );
+    Err(Fault::new(key, message))
+}
+
+/// A number of rows of a table that is kept, and written again and again.
+pub(super) fn rows(key: &str, rows: usize) -> Result<usize, Fault> {
+    const MOST: usize = 1_000_000;
+    if rows <= MOST {
+        return Ok(rows);
+    }
+    Err(Fault::new(key, format!("is {rows}; tables have at most {MOST} rows")))
 }

@@ -65,6 +65,43 @@ impl Time {
 /// Steps that a run may have: as many as times that are multiples of the step can tell apart.
 const MOST_STEPS: u64 = 1 << 53;
 
+impl Output {
+    /// Refuses more than files hold, for so many steps of so many particles: a file's bytes are counted in 63 bits, those
+    /// of a frame's largest array, the stresslets, in 32.
+    pub(super) fn check(&self, steps: u64, particles: f64) -> Result<(), Fault> {
+        let frame = 8.0 * 5.0 * particles;
+        let is_due = |schedule: Schedule| schedule.count_until(steps) > 0;
+        if is_due(self.trajectory) && frame > f64::from(u32::MAX) {
+            let message = format!(
+                "lets {particles:.1e} particles be written, but a frame of the trajectory holds {:.1e} at most; set it to 0, \
+                 which is never",
+                f64::from(u32::MAX) / 8.0 / 5.0
+            );
+            return Err(Fault::new("output.trajectory_every", message));
+        }
+        // Positions, lattice steps, velocities, angular velocities and stresslets; and a row's numbers, and its page.
+        let files = [
+            ("output.trajectory_every", self.trajectory, "frames", 164.0 * particles + PAGE),
+            ("output.observables_every", self.observables, "rows", PAGE),
+        ];
+        files.into_iter().try_for_each(|(key, schedule, things, bytes)| {
+            let count = schedule.count_until(steps) as f64;
+            let message = || {
+                format!(
+                    "makes {count:.1e} {things}, more than a file can hold: take fewer time.steps, or more of them from one \
+                     to the next"
+                )
+            };
+            if count * bytes < LONGEST { Ok(()) } else { Err(Fault::new(key, message())) }
+        })
+    }
+}
+
+/// What a row of a time series takes of a file at most, about.
+const PAGE: f64 = 4096.0;
+/// Bytes of a file.
+const LONGEST: f64 = i64::MAX as f64;
+
 /// The steps that cover a time. One that is a whole number of steps up to round-off takes that number.
 pub(super) fn steps_in(duration: f64, step: f64) -> u64 {
     (duration / step * (1.0 - 1e-12) - 1e-9).ceil().max(0.0) as u64

@@ -118,6 +118,12 @@ impl<T: Real> Exchange<T> {
         Some(Self { group: group.clone(), packing, columns, outbox, sent, received, size, beside })
     }
 
+    /// Reals of whole columns.
+    #[cfg(test)]
+    pub fn reals(&self) -> usize {
+        self.size
+    }
+
     /// Where rows go, and come from.
     pub fn packing(&self) -> &Packing<T> {
         &self.packing

@@ -42,10 +42,17 @@ impl<T: Real> Transform<T> {
     /// # Panics
     /// If the partition shares out other lines than those of the grid.
     pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
-        let layout = Layout::new::<T>(points, partition, halo);
+        let layout = Layout::new::<T>(points, partition.place(), halo);
         let along_y = Exchange::along_y(&layout, partition);
         let along_z = Exchange::along_z(&layout, partition);
         Self { share: Share::new(layout), along_y, along_z }
+    }
+
+    /// Bytes of its own: whole columns, and room for each thread.
+    #[cfg(test)]
+    pub(crate) fn bytes(&self) -> usize {
+        let columns = [&self.along_y, &self.along_z].map(|exchange| exchange.as_ref().map_or(0, Exchange::reals));
+        size_of::<T>() * columns.iter().sum::<usize>() + self.share.bytes()
     }
 
     /// A field of zeros for this transform.

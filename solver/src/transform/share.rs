@@ -41,6 +41,13 @@ impl<T: Real> Share<T> {
         Self { rows, along_y: Columns::new(ny), along_z: Columns::new(nz), room, desks, layout }
     }
 
+    /// Bytes of the desks.
+    #[cfg(test)]
+    pub fn bytes(&self) -> usize {
+        let bytes = |desk: &Mutex<Memory<T>>| size_of_val(desk.lock().expect("nobody works").values());
+        self.desks.iter().map(bytes).sum()
+    }
+
     pub fn layout(&self) -> &Layout {
         &self.layout
     }

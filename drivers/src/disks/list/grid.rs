@@ -23,6 +23,9 @@ impl Entry {
     }
 }
 
+/// Cells for each disk, at most.
+const MOST_CELLS: f64 = 64.0;
+
 /// Cells in lattice coordinates `(x - s y, y)`, row by row, so that the cells beside each other in x are one range of
 /// entries.
 #[derive(Debug)]
@@ -38,7 +41,13 @@ impl Grid {
     /// Sorts the places that drift counts from, which are inside the box, into cells of about the edges given.
     pub(super) fn sort(cell: &PeriodicBox, state: &State, about: DVec2) -> Self {
         let edges = cell.edges().truncate();
-        let counts = (edges / about).floor().max(DVec2::ONE).to_array().map(|c| c as i64);
+        // Where disks are few, far fewer cells than that will do.
+        let most = MOST_CELLS * state.len().max(64) as f64;
+        let wanted = (edges / about).floor().max(DVec2::ONE);
+        let fewer = (most / (wanted.x * wanted.y)).min(1.0);
+        let counts =
+            if fewer < 1.0 { (wanted * fewer.sqrt()).floor().clamp(DVec2::ONE, DVec2::splat(most)) } else { wanted };
+        let counts = counts.to_array().map(|c| c as i64);
         let none = Entry { place: DVec2::ZERO, radius: 0.0, row: 0, rank: 0 };
         let starts = vec![0; (counts[0] * counts[1]) as usize + 1];
         let mut grid = Self { counts, starts, entries: vec![none; state.len()], edges, strain: cell.strain() };

@@ -35,6 +35,9 @@ pub struct MeanStripe {
 }
 
 impl AveragedProfile {
+    /// Bytes of a strip after so many moments as there may be: four series, each of blocks of a few dozen lengths.
+    pub(in crate::disks) const STRIP: f64 = (size_of::<AveragedStrip>() + 4 * Blocks::MOST_BYTES) as f64;
+
     /// Of nothing yet, in so many strips.
     pub fn new(strips: usize) -> Self {
         Self { strips: vec![AveragedStrip::default(); strips] }

@@ -37,6 +37,9 @@ impl Near {
 }
 
 impl Cells {
+    /// Bytes of a cell.
+    pub const BYTES: f64 = (size_of::<u32>() * (1 + ROOM)) as f64;
+
     /// Cells for so many grains under a top wall at a height, about one for each.
     pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
         let walled = std::array::from_fn(|k| model.is_walled(k));

@@ -68,6 +68,12 @@ pub struct EventDriven {
     jammed: bool,
 }
 
+/// The engine with so many grains: about a cell for each, and a queue that ends in one time.
+pub fn bytes(count: f64) -> domain::Bytes {
+    let grains = domain::Bytes::list::<(u32, Grain, Vector, Rest, Plan)>(count);
+    grains.then(domain::Bytes::list::<f64>(8.0 / 7.0 * count)).then(domain::Bytes::keep(count * Cells::BYTES))
+}
+
 /// What the engine did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Events {

@@ -10,6 +10,6 @@ mod stress;
 pub use balance::{Balance, Start};
 pub use map::DensityMap;
 pub use measured::Measured;
-pub use profile::{Layer, Profile};
+pub use profile::{Layer, Profile, profile_bytes};
 pub use sample::Sample;
 pub use stress::{WallSeries, WallStress};

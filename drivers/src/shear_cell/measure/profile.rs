@@ -20,6 +20,12 @@ pub struct Layer {
     pub errors: [f64; 3],
 }
 
+/// Bytes of a profile of so many layers and of a map of so many pixels.
+pub fn profile_bytes(layers: usize, pixels: [usize; 2]) -> f64 {
+    let layer = size_of::<Sums>() + size_of::<[Blocks; 3]>() + 3 * Blocks::MOST_BYTES;
+    layers as f64 * layer as f64 + pixels.iter().map(|&n| n as f64).product::<f64>() * size_of::<f64>() as f64
+}
+
 /// Sums over samples, layer by layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {

@@ -2,6 +2,7 @@
 
 mod raw;
 
+use super::checks::rows;
 use super::course::{Output, Time, steps_in};
 use super::error::Fault;
 use domain::Number;
@@ -32,6 +33,8 @@ pub struct GranularDisksScene {
 
 /// Rows of the time series by default.
 const ROWS: u64 = 500;
+/// Runs of a sweep.
+const MOST_CASES: f64 = 100_000.0;
 /// Strips of the profile by default.
 const STRIPS: usize = 50;
 
@@ -41,7 +44,8 @@ impl GranularDisksScene {
         let model = Model::new(parameters)?;
         let time = time(raw, model.parameters())?;
         let output = raw.output.schedules().checked(time.steps, ROWS);
-        let profile_strips = raw.output.profile_strips.unwrap_or(STRIPS);
+        output.check(time.steps, model.sizes().len() as f64)?;
+        let profile_strips = rows("output.profile_strips", raw.output.profile_strips.unwrap_or(STRIPS))?;
         if profile_strips == 0 {
             return Err(Fault::new("output.profile_strips", "is 0; a profile needs at least one strip"));
         }
@@ -171,6 +175,12 @@ fn sweep(raw: &raw::Sweep, scene: &Raw, (model, time): (&Model, &Time)) -> Resul
         record_every: strain(every.unwrap_or(time.steps.div_ceil(ROWS).max(1))),
         base,
     };
+    let lists = [sweep.seeds.len(), sweep.viscosities.len(), sweep.rates.len(), sweep.area_fractions.len()];
+    let cases: f64 = lists.iter().map(|&length| length as f64).product();
+    if cases > MOST_CASES {
+        let message = format!("has {cases:.1e} cases, every combination of its lists; at most {MOST_CASES} are made");
+        return Err(Fault::new("sweep", message));
+    }
     for case in sweep.cases() {
         sweep.model(&case).map_err(|e| Fault::new("sweep", format!("has a case whose {e}")))?;
     }

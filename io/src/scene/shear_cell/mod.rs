@@ -2,6 +2,7 @@
 
 mod raw;
 
+use super::checks::{MOST_PARTICLES, few_enough, rows};
 use super::course::{Output, Time};
 use super::error::Fault;
 use domain::Number;
@@ -46,15 +47,18 @@ impl ShearCellScene {
         let model = Model::new(parameters(&raw, agitation)?)?;
         let collisions = collisions(&raw)?;
         let sampling = sampling(&raw, collisions)?;
+        let count = count(&raw.grains, &model)?;
+        let output = raw.output.checked(time.steps, time.steps);
+        output.check(time.steps, count as f64)?;
         Ok(Self {
             title: raw.title.unwrap_or_default(),
             seed: raw.seed,
-            count: count(&raw.grains, &model)?,
+            count,
             agitation,
             collisions,
             sampling,
             settle: whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?,
-            output: raw.output.checked(time.steps, time.steps),
+            output,
             model,
             time,
         })
@@ -136,6 +140,8 @@ fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
         layers: raw.measure.layers.unwrap_or(usual.layers),
         pixels: raw.measure.pixels.unwrap_or(usual.pixels),
     };
+    rows("measure.layers", sampling.layers)?;
+    rows("measure.pixels", sampling.pixels[0].saturating_mul(sampling.pixels[1]))?;
     sampling.check(collisions)?;
     let every = whole("time.step", raw.time.step, ("measure.window", sampling.window))?;
     Ok(Sampling { every, ..sampling })
@@ -157,6 +163,7 @@ fn count(raw: &raw::Grains, model: &Model) -> Result<usize, Fault> {
         (Some(count), None) => {
             let volume = std::f64::consts::PI / 6.0 * model.parameters().diameter.powi(3);
             let fraction = count as f64 * volume / model.edges().element_product();
+            few_enough("grains.count", &format!("{count}"), (count as f64, "grains"))?;
             if count > 0 && fraction <= 0.62 {
                 return Ok(count as usize);
             }
@@ -165,6 +172,10 @@ fn count(raw: &raw::Grains, model: &Model) -> Result<usize, Fault> {
             Err(Fault::new("grains.count", message))
         }
         (None, Some(fraction)) => match model.count(fraction)? {
+            count if count as f64 > MOST_PARTICLES => {
+                let found = format!("{}, with grains.diameter = {}", Number(fraction), Number(raw.diameter));
+                few_enough("grains.solid_fraction", &found, (count as f64, "grains")).map(|()| count)
+            }
             0 => Err(Fault::new(
                 "grains.solid_fraction",
                 format!("is {}, which is less than one grain", Number(fraction)),

@@ -2,6 +2,7 @@
 
 mod raw;
 
+use super::checks::rows;
 use super::error::Fault;
 use domain::Number;
 use drivers::continuum::{Grains, Parameters, Problem, RadialDistribution, Roughness, Start, Wall, WallShape};
@@ -22,6 +23,8 @@ pub struct ContinuumScene {
     pub folder: Option<PathBuf>,
 }
 
+/// Problems of a scene.
+const MOST_PROBLEMS: f64 = 100_000.0;
 /// Heights in a profile by default.
 const POINTS: usize = 101;
 
@@ -32,7 +35,13 @@ impl ContinuumScene {
                 return Err(Fault::new(key, "is empty; list at least one value"));
             }
         }
-        let points = raw.output.points.unwrap_or(POINTS);
+        let problems = raw.cell.speeds.len() as f64 * raw.cell.pressures.len() as f64;
+        if problems > MOST_PROBLEMS {
+            let message =
+                format!("and cell.pressures make {problems:.1e} problems; at most {MOST_PROBLEMS} are solved");
+            return Err(Fault::new("cell.speeds", message));
+        }
+        let points = rows("output.points", raw.output.points.unwrap_or(POINTS))?;
         if points < 2 {
             return Err(Fault::new("output.points", format!("is {points}; a profile needs at least 2 heights")));
         }

@@ -140,6 +140,8 @@ impl SuspensionScene {
             raw.gravity.as_ref().map_or(Ok(Vector::ZERO), |g| vector("gravity.acceleration", g.acceleration))?;
         let species = particles::species(&raw, &cell)?;
         let time = time(&raw.time)?;
+        let output = output(raw.output, time.steps);
+        output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         Ok(Self {
             title: raw.title.unwrap_or_default(),
             seed: raw.seed,
@@ -148,7 +150,7 @@ impl SuspensionScene {
             flow: in_flow(for_a_time(flow(raw.flow.as_ref(), &cell)?, &time)?, &raw.hydrodynamics)?,
             repulsion: raw.repulsion.as_ref().map(repulsion).transpose()?,
             hydrodynamics: hydrodynamics(&raw.hydrodynamics)?,
-            output: output(raw.output, time.steps),
+            output,
             statistics: raw.statistics.as_ref().map(|s| Statistics::checked(s, &cell)).transpose()?,
             cell,
             integrator: integrator(&raw.time)?,

@@ -1,6 +1,6 @@
 //! The spheres of a scene: their species and where they start.
 
-use super::super::checks::{DENSEST, finite, positive, vector, volume};
+use super::super::checks::{DENSEST, few_enough, finite, positive, vector, volume};
 use super::{Fault, raw};
 use domain::{Number, PeriodicBox, Vector};
 use serde::Deserialize;
@@ -69,6 +69,8 @@ pub(super) fn species(raw: &raw::Raw, cell: &PeriodicBox) -> Result<Vec<Species>
             return Err(Fault::new(format!("species[{index}].name"), message));
         }
     }
+    let total: f64 = species.iter().map(|s| s.count.unwrap_or(0) as f64).sum();
+    few_enough("species", "a list of several", (total, "spheres"))?;
     let filled: f64 = species.iter().map(|s| s.count.unwrap_or(0) as f64 * volume(s.radius)).sum();
     let fraction = filled / cell.volume();
     if fraction >= DENSEST {
@@ -113,13 +115,19 @@ fn count(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Option<u64>
         (None, None) => fault("", "has neither count nor volume_fraction; set one of them".into()),
         (Some(_), Some(_)) => fault("", "has both count and volume_fraction; leave one of them out".into()),
         (Some(0), None) => fault(".count", "is 0; a species needs at least one sphere".into()),
-        (Some(count), None) => Ok(Some(count)),
+        (Some(count), None) => {
+            few_enough(&format!("species[{index}].count"), &format!("{count}"), (count as f64, "spheres"))?;
+            Ok(Some(count))
+        }
         (None, Some(fraction)) if !(fraction > 0.0 && fraction < DENSEST) => {
             let message = format!("is {}; spheres need 0 < volume_fraction < {DENSEST}", Number(fraction));
             fault(".volume_fraction", message)
         }
         (None, Some(fraction)) => {
-            let count = (fraction * cell.volume() / volume(one.radius)).round() as u64;
+            let count = (fraction * cell.volume() / volume(one.radius)).round();
+            let found = format!("{fraction}, with species[{index}].radius = {}", one.radius);
+            few_enough(&format!("species[{index}].volume_fraction"), &found, (count, "spheres"))?;
+            let count = count as u64;
             if count > 0 {
                 return Ok(Some(count));
             }

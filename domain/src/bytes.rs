@@ -1,0 +1,86 @@
+//! How much memory things take.
+
+/// Bytes that something keeps, and the most that it takes at any time, what it keeps included. Numbers are those of
+/// predictions, which may be larger than any memory.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bytes {
+    /// What stays.
+    pub kept: f64,
+    /// What it takes on the way there, at its most.
+    pub most: f64,
+}
+
+/// A list that is made by pushing is copied as it grows: of its values so many are there at once, about.
+pub const GROWING: f64 = 1.5;
+
+impl Bytes {
+    /// What stays as it is made.
+    pub fn keep(bytes: f64) -> Self {
+        Self { kept: bytes, most: bytes }
+    }
+
+    /// What is needed for a while.
+    pub fn pass(bytes: f64) -> Self {
+        Self { kept: 0.0, most: bytes }
+    }
+
+    /// So many values of a type, which stay.
+    pub fn list<T>(count: f64) -> Self {
+        Self::keep(count * size_of::<T>() as f64)
+    }
+
+    /// This, and then another while what this keeps is still there.
+    #[must_use]
+    pub fn then(self, next: Self) -> Self {
+        Self { kept: self.kept + next.kept, most: self.most.max(self.kept + next.most) }
+    }
+
+    /// This, or another: the larger of either.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { kept: self.kept.max(other.kept), most: self.most.max(other.most) }
+    }
+
+    /// The same, of which nothing is kept in the end.
+    #[must_use]
+    pub fn freed(self) -> Self {
+        Self::pass(self.most)
+    }
+}
+
+/// A number of bytes to be read: `512 kB`, `1.25 GB`.
+pub fn readable_bytes(bytes: f64) -> String {
+    let units = ["B", "kB", "MB", "GB", "TB", "PB"];
+    let mut value = bytes;
+    for unit in units {
+        if value < 999.5 {
+            let digits = if unit == "B" || value >= 99.95 { 0 } else { 1 + usize::from(value < 9.995) };
+            return format!("{value:.digits$} {unit}");
+        }
+        value /= 1e3;
+    }
+    format!("{:.1e} PB", 1e3 * value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_comes_after_stands_on_what_was_kept() {
+        let first = Bytes { kept: 2.0, most: 10.0 };
+        assert_eq!(first.then(Bytes::pass(3.0)), Bytes { kept: 2.0, most: 10.0 });
+        assert_eq!(first.then(Bytes { kept: 1.0, most: 9.0 }), Bytes { kept: 3.0, most: 11.0 });
+        assert_eq!(first.freed().then(Bytes::list::<u64>(2.0)), Bytes { kept: 16.0, most: 16.0 });
+        assert_eq!(first.or(Bytes { kept: 5.0, most: 6.0 }), Bytes { kept: 5.0, most: 10.0 });
+    }
+
+    #[test]
+    fn bytes_are_readable() {
+        let pairs = [(0.0, "0 B"), (999.0, "999 B"), (1500.0, "1.50 kB"), (12.44e6, "12.4 MB"), (999.6e6, "1.00 GB")];
+        for (bytes, text) in pairs {
+            assert_eq!(readable_bytes(bytes), text);
+        }
+        assert_eq!(readable_bytes(7e18), "7.0e3 PB");
+    }
+}

@@ -1,0 +1,64 @@
+//! What disks take.
+
+use super::list::{Chunk, Pair, Slack};
+use super::observe::{AveragedProfile, Disk};
+use super::state::{Block, Body, Identity, LANES, Motion};
+use super::{Model, Size};
+use domain::{Bytes, GROWING, Particles};
+use glam::DVec2;
+
+/// Numbers of a disk in the particle store: velocity, and what the integrator and the list of neighbours go on from.
+const STORED: usize = 3 + 6 + 9;
+
+impl Model {
+    /// A run of these disks with a profile of so many strips: the disks, their neighbours, pictures of them and
+    /// checkpoints.
+    pub fn bytes(&self, strips: usize) -> Bytes {
+        let count = self.sizes().len() as f64;
+        let profile = Bytes::keep(strips as f64 * AveragedProfile::STRIP);
+        let pictures = Bytes::list::<(Disk, usize)>(count).freed();
+        let stored = Particles::bytes(count, STORED);
+        let copies = Bytes::list::<(usize, Motion)>(count).then(self.state()).freed();
+        let checkpoint = Bytes::keep(GROWING * stored.kept).then(copies).then(stored).freed();
+        let passes = self.search().or(pictures).or(checkpoint);
+        Self::size_bytes(count).then(self.state()).then(self.pairs()).then(profile).then(passes)
+    }
+
+    /// The list of sizes that a model keeps of so many disks, and the run a copy.
+    pub fn size_bytes(count: f64) -> Bytes {
+        Bytes::list::<[Size; 2]>(count)
+    }
+
+    fn state(&self) -> Bytes {
+        let count = self.sizes().len() as f64;
+        Bytes::list::<(Identity, [i32; 2], Body, DVec2)>(count)
+            .then(Bytes::list::<Block>((count / LANES as f64).ceil()))
+    }
+
+    /// The list of neighbours, which has each pair once, and the last step at which it touched.
+    fn pairs(&self) -> Bytes {
+        Bytes::list::<(Pair, u32)>(GROWING * self.listed()).then(Bytes::list::<Chunk>(1.0))
+    }
+
+    /// The search for a new list while the old one is there: cells, about as many as disks, and who touched.
+    fn search(&self) -> Bytes {
+        let count = self.sizes().len() as f64;
+        let cells = Bytes::list::<([f64; 4], [u32; 5])>(count);
+        let touching = Bytes::list::<u64>((4.0 * count).log2().ceil().exp2());
+        cells.then(touching).then(self.pairs()).freed()
+    }
+
+    /// Pairs that a list has: those nearer than the cutoff, as many as in a circle of that radius less the disk itself.
+    fn listed(&self) -> f64 {
+        let sizes = self.sizes();
+        let count = sizes.len() as f64;
+        let moment = |power: i32| sizes.iter().map(|s| s.radius.powi(power)).sum::<f64>() / count;
+        let slack = Slack::new(self.smallest(), self.largest());
+        let (skin, [mean, square]) = (slack.cutoff(0.0), [moment(1), moment(2)]);
+        let stretch = slack.cutoff(1.0) - skin;
+        // The mean square of `stretch (a + b) + skin`.
+        let reach = stretch * stretch * 2.0 * (square + mean * mean) + 4.0 * stretch * skin * mean + skin * skin;
+        let [length, height] = self.parameters().edges;
+        0.5 * count * (count * std::f64::consts::PI * reach / (length * height) - 1.0).max(0.0)
+    }
+}

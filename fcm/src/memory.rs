@@ -1,0 +1,161 @@
+//! What a mobility, and the solve for stresslets, take.
+
+use crate::kernel::Load;
+use crate::near::{self, Near};
+use crate::plan::Plan;
+use crate::problem::{Multipoles, Precision};
+use crate::stencil::Place as Stencil;
+use domain::{Bytes, Crowd, Exchange, GROWING, Place, Tensor, Traceless, Vector, Vicinity};
+use solver::Real;
+
+/// A plan as a rank carries it out that need not be there: what its [`crate::Mobility`] takes.
+pub struct Footprint<'a> {
+    plan: &'a Plan,
+    place: Place,
+    grid: solver::Footprint,
+    crowd: &'a Crowd,
+    threads: usize,
+}
+
+impl<'a> Footprint<'a> {
+    /// Of a rank at a place with a crowd of particles, and of so many threads.
+    pub fn new(plan: &'a Plan, (place, threads): (&Place, usize), crowd: &'a Crowd) -> Self {
+        let grid = solver::Footprint::new(plan.grid, place, plan.support.lanes);
+        Self { plan, place: place.clone(), grid, crowd, threads }
+    }
+
+    /// [`crate::Mobility`] with its particles in place, and what it takes to bring them there.
+    pub fn mobility(&self) -> Bytes {
+        let grid = match self.plan.precision {
+            Precision::Single => self.grid_in::<f32>(),
+            Precision::Double => self.grid_in::<f64>(),
+        };
+        let (owned, present) = (self.crowd.owned(), self.present());
+        let arrangement = Exchange::bytes(owned, present).then(Bytes::list::<(Vector, u32)>(present));
+        // Stencils as they are found, sorted, and those of before.
+        let stencils = Bytes::list::<Stencil>(present).then(Bytes::list::<Stencil>(2.0 * present).freed());
+        grid.then(arrangement).then(stencils).then(self.neighbours())
+    }
+
+    fn grid_in<T: Real>(&self) -> Bytes {
+        let operator = self.grid.operator::<T>();
+        let grid = self.grid.field::<T>().then(self.grid.transform::<T>(self.threads)).then(operator);
+        // In a box that shears the operator is made anew again and again.
+        grid.then(operator.freed()).then(Bytes::keep(self.tables::<T>()))
+    }
+
+    fn tables<T: Real>(&self) -> f64 {
+        let Some(common) = self.plan.common() else { return 0.0 };
+        let envelopes: Vec<_> = self.plan.radii.iter().map(|&a| crate::envelope::Envelope::of_sphere(a)).collect();
+        Near::<T>::table_bytes(&envelopes, common, self.plan.method.cutoff(), self.plan.table_tolerance())
+    }
+
+    fn neighbours(&self) -> Bytes {
+        let cutoff = self.plan.method.cutoff();
+        if cutoff == 0.0 {
+            return Bytes::default();
+        }
+        let numbers = [cutoff, cutoff * Vicinity::REACH].map(|reach| self.crowd.neighbours(reach));
+        Vicinity::bytes([self.crowd.owned(), self.present(), self.crowd.total()], numbers)
+    }
+
+    /// Particles and images that reach into the rank's pencil.
+    fn present(&self) -> f64 {
+        let spacing = self.plan.spacing();
+        let stencil = 0.5 * self.plan.support.support as f64 * spacing.y.max(spacing.z);
+        self.crowd.present(stencil.max(self.plan.method.cutoff()))
+    }
+
+    /// An evaluation, from loads to motions: loads of those present, in the grid's precision too, motions as they are
+    /// found, as they are brought into order and home.
+    pub fn evaluation(&self) -> Bytes {
+        type Found = (Vector, Tensor);
+        let (owned, present) = (self.crowd.owned(), self.present());
+        let dipoles = self.plan.multipoles == Multipoles::Dipole;
+        let loads = Bytes::list::<Vector>(present).then(Bytes::list::<Tensor>(if dipoles { present } else { 0.0 }));
+        let in_precision = match self.plan.precision {
+            Precision::Single => Bytes::list::<(Load<f32>, [f32; near::RECORD])>(present),
+            Precision::Double => Bytes::list::<(Load<f64>, [f64; near::RECORD])>(present),
+        };
+        let travels = Bytes::list::<Tensor>(2.0 * (present - owned));
+        let interpolated = Bytes::list::<Found>(GROWING * present).then(Bytes::list::<Found>(present)).freed();
+        let brought_home = Bytes::list::<Found>(2.0 * present).then(Bytes::list::<Found>(owned)).freed();
+        let near = Bytes::list::<Found>(owned).then(in_precision).freed();
+        let all = in_precision.freed().or(interpolated).or(brought_home.then(travels.freed()).freed()).or(near);
+        loads.then(all).then(self.motion()).freed().then(self.motion())
+    }
+
+    fn motion(&self) -> Bytes {
+        let owned = self.crowd.owned();
+        let velocities = Bytes::list::<Vector>(owned);
+        match self.plan.multipoles {
+            Multipoles::Monopole => velocities,
+            Multipoles::Dipole => velocities.then(Bytes::list::<(Vector, Traceless)>(owned)),
+        }
+    }
+
+    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: loads and the first motion, unknowns, residual,
+    /// two preconditioned residuals, direction and image, and an evaluation in which the last motion is still there.
+    pub fn solve(&self) -> Bytes {
+        if self.plan.multipoles == Multipoles::Monopole {
+            return Bytes::list::<Vector>(self.crowd.owned()).then(self.evaluation());
+        }
+        let owned = self.crowd.owned();
+        let given = Bytes::list::<(Vector, Vector, Traceless)>(owned);
+        let unknowns = Bytes::list::<Traceless>(6.0 * owned).then(Bytes::list::<f64>(owned));
+        let motions = self.motion().then(self.motion());
+        given.then(unknowns).then(motions).then(self.evaluation()).freed().then(self.motion())
+    }
+
+    /// The divergence of the flow, for which the field is copied.
+    pub fn divergence(&self) -> Bytes {
+        match self.plan.precision {
+            Precision::Single => self.grid.field::<f32>().freed(),
+            Precision::Double => self.grid.field::<f64>().freed(),
+        }
+    }
+
+    /// [`crate::Mobility::velocity_field`]: in the grid's precision and in `f64`.
+    pub fn velocity_field(&self) -> Bytes {
+        let points = self.grid.points();
+        Bytes::list::<[f64; 3]>(points).then(Bytes::list::<[f64; 3]>(points).freed())
+    }
+
+    /// Points of the rank's share of the grid.
+    pub fn points(&self) -> f64 {
+        self.grid.points()
+    }
+
+    /// The distinct radii.
+    pub fn radii(&self) -> &[f64] {
+        &self.plan.radii
+    }
+
+    /// The plan for the flow itself, in a box sheared as far as it will be; none where no grid can carry it.
+    pub fn plan_of_flow(&self, largest_strain: f64) -> Option<Plan> {
+        self.plan.on_the_grid_alone(largest_strain).ok()
+    }
+
+    /// The place of this rank among those that share out the grid of another plan.
+    pub fn place_of(&self, plan: &Plan) -> Place {
+        let ([rows, columns], [row, column]) = (self.place.table(), self.place.index());
+        Place::of(rows * columns, row * columns + column, [plan.grid[1], plan.grid[2]])
+    }
+
+    /// Memory of other ranks on the same machine that is mapped here, at most: that of all others.
+    pub fn columns_of_others(&self, ranks: usize) -> f64 {
+        let own = match self.plan.precision {
+            Precision::Single => self.grid.columns_bytes::<f32>(),
+            Precision::Double => self.grid.columns_bytes::<f64>(),
+        };
+        own * (ranks - 1) as f64
+    }
+
+    /// What is resident on this rank but stands in the memory of others on the same machine.
+    pub fn reached(&self) -> f64 {
+        match self.plan.precision {
+            Precision::Single => self.grid.reached_bytes::<f32>(),
+            Precision::Double => self.grid.reached_bytes::<f64>(),
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! What fields, transforms and operators take.
+
+use crate::Real;
+use crate::layout::Layout;
+use domain::{Bytes, Place};
+
+/// A grid as a rank has it that need not be there: its points, the rank's place among the ranks, and the values of room
+/// after each row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Footprint {
+    points: [usize; 3],
+    place: Place,
+    halo: usize,
+}
+
+impl Footprint {
+    /// Of a grid of so many points, which a transform takes.
+    pub fn new(points: [usize; 3], place: &Place, halo: usize) -> Self {
+        Self { points, place: place.clone(), halo }
+    }
+
+    /// A field, [`crate::Transform::field`].
+    pub fn field<T: Real>(&self) -> Bytes {
+        Bytes::list::<T>(self.layout::<T>().capacity as f64)
+    }
+
+    /// A transform: whole columns of each direction that ranks share, and room for each thread.
+    pub fn transform<T: Real>(&self, threads: usize) -> Bytes {
+        let layout = self.layout::<T>();
+        let [nx, ny, nz] = self.points;
+        let room = 2 * T::LANES * (nx / 2).next_multiple_of(T::LANES).max(ny).max(nz);
+        let desk = 5 * room + T::LANES * layout.physical.y;
+        Bytes::keep(self.columns_bytes::<T>()).then(Bytes::list::<T>((threads * desk) as f64))
+    }
+
+    /// Of it, the whole columns, which other ranks on the same machine map.
+    pub fn columns_bytes<T: Real>(&self) -> f64 {
+        let columns = self.columns(&self.layout::<T>());
+        Bytes::list::<T>(columns.into_iter().map(|[whole, _]| whole).sum()).kept
+    }
+
+    /// What a rank writes to in the columns of others on its machine: resident there and here, but there only once.
+    pub fn reached_bytes<T: Real>(&self) -> f64 {
+        let columns = self.columns(&self.layout::<T>());
+        Bytes::list::<T>(columns.into_iter().map(|[_, beside]| beside).sum()).kept
+    }
+
+    /// The tables of a Stokes operator, every rank has whole ones.
+    pub fn operator<T: Real>(&self) -> Bytes {
+        let [nx, ny, nz] = self.points.map(|n| n as f64);
+        let columns = (nx / 2.0 / T::LANES as f64).ceil() * T::LANES as f64;
+        Bytes::list::<T>(3.0 * ny * columns + columns + 2.0 * nz)
+    }
+
+    /// Points of this rank.
+    pub fn points(&self) -> f64 {
+        self.points[0] as f64 * self.place.owned().map(|lines| lines.len() as f64).iter().product::<f64>()
+    }
+
+    fn layout<T: Real>(&self) -> Layout {
+        Layout::new::<T>(self.points, &self.place, self.halo)
+    }
+
+    /// Reals of whole columns along y and along z, and those of them that come from here and go to others.
+    fn columns(&self, layout: &Layout) -> [[f64; 2]; 2] {
+        let [rows, columns] = self.place.table();
+        let (nx, [_, ny, nz]) = (layout.width_in_all as f64, self.points.map(|n| n as f64));
+        let [lines, planes] = layout.rows.clone().map(|lines| lines.len() as f64);
+        let (width, modes) = (layout.width as f64, layout.modes.len() as f64);
+        let along_y = [3.0 * planes * ny * width, 3.0 * planes * lines * (nx - width)];
+        let along_z = [3.0 * nz * modes * width, 3.0 * planes * (ny - modes) * width];
+        [if rows > 1 { along_y } else { [0.0; 2] }, if columns > 1 { along_z } else { [0.0; 2] }]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Field, Physical, Transform};
+    use domain::{Comm, Partition};
+
+    /// What is said of ranks that are not there holds for those that are.
+    fn fits<T: Real>(points: [usize; 3], ranks: usize) {
+        Comm::threads(ranks, |comm| {
+            let partition = Partition::new(&comm, [points[1], points[2]]);
+            let transform = Transform::<T>::new(points, &partition, 16);
+            let place = Place::of(ranks, comm.rank(), [points[1], points[2]]);
+            let footprint = Footprint::new(points, &place, 16);
+            let field: Field<T, Physical> = transform.field();
+            let found = size_of_val(field.memory.values());
+            let expected = footprint.field::<T>().kept;
+            assert!((found as f64 - expected).abs() < 64.0, "{found} bytes of a field, {expected} expected");
+            let threads = rayon::current_num_threads();
+            let (found, expected) = (transform.bytes() as f64, footprint.transform::<T>(threads).kept);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{found} bytes of a transform, {expected} expected");
+        });
+    }
+
+    #[test]
+    fn bytes_are_those_that_are_allocated() {
+        for ranks in [1, 2, 3, 4, 6, 7, 12] {
+            fits::<f32>([96, 60, 42], ranks);
+            fits::<f64>([32, 24, 36], ranks);
+        }
+    }
+}
