@@ -79,7 +79,7 @@ impl TimeStepped {
         self.escaped
     }
 
-    /// Why grains escape, and what step would do: one in which nothing moves by more than [`WAY`] diameters, at the
+    /// Why grains escape, and what step would do: one in which nothing moves by more than `WAY` diameters, at the
     /// speed of the walls and at that to which gravity and the load can bring the top, `sqrt(2 (g + P/M) H)`; and a tenth
     /// of this one where that is not enough.
     pub fn too_long(&self) -> ParameterError {
