@@ -4,7 +4,7 @@ use crate::number::{finite, positive};
 use crate::run::in_full;
 use crate::statistics::{self, COLUMNS, Statistics};
 use crate::streams;
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, Need, Particles, Process};
 use io::{Kind, Multipoles, Provenance, Recorded, Scene, SuspensionScene, Table, write_tables};
 use std::path::PathBuf;
@@ -45,7 +45,10 @@ fn take(args: &Args) -> anyhow::Result<()> {
     let mut wanted = suspension.statistics.unwrap_or(io::Statistics::ALL);
     wanted.from = args.from.unwrap_or(f64::NEG_INFINITY);
     wanted.diffusive_from = args.diffusive_from.or(wanted.diffusive_from);
-    wanted.distance = args.distance.or(wanted.distance);
+    if let Some(distance) = args.distance {
+        io::Statistics::check_distance(distance, &suspension.cell).map_err(|e| anyhow!("--distance {e}"))?;
+        wanted.distance = Some(distance);
+    }
     let until = args.to.unwrap_or(f64::INFINITY);
     let frames: Vec<(usize, f64)> = recorded.times().iter().copied().enumerate().collect();
     let meant: Vec<_> = frames.into_iter().filter(|(_, time)| (wanted.from..=until).contains(time)).collect();

@@ -43,18 +43,34 @@ impl Statistics {
         let positive = |name: &str, value: Option<f64>| {
             value.map(|value| positive(&format!("statistics.{name}"), value)).transpose()
         };
-        let shortest = cell.edges().min_element();
-        if let Some(distance) = raw.distance.filter(|&d| d > shortest) {
-            let (distance, shortest) = (Number(distance), Number(shortest));
-            let message = format!("is {distance}; pairs are told apart up to the box's shortest edge, {shortest}");
-            return Err(Fault::new("statistics.distance", message));
-        }
         Ok(Self {
             samples: Schedule::every(raw.every),
             from: finite("statistics.from", raw.from)?,
-            distance: positive("distance", raw.distance)?,
+            distance: raw.distance.map(|distance| Self::distance(distance, cell)).transpose()?,
             axis: raw.axis,
             diffusive_from: positive("diffusive_from", raw.diffusive_from)?,
         })
     }
+
+    fn distance(distance: f64, cell: &PeriodicBox) -> Result<f64, Fault> {
+        let distance = positive("statistics.distance", distance)?;
+        Self::check_distance(distance, cell).map_err(|message| Fault::new("statistics.distance", message))?;
+        Ok(distance)
+    }
+
+    /// Whether pairs in a box can be told apart up to a distance; if not, what is wrong with it.
+    pub fn check_distance(distance: f64, cell: &PeriodicBox) -> Result<(), String> {
+        let shortest = cell.edges().min_element();
+        let (found, least, most) = (Number(distance), Number(SHORTEST * shortest), Number(shortest));
+        if distance > shortest {
+            return Err(format!("is {found}; pairs are told apart up to the box's shortest edge, {most}"));
+        }
+        if distance < SHORTEST * shortest {
+            return Err(format!("is {found}; it needs at least {least:.4}, a millionth of the box's shortest edge"));
+        }
+        Ok(())
+    }
 }
+
+/// The least distance of pairs that is told apart, over the box's shortest edge.
+const SHORTEST: f64 = 1e-6;
