@@ -1,10 +1,14 @@
 """Runs the tests of this folder, or of those named, and counts them in the last line."""
 
 import pathlib
+import signal
 import sys
 import unittest
 
 if __name__ == "__main__":
+    # A background job ignores these, and so would the programs that the tests start and stop.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     folders = sys.argv[1:] or [str(pathlib.Path(__file__).parent)]
     suite = unittest.TestSuite(unittest.TestLoader().discover(folder) for folder in folders)
     result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)

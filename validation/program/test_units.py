@@ -54,7 +54,7 @@ class Planning(unittest.TestCase):
         self.assertIn("1000 x 1000 x 1000", self.check("hydrodynamics.grid=[1000, 1000, 1000]", direct))
         said = self.check("hydrodynamics.grid=[65536, 65536, 65536]", direct)
         self.assertTrue("leave it out, or take fewer" in said or "memory" in said, said)
-        self.assertIn("the most that are counted", self.check("hydrodynamics.grid=[1152921504606846976, 8, 8]"))
+        self.assertIn("the transform takes up to 1048576 points along an axis", self.check("hydrodynamics.grid=[1152921504606846976, 8, 8]"))
 
 
 class Overlaps(unittest.TestCase):

@@ -17,7 +17,9 @@ const RUNNERS_UP: usize = 3;
 pub struct Outline {
     particles: usize,
     fraction: f64,
-    /// None for a sphere alone, and if there is no memory to place the particles.
+    /// Whether there is memory to place the particles.
+    placed: bool,
+    /// None for a sphere alone, and for particles that are not placed.
     gap: Option<Gap>,
     steps: u64,
     end: f64,
@@ -48,12 +50,12 @@ impl Outline {
     pub fn of(scene: &SuspensionScene, asked: Asked, comm: &Comm) -> anyhow::Result<Self> {
         let planned = Planned::of_scene(scene)?;
         let places = |planned: &Planned| comm.check_room(memory::placing(scene, &planned.radii)).is_ok();
-        let (planned, gap) = match planned {
-            Some(planned) if comm.any(!places(&planned)) => (planned, None),
+        let (planned, placed, gap) = match planned {
+            Some(planned) if comm.any(!places(&planned)) => (planned, false, None),
             planned => {
                 let setup = Setup::placed(scene, planned, comm)?;
                 let gap = Some(setup.gap()).filter(|gap| gap.length.is_finite());
-                (Planned { radii: setup.radii, plan: setup.plan }, gap)
+                (Planned { radii: setup.radii, plan: setup.plan }, true, gap)
             }
         };
         let mut others = Plan::ranked(&problem(scene, &planned.radii))?;
@@ -61,6 +63,7 @@ impl Outline {
         Ok(Self {
             particles: planned.radii.count(),
             fraction: planned.radii.volume() / scene.cell.volume(),
+            placed,
             gap,
             steps: scene.time.steps,
             end: scene.time.end(),
@@ -101,6 +104,7 @@ impl Display for Outline {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         write!(f, "particles  {}, {:.4}% by volume", self.particles, Number(100.0 * self.fraction))?;
         self.gap.iter().try_for_each(|gap| write!(f, ", smallest gap {gap}"))?;
+        write!(f, "{}", if self.placed { "" } else { ", not placed for want of memory" })?;
         writeln!(f)?;
         write!(f, "{}", self.plan.describe())?;
         writeln!(f, "steps      {}, until time {:.6}", self.steps, Number(self.end))?;
