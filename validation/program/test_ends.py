@@ -33,9 +33,9 @@ def wait_for_checkpoint(out, process):
         time.sleep(0.001)
 
 
-def end_state(out):
+def end_state(out, step=400):
     """The last checkpoint, and the frames of the trajectory."""
-    checkpoint = (out / "checkpoint-0000000400.bin").read_bytes()
+    checkpoint = (out / f"checkpoint-{step:010}.bin").read_bytes()
     with h5py.File(out / "trajectory.h5") as file:
         particles = file["particles/all"]
         return checkpoint, particles["position/step"][:].tolist(), particles["position/value"][:].tobytes()

@@ -92,7 +92,7 @@ class Stops(unittest.TestCase):
                 self.assertEqual(process.returncode, code, said)
                 self.assertRegex(said, rf"stopped after step \d+ of 2000 by {stop.name}; go on with: fcm-solve resume {self.out}\n")
                 self.run_scene(SETS, "--continue")
-                self.assertEqual(end_state(self.out), end_state(whole))
+                self.assertEqual(end_state(self.out, 2000), end_state(whole, 2000))
             for path in self.out.glob("checkpoint-*.bin"):
                 path.unlink()
 
