@@ -11,8 +11,6 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
 
-CONTINUES = "--continue" in subprocess.run([PROGRAM, "run", "--help"], capture_output=True, text=True).stdout
-
 # A hundred times what any of these runs takes; what does not end by then hangs.
 PATIENCE = 120
 
@@ -81,11 +79,7 @@ class Run:
         return ["run", ROOT / "scenes" / f"{self.scene}.toml", "--out", out, *sets]
 
     def go_on(self, out):
-        if CONTINUES:
-            return [*self.from_start(out), "--continue"]
-        if list(out.glob("checkpoint-*.bin")) or ((out / "scene.toml").exists() and self.name in ("sweep", "continuum")):
-            return ["resume", out]
-        return [*self.from_start(out), "--force"]
+        return [*self.from_start(out), "--continue"]
 
     def whole(self, out):
         """Runs without a fault, and returns how long that took."""
