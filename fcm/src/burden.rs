@@ -3,6 +3,7 @@
 use crate::cost::{self, Costs};
 use crate::plan::Plan;
 use crate::problem::{Method, Precision, Problem};
+use domain::{Number, readable_bytes};
 
 /// Seconds of an evaluation, and bytes of a grid, from which on a plan is hopeless.
 const SECONDS: f64 = 3600.0;
@@ -26,8 +27,8 @@ impl Plan {
         } else {
             self.burden_of_pairs(particles)
         };
-        let hours = seconds / 3600.0;
-        Some(format!("an evaluation takes about {hours:.1e} hours, and its grid {:.1e} GB: {cause}", bytes / 1e9))
+        let (hours, room) = (Number(seconds / 3600.0), readable_bytes(bytes));
+        Some(format!("an evaluation takes about {hours:.2} hours, and its grid {room}: {cause}"))
     }
 
     /// Bytes of a velocity field on the grid.
@@ -47,15 +48,15 @@ impl Plan {
         }
         match self.method {
             Method::Direct => format!(
-                "{nx} x {ny} x {nz} points, since every envelope is on the grid and the box is {:.1e} of the smallest \
+                "{nx} x {ny} x {nz} points, since every envelope is on the grid and the box is {:.2} of the smallest \
                  radii long along {axis}; leave hydrodynamics.method to the program, or take a smaller box, larger \
                  spheres or a larger tolerance",
-                edge / smallest
+                Number(edge / smallest)
             ),
             Method::Split { .. } => format!(
-                "{nx} x {ny} x {nz} points, since the box is {:.1e} of the largest radii long along {axis}; take a \
+                "{nx} x {ny} x {nz} points, since the box is {:.2} of the largest radii long along {axis}; take a \
                  smaller box, fewer spheres or a larger tolerance",
-                edge / largest
+                Number(edge / largest)
             ),
         }
     }
@@ -64,10 +65,10 @@ impl Plan {
         let (points, (smallest, largest)) = (self.support.support, self.extremes());
         match self.method {
             Method::Direct => format!(
-                "{particles} stencils of {points} points along an axis, since the largest radius is {:.1e} times the \
+                "{particles} stencils of {points} points along an axis, since the largest radius is {:.2} times the \
                  smallest, which sets the grid; leave hydrodynamics.method and grid to the program, or take radii that \
                  are nearer to each other",
-                largest / smallest
+                Number(largest / smallest)
             ),
             Method::Split { .. } => format!("there are {particles} particles; take fewer, or a larger tolerance"),
         }
@@ -75,13 +76,13 @@ impl Plan {
 
     fn burden_of_pairs(&self, particles: usize) -> String {
         let density = particles as f64 / self.edges.element_product();
-        let neighbours = density * 4.19 * self.method.cutoff().powi(3);
+        let neighbours = Number(density * 4.19 * self.method.cutoff().powi(3));
         let (smallest, largest) = self.extremes();
         format!(
-            "{particles} particles with {neighbours:.1e} others each within the cutoff, since the common Gaussian is at \
-             least as wide as that of the largest radius, {:.1e} times the smallest; take fewer particles, or radii that \
+            "{particles} particles with {neighbours:.2} others each within the cutoff, since the common Gaussian is at \
+             least as wide as that of the largest radius, {:.2} times the smallest; take fewer particles, or radii that \
              are nearer to each other",
-            largest / smallest
+            Number(largest / smallest)
         )
     }
 }
