@@ -11,6 +11,7 @@ mod burden;
 mod check;
 mod conjugate_gradients;
 mod cost;
+mod described;
 mod envelope;
 mod far;
 mod gaussian;
@@ -34,6 +35,7 @@ mod work;
 
 pub use conjugate_gradients::{Limits, Outcome, System, Unknowns, conjugate_gradients};
 pub use cost::Costs;
+pub use described::is_same_way;
 pub use envelope::Envelope;
 pub use hydrodynamics::{Hydrodynamics, SolveError, Solved};
 pub use loads::{Loads, Motion};

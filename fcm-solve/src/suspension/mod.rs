@@ -87,7 +87,7 @@ impl Suspension {
         let clock = Clock::at(step[0], scene.time.step);
         let (integrator, outcome) = (scene.integrator, Outcome::default());
         let mut resumed = Self { particles, dynamics, clock, integrator, outcome, evaluations: 0, comm: comm.clone() };
-        if then.is_some_and(|plan| plan != resumed.plan()) {
+        if then.is_some_and(|plan| !fcm::is_same_way(&plan, &resumed.plan())) {
             crate::streams::log(
                 "warning: the fluid is computed in another way than before, so the run goes on, but not bit for bit",
             );
