@@ -34,7 +34,7 @@ impl VelocityField<'_> {
         std::fs::create_dir_all(&fields).map_err(|e| FileError::write(&fields, &e))?;
         let path = fields.join(format!("velocity-{:010}.h5", self.step));
         whole::write(&path, |file| self.fill(file, provenance))?;
-        index_fields(folder)
+        add_to_index(folder, &path)
     }
 
     fn fill(&self, file: &File, provenance: &Provenance) -> hdf5::Result<()> {
@@ -78,6 +78,19 @@ fn field_files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     let mut files: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).filter(is_field).collect();
     files.sort();
     Ok(files)
+}
+
+/// Adds the latest field to the index, which is made anew if it has not all those before, or not in the way that they
+/// need beside this one. So a run reads each of its fields once.
+fn add_to_index(folder: &Path, path: &Path) -> Result<(), FileError> {
+    let (index, before) = (folder.join("fields.xdmf"), field_files(folder)?.len() - 1);
+    let series = std::fs::read_to_string(&index).unwrap_or_default();
+    let frame = xdmf::Frame::read(path).map_err(|e| FileError::damaged(path, &e))?;
+    let Some(longer) = xdmf::longer(&series, before, &frame) else { return index_fields(folder) };
+    if xdmf::is_curved(&series) && !frame.has_position {
+        complete(path, true)?;
+    }
+    durable::replace(&index, longer.as_bytes())
 }
 
 /// Readers take all frames of a series for the kind of mesh that the first one is, and for as large. So where one frame

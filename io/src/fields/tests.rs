@@ -78,6 +78,43 @@ fn the_first_planes_come_again_at_the_ends() {
 }
 
 #[test]
+fn an_index_that_grows_is_that_of_all_files() {
+    for strains in [[0.0; 4], [0.0, 0.2, 0.0, 0.1], [0.2, 0.0, 0.0, 0.0]] {
+        let folder = tempfile::tempdir().unwrap();
+        for (step, strain) in strains.into_iter().enumerate() {
+            write(folder.path(), &[(step as u64, strain)]);
+        }
+        let grown = index(folder.path());
+        drop_fields_after(folder.path(), 3).unwrap();
+        assert_eq!(grown, index(folder.path()), "{strains:?}");
+    }
+}
+
+/// One that lacks fields, as after a failure between a field and its index, or that was cut.
+#[test]
+fn an_index_that_does_not_fit_is_made_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(0, 0.0)]);
+    let short = index(folder.path());
+    write(folder.path(), &[(1, 0.0)]);
+    for broken in [short.as_str(), &short[..short.len() / 2], ""] {
+        std::fs::write(folder.path().join("fields.xdmf"), broken).unwrap();
+        write(folder.path(), &[(2, 0.0)]);
+        assert_eq!(index(folder.path()).matches("<Time").count(), 3, "{broken}");
+    }
+}
+
+/// What was read for the index is not read again: files before the last may even be of no use.
+#[test]
+fn a_field_is_indexed_without_those_before() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[(0, 0.0)]);
+    std::fs::write(folder.path().join("fields/velocity-0000000000.h5"), "nothing").unwrap();
+    write(folder.path(), &[(1, 0.0)]);
+    assert_eq!(index(folder.path()).matches("<Time").count(), 2);
+}
+
+#[test]
 fn files_of_before_are_completed() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[(0, 0.0), (10, 0.2)]);
@@ -86,6 +123,8 @@ fn files_of_before_are_completed() {
         file.unlink("repeated").unwrap();
         file.unlink("position").unwrap();
     }
+    // As a run does that goes on.
+    drop_fields_after(folder.path(), 10).unwrap();
     write(folder.path(), &[(20, 0.3)]);
     for step in [0, 10, 20] {
         let places = read(folder.path(), step, "repeated/position");
@@ -104,6 +143,7 @@ fn frames_of_another_grid_are_left_out() {
     }
     old.new_dataset::<f64>().shape((2, 5, 4, 3)).create("velocity").unwrap();
     drop(old);
+    drop_fields_after(folder.path(), 10).unwrap();
     write(folder.path(), &[(20, 0.0)]);
     let xdmf = index(folder.path());
     assert_eq!(xdmf.matches("<Time").count(), 2);

@@ -92,6 +92,23 @@ pub(super) fn series(frames: Vec<Frame>, curved: bool) -> String {
     let grids: String = alike.iter().map(|frame| frame.grid(curved)).chain(left_out).collect();
     format!(
         "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"velocity\" GridType=\"Collection\" \
-         CollectionType=\"Temporal\">\n{grids}</Grid>\n</Domain>\n</Xdmf>\n"
+         CollectionType=\"Temporal\">\n{grids}{END}"
     )
+}
+
+const END: &str = "</Grid>\n</Domain>\n</Xdmf>\n";
+
+/// Whether the frames of a file are curved meshes.
+pub(super) fn is_curved(series: &str) -> bool {
+    series.contains("3DSMesh")
+}
+
+/// A file with one more frame, if it has `before` of them and stays as it is: of the same grid and kind of mesh.
+pub(super) fn longer(series: &str, before: usize, frame: &Frame) -> Option<String> {
+    let has = series.matches("<Time ").count() + series.matches("<!-- left out").count();
+    let is_of_its_grid = series.contains(&format!("Dimensions=\"{}\"/>", frame.counts()));
+    let curved = is_curved(series);
+    let stays = has == before && is_of_its_grid && (curved || frame.strain == 0.0) && !series.contains(&frame.name);
+    let frames = series.strip_suffix(END).filter(|_| stays)?;
+    Some(format!("{frames}{}{END}", frame.grid(curved)))
 }
