@@ -71,7 +71,7 @@ fn start_or_go_on(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) 
     refuse_another(&scene, &kept, folder.path())?;
     let end = scene.kind().steps();
     if let Some(work) = Whole::of(&kept) {
-        return if folder.has(work.last_file(), comm) {
+        return if comm.any(comm.is_first() && work.is_finished(&folder)) {
             Ok(finished("", &folder, comm))
         } else {
             signals.go_on_with(resume_command(folder.path(), None));
@@ -182,11 +182,12 @@ impl<'a> Whole<'a> {
         }
     }
 
-    /// The file that is written last.
-    fn last_file(&self) -> &'static str {
+    /// Whether a folder has all that there is to do.
+    fn is_finished(&self, folder: &Folder) -> bool {
         match self {
-            Self::Continuum(_) => "solution.h5",
-            Self::Sweep(_) => "sweep.h5",
+            Self::Continuum(problems) => granular::is_solved(problems, folder.path()),
+            // Written last.
+            Self::Sweep(_) => folder.path().join("sweep.h5").exists(),
         }
     }
 }

@@ -29,10 +29,10 @@ def run(arguments, ranks=None, expect=0):
     return said
 
 
-def start(arguments, ranks=None):
+def start(arguments, ranks=None, **options):
     """Starts the program, in a process group of its own, and returns without waiting for it."""
     pipe = subprocess.PIPE
-    return subprocess.Popen(command(arguments, ranks), stdout=pipe, stderr=pipe, text=True, start_new_session=True)
+    return subprocess.Popen(command(arguments, ranks), stdout=pipe, stderr=pipe, text=True, start_new_session=True, **options)
 
 
 def mobility(case, folder, ranks=None, tolerance=1e-3):

@@ -8,37 +8,12 @@ import tempfile
 import time
 import unittest
 
-import h5py
+from program import PATIENCE, run, start
+from small_run import SCENE, SETS, end_state, has_checkpoint, ranks_of, wait_for, words
 
-from program import PATIENCE, ROOT, run, start
-
-SCENE = ROOT / "scenes" / "settling.toml"
-SETS = {
-    "box.edges": "[14.0, 14.0, 14.0]",
-    "species[0].count": 30,
-    "time.steps": 400,
-    "output.checkpoint_every": 20,
-    "output.trajectory_every": 10,
-    "hydrodynamics.tolerance": 1e-2,
-}
-SMALL = [word for key, value in SETS.items() for word in ("--set", f"{key}={value}")]
+STEPS = 400
+SMALL = words(SETS | {"time.steps": STEPS, "output.checkpoint_every": 20})
 TRIES = 20
-
-
-def wait_for_checkpoint(out, process):
-    deadline = time.monotonic() + PATIENCE
-    while not list(out.glob("checkpoint-*.bin")):
-        if process.poll() is not None or time.monotonic() > deadline:
-            raise AssertionError(f"no checkpoint in {out}: {process.communicate()}")
-        time.sleep(0.001)
-
-
-def end_state(out, step=400):
-    """The last checkpoint, and the frames of the trajectory."""
-    checkpoint = (out / f"checkpoint-{step:010}.bin").read_bytes()
-    with h5py.File(out / "trajectory.h5") as file:
-        particles = file["particles/all"]
-        return checkpoint, particles["position/step"][:].tolist(), particles["position/value"][:].tobytes()
 
 
 class Ends(unittest.TestCase):
@@ -61,7 +36,7 @@ class Ends(unittest.TestCase):
 
     def test_a_rank_that_dies_ends_the_run_on_all(self):
         process = start(["run", SCENE, "--out", self.out, *SMALL, "--set", "time.steps=100000"], ranks=3)
-        wait_for_checkpoint(self.out, process)
+        wait_for(lambda: has_checkpoint(self.out), process)
         ranks = ranks_of(process)
         self.assertEqual(len(ranks), 3)
         os.kill(ranks[1], signal.SIGKILL)
@@ -71,7 +46,7 @@ class Ends(unittest.TestCase):
 
     def test_a_request_to_stop_leaves_a_checkpoint_to_go_on_from(self):
         process = start(["run", SCENE, "--out", self.out, *SMALL, "--set", "time.steps=100000"], ranks=2)
-        wait_for_checkpoint(self.out, process)
+        wait_for(lambda: has_checkpoint(self.out), process)
         for rank in ranks_of(process):
             os.kill(rank, signal.SIGTERM)
         _, said = process.communicate(timeout=PATIENCE)
@@ -86,18 +61,18 @@ class Ends(unittest.TestCase):
             out = self.out.with_name(f"whole-{ranks}")
             began = time.monotonic()
             run(["run", SCENE, "--out", out, *SMALL], ranks)
-            whole[ranks], seconds[ranks] = end_state(out), time.monotonic() - began
+            whole[ranks], seconds[ranks] = end_state(out, STEPS), time.monotonic() - began
         for attempt in range(TRIES):
             ranks = 2 if attempt % 4 == 0 else None
             out = self.out.with_name(f"killed-{attempt}")
             process = start(["run", SCENE, "--out", out, *SMALL], ranks)
-            wait_for_checkpoint(out, process)
+            wait_for(lambda out=out: has_checkpoint(out), process)
             time.sleep(random.uniform(0, 0.8 * seconds[ranks]))
             for victim in ranks_of(process) or [process.pid]:
                 kill(victim)
             process.communicate(timeout=PATIENCE)
             run(["resume", out], ranks)
-            self.assertEqual(end_state(out), whole[ranks], f"attempt {attempt}")
+            self.assertEqual(end_state(out, STEPS), whole[ranks], f"attempt {attempt}")
 
 
 def kill(process):
@@ -105,9 +80,3 @@ def kill(process):
         os.kill(process, signal.SIGKILL)
     except ProcessLookupError:
         pass  # It came to its end before.
-
-
-def ranks_of(launcher):
-    """The processes that mpirun started."""
-    children = pathlib.Path(f"/proc/{launcher.pid}/task/{launcher.pid}/children")
-    return [int(child) for child in children.read_text().split()] if children.exists() else []

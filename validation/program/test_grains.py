@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from program import ROOT, run, start
+from small_run import has_checkpoint, wait_for
 
 # What makes a run short: about a second each, with checkpoints on the way.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}
@@ -137,13 +138,6 @@ class Grains(unittest.TestCase):
     def run_scene(self, name, sets, out=None, expect=0):
         return run(["run", *words(name, sets), "--out", out or self.out], expect=expect)
 
-    def wait_for_a_checkpoint(self, process, out):
-        deadline = time.monotonic() + 60
-        while not list(out.glob("checkpoint-*.bin")):
-            self.assertIsNone(process.poll(), "it ended")
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.001)
-
     def test_a_killed_run_goes_on_to_the_same_end(self):
         random.seed(2)
         for kind, (name, sets) in RUNS.items():
@@ -154,7 +148,7 @@ class Grains(unittest.TestCase):
             for attempt in range(2):
                 out = self.out.with_name(f"{kind}-{attempt}")
                 process = start(["run", *words(name, sets), "--out", out])
-                self.wait_for_a_checkpoint(process, out)
+                wait_for(lambda out=out: has_checkpoint(out), process)
                 time.sleep(random.uniform(0, 0.7 * seconds))
                 process.kill()
                 process.communicate()
@@ -169,7 +163,7 @@ class Grains(unittest.TestCase):
                 sets = sets | {"time.steps": 60000}  # Disks are done with fewer before the signal comes.
             self.run_scene(name, sets, whole)
             process = start(["run", *words(name, sets | {"output.checkpoint_every": 100000}), "--out", out])
-            self.wait_for_a_checkpoint(process, out)
+            wait_for(lambda out=out: has_checkpoint(out), process)
             time.sleep(0.05)
             os.kill(process.pid, signal.SIGTERM)
             _, said = process.communicate()
@@ -296,8 +290,13 @@ class Grains(unittest.TestCase):
         again = run(["resume", self.out])
         self.assertIn("finished", again)
         sets = {"cell.speeds": "[2.0, 400.0]", "start": 0.64}
-        failed = self.run_scene("shear-cell-continuum", sets, self.out.with_name("failed"), expect=1)
+        out = self.out.with_name("failed")
+        failed = self.run_scene("shear-cell-continuum", sets, out, expect=1)
         self.assertIn("did not converge from a uniform solid fraction of 0.6400", failed)
+        self.assertIn("2 problems have no solution", failed)
+        # What has no solution is tried again, and is not forgotten.
+        again = run(["run", *words("shear-cell-continuum", sets), "--out", out, "--continue"], expect=1)
+        self.assertEqual(again, failed)
 
     def test_grains_run_in_one_process(self):
         said = run(["run", *words("granular-disks", {}), "--out", self.out], ranks=2, expect=1)

@@ -9,18 +9,11 @@ import tempfile
 import time
 import unittest
 
-from program import PATIENCE, PROGRAM, ROOT, command, run
-from test_ends import end_state, ranks_of
+import small_run
+from program import PATIENCE, PROGRAM, ROOT, command, run, start
+from small_run import SCENE, end_state, has_checkpoint, ranks_of, wait_for, words
 
-SCENE = ROOT / "scenes" / "settling.toml"
-SETS = {
-    "box.edges": "[14.0, 14.0, 14.0]",
-    "species[0].count": 30,
-    "time.steps": 2000,
-    "output.checkpoint_every": 100000,
-    "output.trajectory_every": 10,
-    "hydrodynamics.tolerance": 1e-2,
-}
+SETS = small_run.SETS | {"time.steps": 2000, "output.checkpoint_every": 100000}
 # A step that takes minutes: in thousands of parts, which near contact asks for, each with tens of evaluations.
 LONG = {
     "box.edges": "[9.0, 9.0, 9.0]",
@@ -43,24 +36,6 @@ STOPS = {
 }
 
 
-def words(sets):
-    return [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
-
-
-def begin(arguments, ranks=None, **options):
-    pipe = subprocess.PIPE
-    return subprocess.Popen(command(arguments, ranks), stdout=pipe, stderr=pipe, text=True, start_new_session=True, **options)
-
-
-def wait_for(condition, process):
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if process.poll() is not None or time.monotonic() > deadline:
-            process.kill()
-            raise AssertionError(f"it does not come: {process.communicate()}")
-        time.sleep(0.002)
-
-
 class Stops(unittest.TestCase):
     def setUp(self):
         place = tempfile.TemporaryDirectory()
@@ -72,12 +47,12 @@ class Stops(unittest.TestCase):
         return run(["run", SCENE, *words(sets), "--out", out or self.out, *arguments], **options)
 
     def begin_scene(self, sets, *arguments, ranks=None, **options):
-        process = begin(["run", SCENE, *words(sets), "--out", self.out, *arguments], ranks, **options)
+        process = start(["run", SCENE, *words(sets), "--out", self.out, *arguments], ranks, **options)
         self.addCleanup(process.kill)
         return process
 
     def has_begun(self):
-        return bool(list(self.out.glob("checkpoint-*.bin")))
+        return has_checkpoint(self.out)
 
     def test_every_signal_stops_a_run_that_goes_on_to_the_same_bits(self):
         whole = self.place / "whole"

@@ -3,17 +3,26 @@
 use super::outline;
 use crate::output::provenance;
 use crate::streams;
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use domain::{Comm, Number};
 use drivers::continuum::{Point, Problem, Solution};
 use io::{ContinuumScene, Scene, Table, write_tables};
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Whether a folder has the solutions of all problems.
+pub fn is_solved(problems: &ContinuumScene, folder: &Path) -> bool {
+    let rows = summary().read_rows(&folder.join("summary.csv"));
+    folder.join(SOLUTION).with_extension("h5").exists() && rows.is_ok_and(|rows| rows.len() == problems.problems.len())
+}
+
+/// The file of all tables, which is written last.
+const SOLUTION: &str = "solution";
+
 /// Solves all problems and writes their profiles. Those that have no solution are named at the end.
 pub fn solve(problems: &ContinuumScene, scene: &Scene, folder: &Path, comm: &Comm) -> anyhow::Result<ExitCode> {
     let (mut summary, mut profile) = (summary(), profile());
-    let mut failure = None;
+    let mut unsolved = Vec::new();
     for problem in &problems.problems {
         match problem.solve().with_context(|| title(problem)) {
             Ok(solution) => {
@@ -21,13 +30,20 @@ pub fn solve(problems: &ContinuumScene, scene: &Scene, folder: &Path, comm: &Com
                 summary.add(&[], &summary_of(problem, &solution));
                 add_profile(&mut profile, problem, &solution.profile(problems.points));
             }
-            Err(error) => failure = failure.or(Some(error)),
+            Err(error) => unsolved.push(error),
         }
     }
     let provenance = provenance(scene, outline::continuum(problems), comm);
-    write_tables(folder, "solution", &provenance, &[summary, profile])?;
+    write_tables(folder, SOLUTION, &provenance, &[summary, profile])?;
     streams::log(format_args!("finished; results in {}", folder.display()));
-    failure.map_or(Ok(ExitCode::SUCCESS), Err)
+    ensure!(unsolved.is_empty(), "{}", of_all(&unsolved, problems.problems.len()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Why problems have no solution, a line each.
+fn of_all(unsolved: &[anyhow::Error], problems: usize) -> String {
+    let reasons: Vec<String> = unsolved.iter().map(|error| format!("{error:#}")).collect();
+    format!("{} of {problems} problems have no solution:\n{}", unsolved.len(), reasons.join("\n"))
 }
 
 fn title(problem: &Problem) -> String {

@@ -12,7 +12,7 @@ mod sweep;
 
 use anyhow::ensure;
 pub use cell::CellRun;
-pub use continuum::solve;
+pub use continuum::{is_solved, solve};
 pub use disks::DiskRun;
 use domain::Comm;
 pub use memory::check_room;

@@ -66,11 +66,6 @@ impl Folder {
         comm.any(comm.is_first() && self.scene().exists())
     }
 
-    /// Whether one of the files that end a run is here. Collective.
-    pub fn has(&self, name: &str, comm: &Comm) -> bool {
-        comm.any(comm.is_first() && self.path.join(name).exists())
-    }
-
     /// The scene that is run here.
     pub fn scene(&self) -> PathBuf {
         self.path.join(SCENE)
