@@ -22,13 +22,15 @@ impl From<ParameterError> for End {
 /// Keeps records in memory, and asks for an end after some of them.
 struct Shelf {
     kept: Mutex<HashMap<usize, Vec<Record>>>,
+    /// The parts of each run that were told to be done.
+    told: Mutex<HashMap<usize, Vec<f64>>>,
     asked: AtomicUsize,
     most: usize,
 }
 
 impl Shelf {
     fn until(most: usize) -> Self {
-        Self { kept: Mutex::default(), asked: AtomicUsize::new(0), most }
+        Self { kept: Mutex::default(), told: Mutex::default(), asked: AtomicUsize::new(0), most }
     }
 
     fn len(&self) -> usize {
@@ -46,6 +48,10 @@ impl Keeper for Shelf {
     fn keep(&self, case: &Case, records: &[Record]) -> Result<(), End> {
         assert!(self.kept.lock().unwrap().insert(case.index, records.to_vec()).is_none(), "a run was made twice");
         Ok(())
+    }
+
+    fn tell(&self, case: &Case, part: f64) {
+        self.told.lock().unwrap().entry(case.index).or_default().push(part);
     }
 
     fn go_on(&self) -> Result<(), End> {
@@ -102,6 +108,12 @@ fn runs_are_recorded_at_the_strains_asked_for() {
         }
         assert_eq!(shelf.kept.lock().unwrap()[&case.index], *records);
     }
+    // Of each run's steps, those before the flow too, ever more is told to be done, until all are.
+    for parts in shelf.told.lock().unwrap().values() {
+        assert!(parts.is_sorted() && parts[0] > 0.0 && parts[0] < parts[1] && parts.last() == Some(&1.0), "{parts:?}");
+        assert!(parts.len() > 4, "{parts:?}");
+    }
+    assert_eq!(shelf.told.lock().unwrap().len(), runs.len());
     // One of them by hand: what is counted begins anew at each record.
     let (case, records) = &runs[1];
     let mut disks = Disks::prepared(&sweep.model(case).unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! How far the preparation of a start is, for whoever waits.
+//! How far the preparation of a start is, or of many runs, for whoever waits.
 
 use crate::streams;
 use domain::Comm;
@@ -43,6 +43,15 @@ impl Preparing {
                 *said = Instant::now();
             }
             Display::Lines { .. } | Display::Nothing => {}
+        }
+    }
+
+    /// Says something beside the progress.
+    pub fn say(&self, message: &str) {
+        match &self.display {
+            Display::Bar(bar) => bar.suspend(|| streams::log(message)),
+            Display::Lines { .. } => streams::log(message),
+            Display::Nothing => {}
         }
     }
 }

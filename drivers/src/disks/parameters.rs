@@ -246,6 +246,11 @@ impl Model {
         self.sizes.iter().map(|s| 6.0 * PI * s.radius / self.mass(s.radius)).fold(0.0, f64::max)
     }
 
+    /// Steps of the stages before the flow.
+    pub(super) fn preparing_steps(&self) -> u64 {
+        [Stage::Settle, Stage::Mix].into_iter().filter_map(|stage| self.law(stage).steps).sum()
+    }
+
     /// What governs the motion during a stage.
     pub(super) fn law(&self, stage: Stage) -> Law {
         let p = &self.parameters;

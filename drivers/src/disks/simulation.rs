@@ -48,7 +48,7 @@ impl Disks {
     pub fn prepare_and_tell(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
         let moment = (MOMENT / disks.state.len() as u64).max(1);
-        let all: u64 = [Stage::Settle, Stage::Mix].iter().filter_map(|&stage| model.law(stage).steps).sum();
+        let all = model.preparing_steps();
         let mut done = 0;
         while let Some(left) = disks.left() {
             if left == 0 {

@@ -49,6 +49,9 @@ pub trait Keeper: Sync {
     /// Takes the records of a run that has ended.
     fn keep(&self, case: &Case, records: &[Record]) -> Result<(), Self::Error>;
 
+    /// Hears now and then which part of a run's steps is done.
+    fn tell(&self, case: &Case, part: f64);
+
     /// Is asked at each record; an error ends the sweep.
     fn go_on(&self) -> Result<(), Self::Error> {
         Ok(())
@@ -117,7 +120,7 @@ impl Sweep {
             if let Some(records) = keeper.kept(&case)? {
                 return Ok((case, records));
             }
-            let records = self.records(&self.model(&case)?, keeper)?;
+            let records = self.records(&case, keeper)?;
             keeper.keep(&case, &records)?;
             Ok((case, records))
         };
@@ -125,12 +128,15 @@ impl Sweep {
     }
 
     /// Prepares a system, runs it and keeps records of it.
-    fn records<K: Keeper>(&self, model: &Model, keeper: &K) -> Result<Vec<Record>, K::Error> {
-        let mut disks = Disks::prepared(model)?;
+    fn records<K: Keeper>(&self, case: &Case, keeper: &K) -> Result<Vec<Record>, K::Error> {
+        let model = self.model(case)?;
         let p = model.parameters();
         let strain_per_step = p.flow.rate(p.edges[1]).abs() * p.time_step;
         let steps_in = |strain: f64| (strain / strain_per_step).round() as u64;
         let (end, every) = (steps_in(self.strain), steps_in(self.record_every).max(1));
+        let before = model.preparing_steps() as f64;
+        let part = |steps: f64| steps / (before + end as f64);
+        let mut disks = Disks::prepare_and_tell(&model, &mut |done| keeper.tell(case, part(done * before)))?;
         let mut records = vec![disks.record()];
         while disks.steps() < end {
             keeper.go_on()?;
@@ -138,6 +144,7 @@ impl Sweep {
             disks.advance(every.min(end - disks.steps()));
             disks.check()?;
             records.push(disks.record());
+            keeper.tell(case, part(before + disks.steps() as f64));
         }
         Ok(records)
     }

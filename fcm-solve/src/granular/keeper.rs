@@ -1,18 +1,33 @@
 //! Who keeps the runs of a sweep, so that none is made twice.
 
-use crate::streams;
+use crate::preparing::Preparing;
 use anyhow::{Context, ensure};
-use domain::Number;
+use domain::{Comm, Number};
 use drivers::disks::{Case, Keeper, Record};
 use io::{Table, replace_file};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard};
 
 /// Keeps each run's records in a file of the folder `cases`.
 pub struct Cases {
     folder: PathBuf,
-    count: usize,
-    done: AtomicUsize,
+    progress: Mutex<Progress>,
+}
+
+/// How far the runs are.
+struct Progress {
+    shown: Preparing,
+    /// The part of each run that is done.
+    parts: Vec<f64>,
+    /// Runs that are made.
+    made: usize,
+}
+
+impl Progress {
+    fn show(&mut self, case: &Case, part: f64) {
+        self.parts[case.index] = part;
+        self.shown.show(self.parts.iter().sum::<f64>() / self.parts.len() as f64);
+    }
 }
 
 /// The table of one run: what it is of, and a row for each record.
@@ -27,22 +42,29 @@ fn name(case: &Case) -> [f64; 4] {
 
 impl Cases {
     /// Those of a run's folder, `count` in all.
-    pub fn of(folder: &Path, count: usize) -> anyhow::Result<Self> {
+    pub fn of(folder: &Path, count: usize, comm: &Comm) -> anyhow::Result<Self> {
         let folder = folder.join("cases");
         std::fs::create_dir_all(&folder).with_context(|| format!("can't make the folder {}", folder.display()))?;
-        Ok(Self { folder, count, done: AtomicUsize::new(0) })
+        let progress = Progress { shown: Preparing::start(comm, "all runs"), parts: vec![0.0; count], made: 0 };
+        Ok(Self { folder, progress: Mutex::new(progress) })
     }
 
     fn path(&self, case: &Case) -> PathBuf {
         self.folder.join(format!("{:04}.csv", case.index))
     }
 
+    fn progress(&self) -> MutexGuard<'_, Progress> {
+        self.progress.lock().expect("nobody who holds it panics")
+    }
+
     fn say(&self, case: &Case, what: &str) {
-        let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
         let Case { seed, viscosity, rate, area_fraction, .. } = case;
         let [viscosity, rate, area_fraction] = [viscosity, rate, area_fraction].map(|&value| Number(value));
         let run = format!("seed {seed}, viscosity {viscosity}, rate {rate}, area fraction {area_fraction}");
-        streams::log(format_args!("run {done} of {}: {run}{what}", self.count));
+        let mut progress = self.progress();
+        progress.made += 1;
+        progress.shown.say(&format!("run {} of {}: {run}{what}", progress.made, progress.parts.len()));
+        progress.show(case, 1.0);
     }
 }
 
@@ -73,5 +95,9 @@ impl Keeper for Cases {
         replace_file(&self.path(case), table.to_csv().as_bytes())?;
         self.say(case, "");
         Ok(())
+    }
+
+    fn tell(&self, case: &Case, part: f64) {
+        self.progress().show(case, part);
     }
 }

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 pub fn sweep(sweep: &Sweep, scene: &Scene, folder: &Path, comm: &Comm) -> anyhow::Result<ExitCode> {
     let plan = outline::cases(sweep);
     streams::log(format_args!("{plan}results    {}", folder.display()));
-    let runs = sweep.run(&Cases::of(folder, sweep.cases().len())?)?;
+    let runs = sweep.run(&Cases::of(folder, sweep.cases().len(), comm)?)?;
     let branches = sweep.branches(&runs)?;
     write_tables(folder, "sweep", &provenance(scene, plan, comm), &[averages(&branches), summary(&branches)])?;
     streams::log(format_args!("finished; results in {}", folder.display()));
