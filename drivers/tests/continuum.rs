@@ -227,6 +227,13 @@ fn a_small_load_falls_to_the_dilute_branch_and_says_so() {
 }
 
 /// With the gradient term the default cell has a dense and a thin solution; `start` chooses.
+/// In the limit nothing is sheared, and the grains move at half the speed.
+#[test]
+fn walls_as_smooth_as_they_may_be_slip() {
+    let solution = solve(|p| p.wall.roughness.r5 = 1e-12);
+    close(solution.slip(), 0.5 * Parameters::default().speed, 1e-9);
+}
+
 #[test]
 fn where_there_are_two_solutions_start_chooses() {
     let branch = |start| solve(|p| (p.wall.gradient, p.start) = (true, start)).mean_solid_fraction();
@@ -262,8 +269,8 @@ fn bad_input_is_refused_by_key() {
         "walls.r7 is 1.5; it needs a factor from 0 (smooth) to 1 (rough)"
     );
     assert_eq!(
-        refused(|p| p.wall.roughness.r5 = 0.0),
-        "walls.r5 is 0; it needs 0 < r5 <= 1: a smooth wall drives no flow"
+        refused(|p| p.wall.roughness.r5 = 1e-13),
+        "walls.r5 is 1e-13; it needs 1e-12 <= r5 <= 1: a smooth wall drives no flow"
     );
     assert_eq!(refused(|p| p.start = Start::SolidFraction(0.7)), "start is 0.7; it needs 0 < solid fraction < 0.65");
 }

@@ -2,7 +2,11 @@
 
 use super::{Grains, RadialDistribution, Roughness, Wall, WallShape, wall::Bumps};
 use crate::parameter::{ParameterError, of_sensible_size, positive, require};
+use domain::Number;
 use std::f64::consts::FRAC_PI_2;
+
+/// The smallest factor on the slip law: below, the shear stress is lost in the rounding of the pressure.
+const SMOOTHEST: f64 = 1e-12;
 
 /// Which of several solutions to look for.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -78,7 +82,8 @@ impl Problem {
         let e = wall.restitution;
         require((0.0..=1.0).contains(&e), "walls.restitution", &e, "0 <= restitution <= 1")?;
         let Roughness { r5, r6, r7, r8 } = wall.roughness;
-        require(r5 > 0.0 && r5 <= 1.0, "walls.r5", &r5, "0 < r5 <= 1: a smooth wall drives no flow")?;
+        let allowed = format!("{} <= r5 <= 1: a smooth wall drives no flow", Number(SMOOTHEST));
+        require((SMOOTHEST..=1.0).contains(&r5), "walls.r5", &r5, allowed)?;
         for (key, r) in [("walls.r6", r6), ("walls.r7", r7), ("walls.r8", r8)] {
             require((0.0..=1.0).contains(&r), key, &r, "a factor from 0 (smooth) to 1 (rough)")?;
         }
