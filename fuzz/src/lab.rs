@@ -2,7 +2,7 @@
 
 use crate::pool::Pool;
 use crate::program::{Ended, Program};
-use crate::verdict::{End, defined, judge};
+use crate::verdict::{End, Names, judge, of_hdf5, of_table, of_text};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::ffi::OsString;
@@ -93,26 +93,30 @@ impl<'a> Lab<'a> {
         judge(&ended, &self.names(arguments)).map_err(|what| fault(ended, what))
     }
 
-    /// Whether the tables in a folder of results are numbers, but for those that may be undefined.
-    pub fn tables_are_finite(&self, folder: &str) -> Result<(), Fault> {
-        let mut tables = files(&self.folder.join(folder));
-        tables.retain(|path| path.extension().is_some_and(|extension| extension == "csv"));
-        tables.iter().try_for_each(|path| {
-            let text = String::from_utf8_lossy(&std::fs::read(path).unwrap_or_default()).into_owned();
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let wrong =
-                |what| Fault { what: format!("{name}: {what}"), command: vec![folder.into()], stderr: text.clone() };
-            defined(&text).map_err(wrong)
-        })
+    /// Whether the tables and HDF5 files in a folder of results are numbers, but for those that may be undefined.
+    pub fn results_are_numbers(&self, folder: &str) -> Result<(), Fault> {
+        files(&self.folder.join(folder)).iter().try_for_each(|path| self.is_numbers(path))
     }
 
-    /// What an error may name: the files of the case, the words of the command line, and keys.
-    fn names(&self, arguments: &[OsString]) -> Vec<String> {
-        let words =
-            arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).filter(|word| !word.is_empty());
-        let files = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
-        let files = files.filter_map(|entry| entry.file_name().into_string().ok());
-        words.chain(files).chain(self.pool.keys.iter().cloned()).collect()
+    /// The same of one file.
+    pub fn is_numbers(&self, path: &Path) -> Result<(), Fault> {
+        let judged = match path.extension().and_then(|extension| extension.to_str()) {
+            Some("csv") => of_table(&String::from_utf8_lossy(&std::fs::read(path)?)),
+            Some("h5") => of_hdf5(path),
+            Some("json") => of_text(&std::fs::read_to_string(path)?),
+            _ => Ok(()),
+        };
+        let name = path.strip_prefix(&self.folder).unwrap_or(path).display();
+        judged.map_err(|what| Fault::new(&format!("{name}: {what}")))
+    }
+
+    /// What an error may name.
+    fn names(&self, arguments: &[OsString]) -> Names {
+        let words = arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let entries = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        let files = words.chain(entries).filter(|name| !name.is_empty()).collect();
+        Names { files, keys: self.pool.keys.to_vec() }
     }
 }
 

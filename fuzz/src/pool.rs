@@ -75,9 +75,20 @@ impl Pool {
             let path = folder.join(format!("case-{number}.h5"));
             hdf5_file::write_tree(&path, case).with_context(|| format!("can't write {}", path.display()))?;
         }
-        let mut keys: Vec<String> = scenes.iter().map(|(_, tree)| tree).chain(&cases).flat_map(tree::keys).collect();
+        let placed: Value = toml::from_str(&format!("{PLACED}path = 'start.csv'"))?;
+        let trees = scenes.iter().map(|(_, tree)| tree).chain(&cases).chain([&placed]);
+        let mut keys: Vec<String> = trees.flat_map(tree::keys).collect();
         keys.sort();
         keys.dedup();
         Ok(Self { folder: folder.to_owned(), scenes, cases, keys: keys.leak() })
+    }
+    /// The keys that scenes have in a section, with it.
+    pub fn siblings(&self, section: &str) -> Vec<String> {
+        let paths = self.scenes.iter().flat_map(|(_, tree)| tree::paths(tree));
+        let is_in = |path: &String| path.rsplit_once('.').map_or("", |(parent, _)| parent) == section;
+        let mut siblings: Vec<String> = paths.filter(is_in).collect();
+        siblings.sort();
+        siblings.dedup();
+        siblings
     }
 }

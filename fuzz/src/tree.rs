@@ -175,6 +175,18 @@ pub fn keys(tree: &Value) -> Vec<String> {
     places(tree).into_iter().filter_map(key).collect()
 }
 
+/// The keys of a tree with their sections, as `species[0].radius`.
+pub fn paths(tree: &Value) -> Vec<String> {
+    let joined = |place: Vec<Part>| {
+        place.iter().fold(String::new(), |path, part| match part {
+            Part::Key(key) if path.is_empty() => key.clone(),
+            Part::Key(key) => format!("{path}.{key}"),
+            Part::Item(item) => format!("{path}[{item}]"),
+        })
+    };
+    places(tree).into_iter().map(joined).collect()
+}
+
 /// The tree as JSON; what JSON has no word for stands there as it must not.
 pub fn to_json(tree: &Value) -> String {
     let joined = |parts: Vec<String>| parts.join(", ");
@@ -219,6 +231,11 @@ mod tests {
             changed += usize::from(after != tree());
         }
         assert!(changed > 400, "{changed} of 500 changes did something");
+    }
+
+    #[test]
+    fn paths_lead_to_values() {
+        assert_eq!(paths(&tree()), ["a", "b", "b.c", "b.c[0]", "b.c[1]", "b.d"]);
     }
 
     #[test]

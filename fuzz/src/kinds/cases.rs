@@ -6,17 +6,28 @@ use crate::verdict::End;
 use crate::{hdf5_file, tree};
 use proptest::prelude::*;
 
+/// Asks for the answer on the standard output, or in a file.
+fn evaluate(lab: &mut Lab, case: &str) -> Result<End, Fault> {
+    let answer = *lab.one_of(&["", "answer.h5", "answer.json"]);
+    let out: &[&str] = if answer.is_empty() { &[] } else { &["--out", answer] };
+    let end = lab.ask(&[&["mobility", case], out].concat())?;
+    if end == End::Answered && !answer.is_empty() {
+        lab.is_numbers(&lab.folder.join(answer))?;
+    }
+    Ok(end)
+}
+
 pub fn json(lab: &mut Lab) -> Result<End, Fault> {
     let tree = changed_case(lab);
     lab.write("case.json", tree::to_json(&tree))?;
-    lab.ask(&["mobility", "case.json"])
+    evaluate(lab, "case.json")
 }
 
 pub fn json_bytes(lab: &mut Lab) -> Result<End, Fault> {
     let good = tree::to_json(lab.one_of(&lab.pool.cases));
     let bytes = change_bytes(lab, good.as_bytes());
     lab.write("case.json", bytes)?;
-    lab.ask(&["mobility", "case.json"])
+    evaluate(lab, "case.json")
 }
 
 pub fn hdf5(lab: &mut Lab) -> Result<End, Fault> {
@@ -29,14 +40,14 @@ pub fn hdf5(lab: &mut Lab) -> Result<End, Fault> {
         let edits = lab.draw(hdf5_file::edits());
         hdf5_file::apply(&path, &edits)?;
     }
-    lab.ask(&["mobility", "case.h5"])
+    evaluate(lab, "case.h5")
 }
 
 pub fn hdf5_bytes(lab: &mut Lab) -> Result<End, Fault> {
     let good = std::fs::read(good_file(lab))?;
     let bytes = change_bytes(lab, &good);
     lab.write("case.h5", bytes)?;
-    lab.ask(&["mobility", "case.h5"])
+    evaluate(lab, "case.h5")
 }
 
 fn changed_case(lab: &mut Lab) -> toml::Value {

@@ -79,7 +79,7 @@ fn with_results(
     if RUNS[..4].contains(&name) && file.contains("trajectory") {
         end = lab.ask(&["stats", name])?;
         if end == End::Answered {
-            lab.tables_are_finite(&format!("{name}/stats"))?;
+            lab.results_are_numbers(&format!("{name}/stats"))?;
         }
     }
     lab.ask(&["resume", name]).map(|resumed| if resumed == End::Answered { resumed } else { end })

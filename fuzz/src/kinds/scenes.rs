@@ -16,7 +16,7 @@ pub fn check_and_run(lab: &mut Lab, more: &[&str]) -> Result<End, Fault> {
     let short: &[&str] = if text.contains("shear-cell-continuum") { &[] } else { &["--set", "time.steps=2"] };
     let end = lab.ask(&[&["run", "scene.toml", "--out", "out"], more, short].concat())?;
     if end == End::Answered {
-        lab.tables_are_finite("out")?;
+        lab.results_are_numbers("out")?;
         if lab.draw(0..4) == 0 && lab.folder.join("out/trajectory.h5").exists() {
             lab.ask(&["info", "out/trajectory.h5"])?;
         }
@@ -38,50 +38,33 @@ pub fn bytes(lab: &mut Lab) -> Result<End, Fault> {
     check_and_run(lab, &[])
 }
 
-/// Sections of scenes, with items of lists.
-const SECTIONS: [&str; 20] = [
-    "",
-    "box",
-    "fluid",
-    "species[0]",
-    "species.1",
-    "particles",
-    "flow",
-    "repulsion",
-    "hydrodynamics",
-    "time",
-    "output",
-    "statistics",
-    "contact",
-    "preparation",
-    "cell",
-    "grains",
-    "walls",
-    "top",
-    "measure",
-    "sweep",
-];
-
+/// Sets one or two keys of a scene: half of the time those that it has, else others of its sections, now and then any.
 pub fn overrides(lab: &mut Lab) -> Result<End, Fault> {
-    let text = lab.one_of(&SCENES).1;
+    let (name, tree) = lab.one_of(&lab.pool.scenes).clone();
+    let text = SCENES.iter().find(|scene| scene.0 == name).map_or("", |(_, text)| text);
     lab.write("scene.toml", text)?;
-    let keys = lab.pool.keys;
-    let value = prop_oneof![
-        4 => hostile::value().prop_map(|value| tree::to_json(&value)),
-        4 => hostile::number().prop_map(|number| format!("{number:?}")),
-        2 => hostile::word(),
-    ];
-    let item = (prop::sample::select(&SECTIONS[..]), prop::sample::select(keys), value);
-    let items = lab.draw(prop::collection::vec(item, 1..3));
-    let texts: Vec<String> = items
-        .iter()
-        .map(|(section, key, value)| {
-            let dot = if section.is_empty() { "" } else { "." };
-            format!("{section}{dot}{key}={}", value.replace('\0', ""))
-        })
-        .collect();
+    let texts: Vec<String> = (0..lab.draw(1..3)).map(|_| set(lab, &tree)).collect();
     let arguments: Vec<&str> = texts.iter().flat_map(|text| ["--set", text]).collect();
     check_and_run(lab, &arguments)
+}
+
+fn set(lab: &mut Lab, tree: &toml::Value) -> String {
+    let own = tree::paths(tree);
+    let path = lab.one_of(&own).clone();
+    let section = path.rsplit_once('.').map_or("", |(section, _)| section);
+    let siblings: Vec<String> = lab.pool.siblings(section);
+    let path = match lab.draw(0..8) {
+        0 => format!("{section}.{}", lab.one_of(lab.pool.keys)),
+        1..4 if !siblings.is_empty() => lab.one_of(&siblings).clone(),
+        _ => path,
+    };
+    let value = lab.draw(prop_oneof![
+        3 => hostile::value().prop_map(|value| tree::to_json(&value)),
+        6 => hostile::number().prop_map(|number| format!("{number:?}")),
+        3 => hostile::whole().prop_map(|number| number.to_string()),
+        1 => hostile::word(),
+    ]);
+    format!("{path}={}", value.replace('\0', ""))
 }
 
 pub fn costs(lab: &mut Lab) -> Result<End, Fault> {
