@@ -3,6 +3,7 @@
 mod adaptive;
 mod approach;
 mod averages;
+mod brought;
 mod cautions;
 mod dynamics;
 mod fluid;
@@ -82,6 +83,7 @@ impl Suspension {
         comm.broadcast(&mut step);
         let then = checkpoint.as_ref().map(|c| c.plan.clone());
         let mut particles = checkpoint.map(|c| c.particles).unwrap_or_default();
+        comm.agree(brought::check(&particles, scene.species.len(), scene.hydrodynamics.lubrication))?;
         initial::share_columns(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(scene, Setup::at(scene, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], scene.time.step);

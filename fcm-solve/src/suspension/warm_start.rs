@@ -45,6 +45,13 @@ impl WarmStart {
         past + present
     }
 
+    /// The columns that are kept for a search, with their widths.
+    pub fn kept(&self) -> impl Iterator<Item = (String, usize)> {
+        let past = self.columns().into_iter().flat_map(|(name, width)| (1..=PAST).map(move |k| (past(name, k), width)));
+        let torques = [FORCE, TORQUE].map(|name| (name.to_owned(), 3));
+        past.chain(self.columns().into_iter().map(|(name, width)| (name.to_owned(), width))).chain(torques)
+    }
+
     /// Makes the values of now, at the start of a step, the last past ones.
     pub fn remember(&self, particles: &mut Particles) {
         for (name, width) in self.columns() {

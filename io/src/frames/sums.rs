@@ -117,7 +117,7 @@ impl Sums {
 
 impl Column {
     fn sum(&self, frame: usize) -> hdf5::Result<u64> {
-        let values = self.values.as_ref().ok_or("there are no values")?;
+        let values = self.values.as_ref().filter(|values| values.ndim() > 0).ok_or("there are no values")?;
         let one = one_of(frame, values.ndim());
         Ok(match values.dtype()?.to_descriptor()? {
             TypeDescriptor::Integer(_) => {

@@ -9,7 +9,7 @@ use domain::{Comm, Particles, Vector};
 use io::Adaptive;
 
 /// The column that says how old the past velocities are, and the past solutions: 0 where there is none.
-const AGES: &str = "past ages";
+pub(super) const AGES: &str = "past ages";
 
 /// Velocities that a substep may use.
 const USED: [&str; 3] = [VELOCITY, PAST[0], PAST[1]];
