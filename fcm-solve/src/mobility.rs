@@ -61,25 +61,30 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let read = if comm.is_first() { read(&args.case).map(Some) } else { Ok(None) };
     let read = comm.agree(read)?;
     let case = Case::from_json(&comm.broadcast_text(&read.map_or_else(String::new, |case| case.to_json())));
+    answer_to(&case, args, comm).with_context(|| args.case.display().to_string())
+}
+
+/// Evaluates a case that was read, and writes the answer. Collective.
+fn answer_to(case: &Case, args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let cell = PeriodicBox::sheared(Vector::from_array(case.edges), case.strain)?;
-    let problem = problem(&case, &cell, (args.tolerance, machine::costs(comm)?));
+    let problem = problem(case, &cell, (args.tolerance, machine::costs(comm)?));
     let plan = Plan::choose(&problem).context("this case can't be evaluated")?;
-    for caution in cautions(&case, &cell, plan.burden(&problem))?.iter().filter(|_| comm.is_first()) {
+    for caution in cautions(case, &cell, plan.burden(&problem))?.iter().filter(|_| comm.is_first()) {
         streams::log(format_args!("warning: {caution}"));
     }
     let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
     let range = case.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
-    single(&case, &plan, range).check_room(comm)?;
+    single(case, &plan, range).check_room(comm)?;
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-    let mut particles = place(&case, &cell, &partition);
+    let mut particles = place(case, &cell, &partition);
     let mut hydrodynamics = comm.agree(Hydrodynamics::new(&plan, &partition, range))?;
     let start = Instant::now();
-    let solved = evaluate(&case, &cell, &mut particles, &mut hydrodynamics)?;
+    let solved = evaluate(case, &cell, &mut particles, &mut hydrodynamics)?;
     let seconds = start.elapsed().as_secs_f64();
     record(&mut particles, &solved);
     let all = particles.gathered(&partition);
     let written = if comm.is_first() {
-        let answer = answer(all, &solved, &case, &plan, seconds);
+        let answer = answer(all, &solved, case, &plan, seconds);
         finite(&answer).and_then(|()| write(args, &answer))
     } else {
         Ok(())
@@ -115,7 +120,14 @@ fn single<'a>(case: &Case, plan: &'a Plan, lubrication: Option<Range>) -> Single
     let numbers = 32;
     let text = (8 + 20) * numbers * case.positions.len();
     let radii = case.radii().into_iter().map(|radius| (radius, 1)).collect();
-    Single { plan, radii, lubrication, numbers, besides: Bytes::keep(text as f64) }
+    Single {
+        plan,
+        radii,
+        lubrication,
+        numbers,
+        besides: Bytes::keep(text as f64),
+        remedy: "fewer positions, a larger --tolerance",
+    }
 }
 
 fn problem(case: &Case, cell: &PeriodicBox, (tolerance, costs): (f64, Costs)) -> Problem {

@@ -41,7 +41,9 @@ fn take(args: &Args) -> anyhow::Result<()> {
     let trajectory = args.folder.join("trajectory.h5");
     let recorded = Recorded::open(&trajectory)?;
     let scene = Scene::parse(recorded.scene(), "the scene of the run", &[])?;
-    let Kind::Suspension(suspension) = scene.kind() else { bail!("there are no statistics of scenes of this kind") };
+    let Kind::Suspension(suspension) = scene.kind() else {
+        bail!("{} is not of a suspension, and statistics are of those only", trajectory.display())
+    };
     let mut wanted = suspension.statistics.unwrap_or(io::Statistics::ALL);
     wanted.from = args.from.unwrap_or(f64::NEG_INFINITY);
     wanted.diffusive_from = args.diffusive_from.or(wanted.diffusive_from);
@@ -64,7 +66,7 @@ fn take(args: &Args) -> anyhow::Result<()> {
         };
         fits(&particles, suspension).with_context(|| format!("frame {frame} of {}", trajectory.display()))?;
         if statistics.is_none() {
-            check_room((particles.len() as f64, suspension.species.len()), samples)?;
+            check_room(suspension, particles.len() as f64, samples)?;
         }
         let statistics = statistics.get_or_insert_with(|| Statistics::new(suspension, wanted, &particles));
         statistics.sample(time, &cell, &particles);
@@ -98,13 +100,15 @@ fn fits(particles: &Particles, scene: &SuspensionScene) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses samples of so many particles and species that there is no memory for.
-fn check_room((particles, species): (f64, usize), samples: u64) -> anyhow::Result<()> {
-    let kept = statistics::bytes(particles, samples, (species, rayon::current_num_threads()));
-    let peak = kept.then(Particles::bytes(particles, 11)).then(statistics::sample_bytes(particles));
+/// Refuses samples of so many particles of a scene that there is no memory for.
+fn check_room(scene: &SuspensionScene, particles: f64, samples: u64) -> anyhow::Result<()> {
+    let kept = statistics::bytes(particles, samples, (scene.species.len(), rayon::current_num_threads()));
+    let columns = statistics::column_bytes(scene);
+    let peak = kept.then(columns).then(Particles::bytes(particles, 11)).then(statistics::sample_bytes(particles));
     let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
     Comm::check_room_of(&[need]).with_context(|| {
-        format!("{samples} samples of {particles} particles take too much memory; take fewer, by --from and --to")
+        format!("{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from and --to",
+            scene.species.len())
     })
 }
 

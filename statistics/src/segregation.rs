@@ -1,6 +1,6 @@
 //! How far species have separated.
 
-use domain::{PeriodicBox, Vector};
+use domain::{Bytes, PeriodicBox, Vector};
 
 /// Particles counted by species in columns along an axis, as the streams of a settling suspension are.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,10 +18,25 @@ const MOST: f64 = 1024.0;
 impl Columns {
     /// Columns about `width` wide along an axis of a box.
     pub fn new(cell: &PeriodicBox, axis: usize, width: f64, species: usize) -> Self {
-        let across = [(axis + 1) % 3, (axis + 2) % 3];
-        let table = across.map(|d| (cell.edges()[d] / width).round().clamp(1.0, MOST) as usize);
+        let across = Self::across(axis);
+        let table = Self::table(cell, axis, width);
         let widths = [0, 1].map(|d| cell.edges()[across[d]] / table[d] as f64);
         Self { across, widths, table, species, counts: vec![0.0; table[0] * table[1] * species] }
+    }
+
+    fn across(axis: usize) -> [usize; 2] {
+        [(axis + 1) % 3, (axis + 2) % 3]
+    }
+
+    /// Columns along either of the other axes.
+    fn table(cell: &PeriodicBox, axis: usize, width: f64) -> [usize; 2] {
+        Self::across(axis).map(|d| (cell.edges()[d] / width).round().clamp(1.0, MOST) as usize)
+    }
+
+    /// Bytes of such columns.
+    pub fn bytes(cell: &PeriodicBox, axis: usize, width: f64, species: usize) -> Bytes {
+        let [nx, ny] = Self::table(cell, axis, width).map(|n| n as f64);
+        Bytes::list::<f64>(nx * ny * species as f64)
     }
 
     /// Counts a particle.
@@ -73,6 +88,7 @@ mod tests {
         let cell = PeriodicBox::new(Vector::new(20.0, 30.0, 10.0)).unwrap();
         let mut columns = Columns::new(&cell, 2, 4.9, 2);
         assert_eq!(columns.table, [4, 6]);
+        assert_eq!(Columns::bytes(&cell, 2, 4.9, 2), Bytes::list::<f64>(columns.counts.len() as f64));
         for id in 0..400 {
             let mut random = Random::new(seed, id);
             let position = random.point() * cell.edges();

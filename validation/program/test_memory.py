@@ -81,6 +81,65 @@ class Memory(unittest.TestCase):
         self.assertIn("ulimit -v", said)
         self.assertIn("8000 spheres", said)
 
+    def test_what_a_control_group_does_not_leave_is_refused(self):
+        """The files of a control group, in the place of the machine's as this process alone sees them."""
+        groups = self.folder / "groups"
+        groups.mkdir()
+        for name, text in [("memory.max", "150000000"), ("memory.current", "60000000"), ("memory.stat", "inactive_file 9")]:
+            (groups / name).write_text(text + "\n")
+        inside = ["unshare", "--mount", "bash", "-c", 'mount --bind "$0" /sys/fs/cgroup && exec "$@"', groups]
+        if subprocess.run([*inside, "true"], capture_output=True).returncode != 0:
+            self.skipTest("no mounts of one's own here: unshare --mount, mount --bind")
+        scene = self.scene(memory.spheres(8_000, "direct", True))
+        command = [*inside, PROGRAM, "run", scene, "--out", self.folder / "out"]
+        ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60)
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("the control group, /sys/fs/cgroup/memory.max leaves 90.0 MB", ended.stderr)
+        self.assertIn("species.count", ended.stderr)
+
+    def test_runs_of_a_sweep_that_do_not_fit_are_refused(self):
+        scene = ROOT / "scenes" / "disk-sweep.toml"
+        out = ["--out", self.folder / "out"]
+        for settings, key in [(["time.strain=1e12"], "output.observables_every"),
+                              ([f"sweep.seeds={[*range(20_000)]}", "time.strain=1e6"], "sweep.seeds"),
+                              (["box.edges=[1e12, 1e12]"], "particles.area_fraction"),
+                              (["sweep.rates=[1e-300]"], "sweep.rates")]:
+            sets = [word for setting in settings for word in ("--set", setting)]
+            with self.subTest(settings=settings):
+                self.assertIn(key, self.refused(["run", scene, *sets, "--set", "output.observables_every=1", *out]))
+
+    def test_disks_beyond_their_cells_are_refused(self):
+        """Few disks in a large box, of which rare large ones leave it to many small ones."""
+        scene = ROOT / "scenes" / "granular-disks.toml"
+        out = ["--out", self.folder / "out", "--set", "particles.length_unit=\"smallest\""]
+        rare = ["--set", "species=[{radius=1.0, share=1.0}, {radius=1e6, share=1e-13}]", "--set", "box.edges=[1e6, 1e6]"]
+        self.assertIn("particles.area_fraction", self.refused(["check", scene, *rare, *out[2:]]))
+        dilute = ["--set", "box.edges=[2.5e5, 2.5e5]", "--set", "particles.area_fraction=1e-4", "--set", "species=[{radius=1.0, share=1.0}]"]
+        said = self.refused(["run", scene, *dilute, *out], limit_kb=1_600_000)
+        self.assertIn("particles.area_fraction", said)
+        self.assertIn("ulimit -v", said)
+
+    def test_columns_of_many_species_are_refused(self):
+        species = "\n".join(f"[[species]]\nname = '{k}'\nradius = 1.0\ncount = 1\n" for k in range(2000))
+        scene = f"[box]\nedges = [8000.0, 8000.0, 8000.0]\n[fluid]\nviscosity = 1.0\n{species}[time]\nstep = 0.1\nsteps = 1\n" \
+                "[hydrodynamics]\nmultipoles = 'monopole'\nmethod = 'split'\ntolerance = 1e-2\n"
+        said = self.refused(["run", self.scene(scene), "--out", self.folder / "out"])
+        self.assertIn("fewer [[species]]", said)
+
+    def test_problems_of_a_continuum_are_refused(self):
+        scene = ROOT / "scenes" / "shear-cell-continuum.toml"
+        many = f"cell.speeds={[1 + k for k in range(1000)]}"
+        out = ["--out", self.folder / "out"]
+        self.assertIn("cell.speeds", self.refused(["run", scene, "--set", many, "--set", "output.points=1000000", *out]))
+        pressures = f"cell.pressures={[1 + k for k in range(1000)]}"
+        self.assertIn("cell.pressures", self.refused(["check", scene, "--set", many, "--set", pressures]))
+        self.assertIn("output.points", self.refused(["check", scene, "--set", "output.points=1000000000000"]))
+
+    def test_spheres_of_a_benchmark_are_refused(self):
+        self.assertIn("--particles", self.refused(["bench", "--particles", 4_000_000_000]))
+        self.assertIn("--particles", self.refused(["bench", "--particles", 100_000_000], ranks=2))
+        self.assertIn("--grid", self.refused(["bench", "--particles", 20, "--grid", 8192]))
+
     def test_grains_that_do_not_fit_are_refused(self):
         out = ["--out", self.folder / "out"]
         words = [ROOT / "scenes" / "shear-cell.toml", "--set", "grains.diameter=4e-6", "--set", "output.trajectory_every=0"]

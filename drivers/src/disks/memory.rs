@@ -1,9 +1,9 @@
 //! What disks take.
 
-use super::list::{Chunk, Pair, Slack};
+use super::list::{Chunk, Grid, Pair, Slack, cell_of};
 use super::observe::{AveragedProfile, Disk};
 use super::state::{Block, Body, Identity, LANES, Motion};
-use super::{Model, Size};
+use super::{Estimate, Model, Parameters, Record, Size, Sweep};
 use domain::{Bytes, GROWING, Particles};
 use glam::DVec2;
 
@@ -40,12 +40,19 @@ impl Model {
         Bytes::list::<(Pair, u32)>(GROWING * self.listed()).then(Bytes::list::<Chunk>(1.0))
     }
 
-    /// The search for a new list while the old one is there: cells, about as many as disks, and who touched.
+    /// The search for a new list while the old one is there: the disks in the order of cells, and who touched.
     fn search(&self) -> Bytes {
         let count = self.sizes().len() as f64;
-        let cells = Bytes::list::<([f64; 4], [u32; 5])>(count);
+        let cells = Bytes::list::<([f64; 4], [u32; 3])>(count).then(Bytes::list::<[u32; 2]>(self.cells()));
         let touching = Bytes::list::<u64>((4.0 * count).log2().ceil().exp2());
         cells.then(touching).then(self.pairs()).freed()
+    }
+
+    /// Cells that disks are sorted into.
+    fn cells(&self) -> f64 {
+        let (sizes, edges) = (self.sizes(), DVec2::from_array(self.parameters().edges));
+        let mean = sizes.iter().map(|s| s.radius).sum::<f64>() / sizes.len() as f64;
+        Grid::counts(edges, cell_of(mean), sizes.len()).element_product()
     }
 
     /// Pairs that a list has: those nearer than the cutoff, as many as in a circle of that radius less the disk itself.
@@ -60,5 +67,30 @@ impl Model {
         let reach = stretch * stretch * 2.0 * (square + mean * mean) + 4.0 * stretch * skin * mean + skin * skin;
         let [length, height] = self.parameters().edges;
         0.5 * count * (count * std::f64::consts::PI * reach / (length * height) - 1.0).max(0.0)
+    }
+}
+
+impl Sweep {
+    /// All runs, so many at a time, and the records that are kept of them.
+    pub fn bytes(&self, at_a_time: usize) -> Bytes {
+        let densest = self.area_fractions.iter().copied().fold(0.0, f64::max);
+        let model = Model::new(Parameters { area_fraction: densest, ..self.base.clone() });
+        let run = model.map_or_else(|_| Bytes::default(), |model| model.bytes(0));
+        let runs = Bytes::pass(run.most * self.count().min(at_a_time as f64));
+        let records = self.count() * self.records_each();
+        let averages = Bytes::list::<[Estimate; Record::COLUMNS.len()]>(records / self.seeds.len() as f64);
+        // A list of a run grows as it is made.
+        Bytes::list::<Record>(GROWING * records).then(runs.or(averages))
+    }
+
+    /// How many runs.
+    pub fn count(&self) -> f64 {
+        let lists = [self.seeds.len(), self.viscosities.len(), self.rates.len(), self.area_fractions.len()];
+        lists.iter().map(|&length| length as f64).product()
+    }
+
+    /// Records of each run.
+    pub fn records_each(&self) -> f64 {
+        (self.strain / self.record_every).ceil() + 1.0
     }
 }

@@ -95,41 +95,33 @@ impl Sizes {
         }
     }
 
-    /// How many disks cover an area, about.
+    /// How many disks cover an area.
     pub(super) fn count(&self, area: f64, unit: LengthUnit) -> f64 {
         let relative = self.relative();
-        let mean_area = match &relative {
-            Self::Species(list) => {
-                let length = unit_length(list, unit);
-                let shared: f64 = list.iter().map(|s| s.share * disk_area(s.radius / length)).sum();
-                shared / list.iter().map(|s| s.share).sum::<f64>()
+        match &relative {
+            Self::Species(list) => counts(list, unit_length(list, unit), area).iter().sum(),
+            Self::Spread { .. } => {
+                let mean_area = relative.scaled(4096, unit).into_iter().map(disk_area).sum::<f64>() / 4096.0;
+                (area / mean_area).round().max(1.0)
             }
-            Self::Spread { .. } => relative.scaled(4096, unit).into_iter().map(disk_area).sum::<f64>() / 4096.0,
-        };
-        area / mean_area
+        }
     }
 
-    /// The disks that cover an area as nearly as whole numbers can. Species other than the most frequent one are as
-    /// many as their shares say; the most frequent one fills what is left.
+    /// The disks that cover an area as nearly as whole numbers can.
     pub(super) fn cover(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
         let relative = self.relative();
         let Self::Species(list) = &relative else { return relative.cover_by_spread(area, unit) };
         let length = unit_length(list, unit);
-        let covers: Vec<f64> = list.iter().map(|s| disk_area(s.radius / length)).collect();
-        let frequent = (1..list.len()).fold(0, |best, s| if list[s].share > list[best].share { s } else { best });
-        let each = area / list.iter().zip(&covers).map(|(s, cover)| s.share * cover).sum::<f64>();
-        let mut counts: Vec<usize> = list.iter().map(|s| (s.share * each).round() as usize).collect();
-        counts[frequent] = 0;
-        let covered: f64 = counts.iter().zip(&covers).map(|(&n, cover)| n as f64 * cover).sum();
-        counts[frequent] = ((area - covered) / covers[frequent]).round().max(0.0) as usize;
-        let of_species = |(s, &n): (usize, &usize)| {
-            std::iter::repeat_n(Size { radius: list[s].radius / length, species: s as u32 }, n)
-        };
-        counts.iter().enumerate().flat_map(of_species).collect()
+        let counts = counts(list, length, area);
+        let mut sizes = Vec::with_capacity(counts.iter().sum::<f64>() as usize);
+        for (species, (one, &count)) in (0..).zip(list.iter().zip(&counts)) {
+            sizes.extend(std::iter::repeat_n(Size { radius: one.radius / length, species }, count as usize));
+        }
+        sizes
     }
 
     fn cover_by_spread(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
-        let count = self.count(area, unit).round().max(1.0) as usize;
+        let count = self.count(area, unit) as usize;
         let radii = self.scaled(count, unit);
         let divide = (radii[0] * radii[count - 1]).sqrt();
         radii.into_iter().map(|radius| Size { radius, species: u32::from(radius > divide) }).collect()
@@ -155,6 +147,19 @@ impl Sizes {
         let [low, high] = [smallest, largest].map(|r| r.powf(power));
         (low + fraction * (high - low)).powf(1.0 / power)
     }
+}
+
+/// Numbers of disks of each species. Species other than the most frequent one are as many as their shares say; the most
+/// frequent one fills what is left.
+fn counts(list: &[Species], length: f64, area: f64) -> Vec<f64> {
+    let covers: Vec<f64> = list.iter().map(|s| disk_area(s.radius / length)).collect();
+    let frequent = (1..list.len()).fold(0, |best, s| if list[s].share > list[best].share { s } else { best });
+    let each = area / list.iter().zip(&covers).map(|(s, cover)| s.share * cover).sum::<f64>();
+    let mut counts: Vec<f64> = list.iter().map(|s| (s.share * each).round()).collect();
+    counts[frequent] = 0.0;
+    let covered: f64 = counts.iter().zip(&covers).map(|(count, cover)| count * cover).sum();
+    counts[frequent] = ((area - covered) / covers[frequent]).round().max(0.0);
+    counts
 }
 
 /// The radius that is 1.
@@ -189,6 +194,18 @@ mod tests {
         let small_unit = Sizes::bidisperse(4.0, 0.05).cover(6000.0, LengthUnit::Smallest);
         assert_eq!(small_unit.iter().filter(|s| s.species == 1).count(), 53);
         assert_eq!(small_unit.len(), 1115);
+    }
+
+    #[test]
+    fn a_rare_species_too_large_for_the_area_leaves_it_to_the_others() {
+        // Half a disk of radius 1000 would cover as much as half a million small ones.
+        let sizes = Sizes::bidisperse(1000.0, 1e-7);
+        let count = sizes.count(1e6, LengthUnit::Smallest) as usize;
+        assert_eq!(count, (1e6 / std::f64::consts::PI).round() as usize);
+        assert_eq!(sizes.cover(1e6, LengthUnit::Smallest).len(), count);
+        let spread = Sizes::Spread { smallest: 1.0, largest: 3.0, exponent: -2.0 };
+        let count = spread.count(6000.0, LengthUnit::Mean) as usize;
+        assert_eq!(spread.cover(6000.0, LengthUnit::Mean).len(), count);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::event_driven;
 use super::measure::profile_bytes;
-use super::{Collisions, Grains, Motion, Sampling};
+use super::{Collisions, Grains, Model, Motion, Sampling};
 use domain::{Bytes, GROWING, Pairs, Particles, Vector};
 
 /// Numbers of a grain in the particle store: velocity and spin.
@@ -11,11 +11,11 @@ const STORED: usize = 6;
 impl Sampling {
     /// A run of so many grains with an engine: the grains, where they were at the last step, what is measured, and what
     /// packing them, a step and a checkpoint take besides.
-    pub fn bytes(&self, count: usize, collisions: Collisions) -> Bytes {
+    pub fn bytes(&self, model: &Model, count: usize, collisions: Collisions) -> Bytes {
         let count = count as f64;
         let grains = Grains::bytes(count);
         let engine = match collisions {
-            Collisions::EventDriven => event_driven::bytes(count),
+            Collisions::EventDriven => event_driven::bytes(model, count),
             Collisions::TimeStepped { .. } => stepped(count),
         };
         let measured = Bytes::keep(profile_bytes(self.layers, self.pixels));
@@ -24,7 +24,7 @@ impl Sampling {
         let stored = Particles::bytes(count, STORED);
         let checkpoint = grains.then(Bytes::keep(GROWING * stored.kept)).then(stored).then(measured).then(measured);
         let renewal = grains.then(grains).then(engine);
-        packing(count).or(kept.then(checkpoint.freed().or(renewal.freed())))
+        packing(model, count).or(kept.then(checkpoint.freed().or(renewal.freed())))
     }
 }
 
@@ -44,8 +44,9 @@ fn stepped(count: f64) -> Bytes {
 
 /// Packing: places by cell, each a list of its own of four places in the allocator's units, and an engine in which the
 /// grains grow.
-fn packing(count: f64) -> Bytes {
+fn packing(model: &Model, count: f64) -> Bytes {
     let by_cell = Bytes::list::<([i64; 3], Vec<Vector>, [Vector; 4], [u64; 2])>(count);
-    let grown = Grains::bytes(count).then(event_driven::bytes(count)).then(Grains::bytes(count));
-    by_cell.freed().or(grown.then(event_driven::bytes(count)).freed())
+    let engine = event_driven::bytes(model, count);
+    let grown = Grains::bytes(count).then(engine).then(Grains::bytes(count));
+    by_cell.freed().or(grown.then(engine).freed())
 }

@@ -219,7 +219,9 @@ fn warnings(tally: &Tally, balance: &Balance) -> Vec<String> {
     });
     let lost = [("energy", balance.energy), ("momentum", balance.momentum)];
     let unbalanced = lost.into_iter().filter(|(_, left)| left.is_nan() || *left >= UNBALANCED).map(|(what, left)| {
-        format!("the balance of {what} is off by {left:.1e} of what went through it: this is an error of the program")
+        let off =
+            if left.is_finite() { format!("{left:.1e} of what went through it") } else { "any amount".to_owned() };
+        format!("the balance of {what} is off by {off}: this is an error of the program")
     });
     overlap.into_iter().chain(unbalanced).collect()
 }

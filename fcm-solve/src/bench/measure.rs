@@ -10,6 +10,9 @@ use fcm::{
 use serde::Serialize;
 use std::time::Instant;
 
+/// What to change in a case that takes too much memory.
+const REMEDY: &str = "fewer --particles, a larger --tolerance or a smaller --grid";
+
 /// Which loads there are and which motions are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -111,7 +114,8 @@ impl Task {
         };
         let plan = Plan::choose(&problem).context("this case can't be evaluated")?;
         let besides = Bytes::list::<(Vector, [f64; 3])>(spheres.radii.len() as f64);
-        let single = Single { plan: &plan, radii: problem.radii, lubrication: None, numbers: 11, besides };
+        let single =
+            Single { plan: &plan, radii: problem.radii, lubrication: None, numbers: 11, besides, remedy: REMEDY };
         single.check_room(comm)?;
         Ok(plan)
     }

@@ -1,6 +1,6 @@
 //! Sheared disks as the march and the recorder see them.
 
-use super::{on_one_rank, outline};
+use super::{memory, on_one_rank, outline};
 use crate::clock::Clock;
 use crate::preparing::Preparing;
 use crate::simulation::Simulation;
@@ -45,10 +45,7 @@ impl DiskRun {
                 let mut progress = Preparing::start(comm, "the disks settle");
                 Disks::prepare_and_tell(&scene.model, &mut |done| progress.show(done))?
             }
-            Some(path) => {
-                let parameters = scene.model.parameters().clone();
-                Disks::flowing(parameters, &placed(path)?).with_context(|| path.display().to_string())?
-            }
+            Some(path) => flowing(scene, &placed(path)?, comm).with_context(|| path.display().to_string())?,
         };
         Ok(Self::of(scene, disks, AveragedProfile::new(scene.profile_strips), comm))
     }
@@ -73,6 +70,15 @@ impl DiskRun {
         let plan = outline::disks(disks.model(), &scene.time);
         Self { disks, clock, profile, plan, comm: comm.clone() }
     }
+}
+
+/// Disks that a file has placed, if there is memory for them.
+fn flowing(scene: &GranularDisksScene, particles: &Particles, comm: &Comm) -> anyhow::Result<Disks> {
+    let model = Model::with_particles(scene.model.parameters().clone(), particles)?;
+    let disks = particles.len();
+    let fits = comm.check_room(memory::of_disks(&model, scene.profile_strips));
+    fits.with_context(|| format!("particles.path brings {disks} disks; bring fewer"))?;
+    Ok(Disks::flowing(model.parameters().clone(), particles)?)
 }
 
 /// The disks of a file, moving with the liquid.

@@ -3,6 +3,7 @@
 use anyhow::Context;
 use domain::{Bytes, Comm, Need, Process, readable_bytes};
 use drivers::continuum::Problem;
+use drivers::disks::{Model, Record};
 use io::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 
 /// What a run of a scene needs at its peak.
@@ -16,6 +17,11 @@ pub fn need(kind: &Kind) -> Need {
     // Tables are written at once, everything else into files that stay open.
     let process = Process { writes: !matches!(kind, Kind::Continuum(_)), ..Process::ALONE };
     Need { resident: process.resident(peak.most), ..Need::default() }
+}
+
+/// What a run of disks with a profile of so many strips needs at its peak.
+pub fn of_disks(model: &Model, strips: usize) -> Need {
+    Need { resident: Process::ALONE.resident(model_bytes(model, strips).most), ..Need::default() }
 }
 
 /// Refuses a scene that there is no memory for.
@@ -34,12 +40,7 @@ pub fn outline(kind: &Kind) -> String {
 /// What a scene is, and what to change if it takes too much.
 fn remedy(kind: &Kind) -> String {
     match kind {
-        Kind::GranularDisks(scene) => format!(
-            "the scene has {} disks and {} strips; take a smaller box.edges or particles.area_fraction, or fewer \
-             output.profile_strips",
-            scene.model.sizes().len(),
-            scene.profile_strips
-        ),
+        Kind::GranularDisks(scene) => remedy_of_disks(scene),
         Kind::ShearCell(scene) => format!(
             "the scene has {} grains; take fewer grains.count or a lower grains.solid_fraction, larger ones, or fewer \
              measure.layers and measure.pixels",
@@ -55,14 +56,38 @@ fn remedy(kind: &Kind) -> String {
     }
 }
 
+fn remedy_of_disks(scene: &GranularDisksScene) -> String {
+    let disks = scene.model.sizes().len();
+    match &scene.sweep {
+        Some(sweep) => format!(
+            "the scene has {} runs of about {disks} disks with {:.2e} records each; take fewer sweep.seeds, a larger \
+             output.observables_every, a smaller box.edges or sweep.area_fractions, or fewer --threads",
+            sweep.count(),
+            sweep.records_each()
+        ),
+        None => format!(
+            "the scene has {disks} disks and {} strips; take a smaller box.edges or particles.area_fraction, or fewer \
+             output.profile_strips",
+            scene.profile_strips
+        ),
+    }
+}
+
 fn disks(scene: &GranularDisksScene) -> Bytes {
-    let run = scene.model.bytes(scene.profile_strips);
-    let frame = io::frame_bytes(scene.model.sizes().len() as f64, 3);
-    run.then(frame)
+    if let Some(sweep) = &scene.sweep {
+        let rows = sweep.count() * sweep.records_each();
+        let tables = io::Table::bytes(rows, 2 * Record::COLUMNS.len());
+        return sweep.bytes(rayon::current_num_threads()).then(tables);
+    }
+    model_bytes(&scene.model, scene.profile_strips)
+}
+
+fn model_bytes(model: &Model, strips: usize) -> Bytes {
+    model.bytes(strips).then(io::frame_bytes(model.sizes().len() as f64, 3))
 }
 
 fn cell(scene: &ShearCellScene) -> Bytes {
-    scene.sampling.bytes(scene.count, scene.collisions).then(io::frame_bytes(scene.count as f64, 6))
+    scene.sampling.bytes(&scene.model, scene.count, scene.collisions).then(io::frame_bytes(scene.count as f64, 6))
 }
 
 /// A solution, or rows of the profiles of all problems and their text.

@@ -26,16 +26,17 @@ pub fn outline(kind: &Kind) -> String {
 pub fn disks(model: &Model, time: &Time) -> String {
     let (p, sizes) = (model.parameters(), model.sizes());
     let (zeta, path) = (viscous_length(model), estimated_free_path(model.area_fraction()));
+    let viscous =
+        if zeta.is_finite() { format!("viscous length {:.4}", Number(zeta)) } else { "no viscous length".into() };
     let strain = p.flow.rate(p.edges[1]).abs() * time.step * time.steps as f64;
     format!(
         "disks      {}, radii {:.4} to {:.4}, {:.4}% of the area\n\
-         lengths    viscous length {:.4}, estimated mean free path {:.4}\n\
+         lengths    {viscous}, estimated mean free path {:.4}\n\
          steps      {}, until time {:.6} and strain {:.6}\n",
         sizes.len(),
         Number(model.smallest()),
         Number(model.largest()),
         Number(100.0 * model.area_fraction()),
-        Number(zeta),
         Number(path),
         time.steps,
         Number(time.end()),

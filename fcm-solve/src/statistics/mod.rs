@@ -6,7 +6,7 @@ mod tables;
 
 use crate::integrator::VELOCITY;
 use crate::suspension::ANGULAR_VELOCITY;
-use domain::{Particles, PeriodicBox, Vector, power_of_two};
+use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
 use io::{Axis, Flow, Multipoles, Statistics as Wanted, SuspensionScene};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
@@ -151,9 +151,20 @@ impl About {
 
 /// Columns in which to look for the segregation of a scene's species: along the axis of its statistics.
 pub fn columns(scene: &SuspensionScene) -> Columns {
+    let (axis, width) = axis_and_width(scene);
+    Columns::new(&scene.cell, axis, width, scene.species.len())
+}
+
+/// What such columns take, and as many again that are counted in.
+pub fn column_bytes(scene: &SuspensionScene) -> Bytes {
+    let (axis, width) = axis_and_width(scene);
+    let columns = Columns::bytes(&scene.cell, axis, width, scene.species.len());
+    columns.then(columns.freed())
+}
+
+fn axis_and_width(scene: &SuspensionScene) -> (usize, f64) {
     let axis = scene.statistics.and_then(|wanted| wanted.axis).map_or_else(|| default_axis(scene), index);
-    let largest = scene.species.iter().map(|s| s.radius).fold(0.0, f64::max);
-    Columns::new(&scene.cell, axis, COLUMN_WIDTH * largest, scene.species.len())
+    (axis, COLUMN_WIDTH * scene.species.iter().map(|s| s.radius).fold(0.0, f64::max))
 }
 
 /// The particles of this rank counted in columns that are empty.

@@ -6,23 +6,31 @@ use io::{Lattice, Placed, Start, SuspensionScene};
 
 /// All particles of a scene, in the order of their ids.
 pub fn particles(scene: &SuspensionScene) -> anyhow::Result<Particles> {
-    let species: Vec<u32> = (0..).zip(&scene.species).flat_map(|(s, kind)| vec![s; count(kind)]).collect();
-    let radius = |s: &u32| scene.species[*s as usize].radius;
-    let radii: Vec<f64> = species.iter().map(radius).collect();
-    match &scene.start {
-        Start::Random { minimum_gap } => {
-            let positions = random_packing(&scene.cell, &radii, *minimum_gap, scene.seed);
-            Ok(store(&positions.context("can't place the spheres of [[species]] at random")?, &radii, &species))
-        }
-        Start::Lattice(lattice) => {
-            let mut species = species;
-            Random::new(scene.seed, u64::MAX).shuffle(&mut species);
-            let radii: Vec<f64> = species.iter().map(radius).collect();
-            Ok(store(&on_lattice(&scene.cell, *lattice, (species.len(), scene.seed)), &radii, &species))
-        }
-        Start::Positions(positions) => Ok(store(positions, &radii, &species)),
-        Start::File(path) => placed(scene, Placed::read(path)?).with_context(|| format!("{}", path.display())),
+    if let Start::File(path) = &scene.start {
+        return placed(scene, Placed::read(path)?).with_context(|| format!("{}", path.display()));
     }
+    let mut species = counted(scene);
+    if let Start::Lattice(_) = &scene.start {
+        Random::new(scene.seed, u64::MAX).shuffle(&mut species);
+    }
+    let radii: Vec<f64> = species.iter().map(|&s| scene.species[s as usize].radius).collect();
+    let positions = match &scene.start {
+        Start::Random { minimum_gap } => &random_packing(&scene.cell, &radii, *minimum_gap, scene.seed)
+            .context("can't place the spheres of [[species]] at random")?,
+        Start::Lattice(lattice) => &on_lattice(&scene.cell, *lattice, (species.len(), scene.seed)),
+        Start::Positions(positions) => positions,
+        Start::File(_) => unreachable!("read above"),
+    };
+    Ok(store(positions, &radii, &species))
+}
+
+/// The species of each sphere, as the scene counts them.
+fn counted(scene: &SuspensionScene) -> Vec<u32> {
+    let mut species = Vec::with_capacity(scene.species.iter().map(count).sum());
+    for (number, kind) in (0..).zip(&scene.species) {
+        species.extend(std::iter::repeat_n(number, count(kind)));
+    }
+    species
 }
 
 fn count(kind: &io::Species) -> usize {
@@ -45,8 +53,7 @@ fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64))
         Lattice::FaceCentredCubic => &[[0.25, 0.25, 0.25], [0.75, 0.75, 0.25], [0.75, 0.25, 0.75], [0.25, 0.75, 0.75]],
     };
     let edges = cell.edges();
-    let spacing = (cell.volume() * basis.len() as f64 / count as f64).cbrt();
-    let mut cells = (edges / spacing).round().max(Vector::ONE);
+    let mut cells = (edges / spacing(cell, (basis.len() as f64, count as f64))).round().max(Vector::ONE);
     while (cells.element_product() as usize) * basis.len() < count {
         let widths = edges / cells;
         let widest = (0..3).max_by(|&a, &b| widths[a].total_cmp(&widths[b])).expect("three axes");
@@ -66,20 +73,34 @@ fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64))
     chosen.into_iter().map(|i| sites[i]).collect()
 }
 
+/// The edge of a lattice cell with so many sites, if those of a box are as many as spheres; the box is one cell wide along
+/// edges that are shorter than that.
+fn spacing(cell: &PeriodicBox, (sites, spheres): (f64, f64)) -> f64 {
+    let mut spacing = (cell.volume() * sites / spheres).cbrt();
+    for _ in 0..2 {
+        let long: Vec<f64> = cell.edges().to_array().into_iter().filter(|&edge| edge >= 0.5 * spacing).collect();
+        if let 1 | 2 = long.len() {
+            spacing = (long.iter().product::<f64>() * sites / spheres).powf(1.0 / long.len() as f64);
+        }
+    }
+    spacing
+}
+
 /// Particles from a file: species as the file says, or in the order of the scene's counts; radii likewise.
 fn placed(scene: &SuspensionScene, placed: Placed) -> anyhow::Result<Particles> {
     let count_here = placed.positions.len();
-    let counted: Vec<u32> = (0..).zip(&scene.species).flat_map(|(s, kind)| vec![s; count(kind)]).collect();
+    let count_asked: usize = scene.species.iter().map(count).sum();
+    let is_told = placed.species.is_some() || scene.species.len() == 1;
+    ensure!(
+        is_told || count_asked == count_here,
+        "has {count_here} positions, but the scene counts {count_asked} spheres; leave out the species' counts, or make \
+         them fit"
+    );
     let species = match placed.species {
         Some(species) => species,
-        None if scene.species.len() == 1 => vec![0; count_here],
-        None => counted,
+        None if is_told => vec![0; count_here],
+        None => counted(scene),
     };
-    ensure!(
-        species.len() == count_here,
-        "has {count_here} positions, but the scene counts {} spheres; leave out the species' counts, or make them fit",
-        species.len()
-    );
     for (index, kind) in scene.species.iter().enumerate() {
         let found = species.iter().filter(|&&s| s as usize == index).count();
         if kind.count.is_some_and(|count| count as usize != found) {
@@ -122,5 +143,20 @@ mod tests {
             }
         }
         assert_eq!(on_lattice(&cell, Lattice::SimpleCubic, (100, 1)).len(), 100);
+    }
+
+    #[test]
+    fn a_lattice_in_a_long_or_flat_box_has_about_as_many_sites_as_spheres() {
+        let cells = |edges: [f64; 3], cells: f64| {
+            let cell = PeriodicBox::new(Vector::from_array(edges)).unwrap();
+            (cell.edges() / spacing(&cell, (1.0, cells))).round()
+        };
+        assert_eq!(cells([8.0, 1e20, 8.0], 4.0), Vector::new(0.0, 4.0, 0.0));
+        assert_eq!(cells([1.0, 300.0, 300.0], 9.0), Vector::new(0.0, 3.0, 3.0));
+        assert_eq!(cells([8.0, 8.0, 16.0], 16.0), Vector::new(2.0, 2.0, 4.0));
+        let line = PeriodicBox::new(Vector::new(8.0, 1e20, 8.0)).unwrap();
+        let sites = on_lattice(&line, Lattice::FaceCentredCubic, (8, 1));
+        assert_eq!(sites.len(), 8);
+        assert!(sites.iter().any(|site| site.y > 0.5e20) && sites.iter().any(|site| site.y < 0.5e20));
     }
 }

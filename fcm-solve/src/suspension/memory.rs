@@ -7,7 +7,7 @@ use super::{ANGULAR_VELOCITY, STRESSLET};
 use crate::integrator::{VELOCITY, VELOCITY_COLUMNS};
 use crate::lubricated::memory::{solve_bytes, table_bytes};
 use crate::statistics;
-use domain::{Bytes, Crowd, Need, Pairs, Particles, Place, Process, Traceless, Vector, packing_bytes};
+use domain::{Bytes, Crowd, Need, Pairs, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes};
 use fcm::{Footprint, Plan};
 use io::{Integrator, Multipoles, Start, SuspensionScene};
 use lubrication::Range;
@@ -17,6 +17,9 @@ const FRAME: [(&str, usize); 3] = [(VELOCITY, 3), (ANGULAR_VELOCITY, 3), (STRESS
 
 /// A volume fraction beyond which random spheres are moved apart, see [`domain::random_packing`].
 const DENSE: f64 = 0.25;
+
+/// Species, in columns of which they are counted to see how far they are apart, beyond which those are worth a word.
+const MANY: usize = 16;
 
 /// Who takes memory: one of so many ranks, each with so many threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,9 +57,15 @@ pub fn remedy(scene: &SuspensionScene, radii: &Radii) -> String {
     let grid = if chosen.grid.is_some() { "a smaller hydrodynamics.grid" } else { "a larger hydrodynamics.tolerance" };
     let near = if chosen.lubrication { ", a smaller hydrodynamics.lubrication_cutoff" } else { "" };
     let samples = if scene.statistics.is_some() { ", no [statistics]" } else { "" };
+    let columns = readable_bytes(statistics::column_bytes(scene).most);
+    let species = if scene.species.len() > MANY {
+        format!(", fewer [[species]] (their columns take {columns})")
+    } else {
+        String::new()
+    };
     format!(
         "the scene has {} spheres: take fewer of them (species.count, species.volume_fraction, or smaller box.edges), \
-         {grid}{near}{samples}, or more machines with ranks on each",
+         {grid}{near}{samples}{species}, or more machines with ranks on each",
         radii.count()
     )
 }
@@ -68,14 +77,19 @@ pub fn placing(scene: &SuspensionScene, radii: &Radii) -> Need {
 
 fn placing_bytes(scene: &SuspensionScene, count: f64) -> Bytes {
     let listed = Bytes::list::<(u32, f64)>(count);
-    let filled: f64 = scene.species.iter().map(|s| s.count.unwrap_or(0) as f64 * s.radius.powi(3)).sum();
-    let fraction = 4.0 / 3.0 * std::f64::consts::PI * filled / scene.cell.volume();
     let places = match scene.start {
-        Start::Random { .. } => packing_bytes(count, fraction > DENSE),
-        _ => Bytes::list::<(Vector, usize)>(count),
+        Start::Random { minimum_gap } => packing_bytes(count, filled(scene, minimum_gap) > DENSE),
+        // A lattice may have more sites than there are spheres.
+        _ => Bytes::list::<(Vector, usize)>(2.0 * count),
     };
     let store = Particles::bytes(domain::GROWING * count, 0);
     listed.then(places).then(Bytes::list::<Vector>(count)).then(store).freed()
+}
+
+/// The volume fraction of the spheres with half the gap that is kept around each.
+fn filled(scene: &SuspensionScene, gap: f64) -> f64 {
+    let of_kind = |s: &io::Species| s.count.unwrap_or(0) as f64 * (s.radius + 0.5 * gap).powi(3);
+    4.0 / 3.0 * std::f64::consts::PI * scene.species.iter().map(of_kind).sum::<f64>() / scene.cell.volume()
 }
 
 /// The share of a rank in a run.
@@ -90,7 +104,8 @@ struct Share<'a> {
 impl Share<'_> {
     /// From the start to the end.
     fn peak(&self) -> Bytes {
-        let stays = self.fluid().then(Particles::bytes(self.crowd.owned(), self.numbers())).then(self.estimators());
+        let particles = Particles::bytes(self.crowd.owned(), self.numbers());
+        let stays = self.fluid().then(particles).then(self.estimators()).then(self.segregation());
         let passes =
             self.step().or(self.report()).or(self.frame()).or(self.sample()).or(self.checkpoint()).or(self.field());
         self.start().then(stays).then(passes)
@@ -194,6 +209,14 @@ impl Share<'_> {
             }
             _ => Bytes::default(),
         }
+    }
+
+    /// Columns for the time series, on each rank, and those of statistics.
+    fn segregation(&self) -> Bytes {
+        let columns = statistics::column_bytes(self.scene);
+        let series = if self.scene.species.len() > 1 { columns } else { Bytes::default() };
+        let sampled = if self.samples().is_some() && self.is_first { columns } else { Bytes::default() };
+        series.then(sampled)
     }
 
     fn sample(&self) -> Bytes {

@@ -18,13 +18,15 @@ pub struct Single<'a> {
     pub numbers: usize,
     /// What the first rank has besides.
     pub besides: Bytes,
+    /// What to change where it takes too much.
+    pub remedy: &'static str,
 }
 
 impl Single<'_> {
     /// Refuses an evaluation for which the ranks have no memory. Collective.
     pub fn check_room(&self, comm: &Comm) -> anyhow::Result<()> {
         let count: usize = self.radii.iter().map(|kind| kind.1).sum();
-        let message = |error| format!("{error}; take fewer than {count} spheres, a larger tolerance, or more machines");
+        let message = |error| format!("{error}; for these {count} spheres take {}, or more machines", self.remedy);
         Ok(comm.agree(comm.check_room(self.need(comm)).map_err(message))?)
     }
 

@@ -63,7 +63,7 @@ impl Time {
 }
 
 /// Steps that a run may have: as many as times that are multiples of the step can tell apart.
-const MOST_STEPS: u64 = 1 << 53;
+pub(super) const MOST_STEPS: u64 = 1 << 53;
 
 impl Output {
     /// Refuses more than files hold, for so many steps of so many particles: a file's bytes are counted in 63 bits, those

@@ -168,5 +168,10 @@ impl Chunk {
 }
 
 fn cell_edges(disks: &[Identity]) -> DVec2 {
-    CELL * 2.0 * disks.iter().map(|d| d.radius).sum::<f64>() / disks.len() as f64
+    cell_of(disks.iter().map(|d| d.radius).sum::<f64>() / disks.len() as f64)
+}
+
+/// Width and height of a cell among disks of a mean radius.
+pub(in crate::disks) fn cell_of(mean_radius: f64) -> DVec2 {
+    CELL * 2.0 * mean_radius
 }

@@ -29,7 +29,7 @@ const MOST_CELLS: f64 = 64.0;
 /// Cells in lattice coordinates `(x - s y, y)`, row by row, so that the cells beside each other in x are one range of
 /// entries.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(in crate::disks) struct Grid {
     counts: [i64; 2],
     starts: Vec<u32>,
     entries: Vec<Entry>,
@@ -41,12 +41,7 @@ impl Grid {
     /// Sorts the places that drift counts from, which are inside the box, into cells of about the edges given.
     pub(super) fn sort(cell: &PeriodicBox, state: &State, about: DVec2) -> Self {
         let edges = cell.edges().truncate();
-        // Where disks are few, far fewer cells than that will do.
-        let most = MOST_CELLS * state.len().max(64) as f64;
-        let wanted = (edges / about).floor().max(DVec2::ONE);
-        let fewer = (most / (wanted.x * wanted.y)).min(1.0);
-        let counts =
-            if fewer < 1.0 { (wanted * fewer.sqrt()).floor().clamp(DVec2::ONE, DVec2::splat(most)) } else { wanted };
+        let counts = Self::counts(edges, about, state.len());
         let counts = counts.to_array().map(|c| c as i64);
         let none = Entry { place: DVec2::ZERO, radius: 0.0, row: 0, rank: 0 };
         let starts = vec![0; (counts[0] * counts[1]) as usize + 1];
@@ -71,6 +66,15 @@ impl Grid {
             *place += 1;
         }
         grid
+    }
+
+    /// Cells of about the edges given along each edge of a box with so many disks.
+    pub(in crate::disks) fn counts(edges: DVec2, about: DVec2, disks: usize) -> DVec2 {
+        // Where disks are few, far fewer cells than that will do.
+        let most = MOST_CELLS * disks.max(64) as f64;
+        let wanted = (edges / about).floor().max(DVec2::ONE);
+        let fewer = (most / (wanted.x * wanted.y)).min(1.0);
+        if fewer < 1.0 { (wanted * fewer.sqrt()).floor().clamp(DVec2::ONE, DVec2::splat(most)) } else { wanted }
     }
 
     /// The disks in the order of their cells.

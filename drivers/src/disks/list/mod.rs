@@ -11,6 +11,8 @@ use super::law::Law;
 use glam::DVec2;
 use std::ops::Range;
 
+pub(super) use build::cell_of;
+pub(super) use grid::Grid;
 pub(super) use slack::Slack;
 
 /// Two disks that may touch.

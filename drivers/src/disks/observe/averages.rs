@@ -19,7 +19,7 @@ struct AveragedStrip {
     temperature: Blocks,
 }
 
-/// A strip of an averaged profile; see [`Stripe`]. What was never seen is not a number.
+/// A strip of an averaged profile; see [`Stripe`]. What was never seen is not a number, but that no disks were.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanStripe {
     /// Height of the strip's middle.
@@ -33,6 +33,9 @@ pub struct MeanStripe {
     /// Their granular temperature.
     pub temperature: Estimate,
 }
+
+/// How many disks are in a strip that was never looked at.
+const NONE: Estimate = Estimate { mean: 0.0, error: f64::INFINITY, converged: false };
 
 impl AveragedProfile {
     /// Bytes of a strip after so many moments as there may be: four series, each of blocks of a few dozen lengths.
@@ -61,7 +64,7 @@ impl AveragedProfile {
     pub fn strips(&self) -> impl Iterator<Item = MeanStripe> {
         self.strips.iter().map(|strip| MeanStripe {
             height: strip.height,
-            count: strip.count.estimate(),
+            count: Some(strip.count.estimate()).filter(|count| !count.mean.is_nan()).unwrap_or(NONE),
             velocity: strip.velocity.estimate(),
             excess: strip.excess.estimate(),
             temperature: strip.temperature.estimate(),
@@ -85,6 +88,13 @@ mod tests {
     use super::super::Disk;
     use super::*;
     use glam::DVec2;
+
+    #[test]
+    fn a_profile_that_was_never_taken_is_of_no_disks() {
+        for strip in AveragedProfile::new(2).strips() {
+            assert!(strip.count.mean.to_bits() == 0 && strip.velocity.mean.is_nan(), "{strip:?}");
+        }
+    }
 
     fn moment(x: f64, y: f64) -> Snapshot {
         let (position, velocity) = (DVec2::new(0.0, y), DVec2::new(x, 0.0));

@@ -5,6 +5,8 @@ use domain::Vector;
 
 /// Grains that a cell can hold to begin with; all cells are given twice as many when one is full.
 const ROOM: usize = 8;
+/// Cells for each grain, at most; more than three along each axis.
+const MOST: f64 = 64.0;
 /// Most grains that are looked at together.
 pub const NEAR: usize = 512;
 
@@ -37,27 +39,42 @@ impl Near {
 }
 
 impl Cells {
-    /// Bytes of a cell.
-    pub const BYTES: f64 = (size_of::<u32>() * (1 + ROOM)) as f64;
-
     /// Cells for so many grains under a top wall at a height, about one for each.
     pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
-        let walled = std::array::from_fn(|k| model.is_walled(k));
         let p = model.parameters();
+        let walled = std::array::from_fn(|k| model.is_walled(k));
         let extent = Vector { y: if walled[1] { height } else { p.height }, ..model.edges() };
         let aim = (extent.element_product() / count.max(1) as f64).cbrt();
-        Self::new(extent, walled, p.diameter, aim)
+        Self::new(extent, walled, Self::counts((extent, walled), (p.diameter, aim), count as f64))
     }
 
-    /// Cells no smaller than `least` along each edge of the box, near `aim` if that is more.
-    fn new(extent: Vector, walled: [bool; 3], least: f64, aim: f64) -> Self {
-        let fit = |k: usize| {
-            let most = (extent[k] / least).floor().max(1.0);
+    /// Bytes of the cells for so many grains.
+    pub fn bytes(model: &Model, count: f64) -> f64 {
+        let p = model.parameters();
+        let walled = std::array::from_fn(|k| model.is_walled(k));
+        let aim = (model.edges().element_product() / count.max(1.0)).cbrt();
+        let counts = Self::counts((model.edges(), walled), (p.diameter, aim), count);
+        counts.iter().product::<f64>() * (size_of::<u32>() * (1 + ROOM)) as f64
+    }
+
+    /// How many cells no smaller than `least` fit along each edge of the box, near `aim` if that is more; longer ones
+    /// where a box is so much longer than wide that they would be many more than grains.
+    fn counts((extent, walled): (Vector, [bool; 3]), (least, aim): (f64, f64), grains: f64) -> [f64; 3] {
+        let mut counts: [f64; 3] = std::array::from_fn(|k| {
+            let fitting = (extent[k] / least).floor().clamp(1.0, f64::from(u32::MAX));
             let wanted = (extent[k] / aim.max(least)).floor();
             // A periodic axis needs three cells, or a grain would meet its neighbours twice.
-            wanted.clamp(if walled[k] { 1.0 } else { f64::min(3.0, most) }, most) as usize
-        };
-        let counts = [fit(0), fit(1), fit(2)];
+            wanted.clamp(if walled[k] { 1.0 } else { f64::min(3.0, fitting) }, fitting)
+        });
+        while counts.iter().product::<f64>() > MOST * grains.max(1.0) {
+            let longest = (0..3).fold(0, |longest, k| if counts[k] > counts[longest] { k } else { longest });
+            counts[longest] = (0.5 * counts[longest]).ceil();
+        }
+        counts
+    }
+
+    fn new(extent: Vector, walled: [bool; 3], counts: [f64; 3]) -> Self {
+        let counts = counts.map(|n| n as usize);
         let edges = extent / Vector::from(counts.map(|n| n as f64));
         let total: usize = counts.iter().product();
         Self { counts, edges, walled, room: ROOM, filled: vec![0; total], slots: vec![0; ROOM * total] }

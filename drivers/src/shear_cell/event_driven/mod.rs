@@ -69,9 +69,9 @@ pub struct EventDriven {
 }
 
 /// The engine with so many grains: about a cell for each, and a queue that ends in one time.
-pub fn bytes(count: f64) -> domain::Bytes {
+pub fn bytes(model: &Model, count: f64) -> domain::Bytes {
     let grains = domain::Bytes::list::<(u32, Grain, Vector, Rest, Plan)>(count);
-    grains.then(domain::Bytes::list::<f64>(8.0 / 7.0 * count)).then(domain::Bytes::keep(count * Cells::BYTES))
+    grains.then(domain::Bytes::list::<f64>(8.0 / 7.0 * count)).then(domain::Bytes::keep(Cells::bytes(model, count)))
 }
 
 /// What the engine did.

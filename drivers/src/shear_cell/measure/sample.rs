@@ -6,6 +6,8 @@ use std::f64::consts::PI;
 
 /// Layers, each at least this many diameters thick, against which a moment's granular temperature is taken.
 const THICKNESS: f64 = 0.5;
+/// Layers, in a higher cell thicker ones.
+const MOST: f64 = 10_000.0;
 
 /// The cell at a moment, and averages since an earlier one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +58,7 @@ impl Sample {
             [-normal, Vector::X, across].map(|direction| impulse.dot(direction) / (model.area(side) * time))
         };
         let p = model.parameters();
-        let layers = (height / (THICKNESS * p.diameter)).max(1.0) as usize;
+        let layers = (height / (THICKNESS * p.diameter)).clamp(1.0, MOST) as usize;
         let mut profile = Profile::new(model, height, layers);
         profile.add(model, &grains);
         let wall_hits = |tally: &Tally| tally.walls.iter().map(|w| w.hits).sum::<u64>();

@@ -3,7 +3,7 @@
 mod raw;
 
 use super::checks::rows;
-use super::course::{Output, Time, steps_in};
+use super::course::{MOST_STEPS, Output, Time, steps_in};
 use super::error::Fault;
 use domain::Number;
 use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species, Sweep};
@@ -175,11 +175,22 @@ fn sweep(raw: &raw::Sweep, scene: &Raw, (model, time): (&Model, &Time)) -> Resul
         record_every: strain(every.unwrap_or(time.steps.div_ceil(ROWS).max(1))),
         base,
     };
-    let lists = [sweep.seeds.len(), sweep.viscosities.len(), sweep.rates.len(), sweep.area_fractions.len()];
-    let cases: f64 = lists.iter().map(|&length| length as f64).product();
+    let cases = sweep.count();
     if cases > MOST_CASES {
         let message = format!("has {cases:.1e} cases, every combination of its lists; at most {MOST_CASES} are made");
         return Err(Fault::new("sweep", message));
+    }
+    for &rate in &sweep.rates {
+        let steps = sweep.strain / (rate.abs() * sweep.base.time_step);
+        let gets_there = steps <= MOST_STEPS as f64;
+        if !gets_there {
+            let message = format!(
+                "has {}, with which the strain {:.6} of the scene takes more than {MOST_STEPS} steps; list faster rates",
+                Number(rate),
+                Number(sweep.strain)
+            );
+            return Err(Fault::new("sweep.rates", message));
+        }
     }
     for case in sweep.cases() {
         sweep.model(&case).map_err(|e| Fault::new("sweep", format!("has a case whose {e}")))?;
