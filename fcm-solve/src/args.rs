@@ -1,9 +1,11 @@
 //! The command line.
 
 use crate::{bench, check, info, machine, mobility, new, resume, run, stats, streams, two_sphere};
+use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use domain::Comm;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Particles in viscous flow by the force-coupling method.
@@ -67,8 +69,18 @@ pub enum Command {
 impl Args {
     /// Reads the command line; help and mistakes come back as what to print.
     pub fn read() -> Result<Self, clap::Error> {
-        Self::try_parse()
+        Self::try_parse().map_err(|error| match error.kind() {
+            ErrorKind::InvalidUtf8 => not_text(error),
+            _ => error,
+        })
     }
+}
+
+/// The same error with the word that it is about.
+fn not_text(error: clap::Error) -> clap::Error {
+    let word = std::env::args_os().find(|word| word.to_str().is_none());
+    let message = |word: OsString| format!("the word '{}' is not text in UTF-8", word.to_string_lossy());
+    word.map(message).map_or(error, |message| Args::command().error(ErrorKind::InvalidUtf8, message))
 }
 
 impl Command {

@@ -54,7 +54,7 @@ pub fn go_on(
         comm.agree(kept.map_err(|e| in_full(&e)))?;
     }
     let mut resumed = simulation::resume(&scene, checkpoint, comm)
-        .with_context(|| format!("the last checkpoint in {} does not fit its scene", folder.path().display()))?;
+        .with_context(|| format!("{}: the last checkpoint does not fit its scene", folder.path().display()))?;
     let mut recorder = Recorder::resume(folder, &scene, &mut *resumed)?;
     march(&mut *resumed, &mut recorder, scene.kind().steps(), signals)
 }

@@ -1,6 +1,7 @@
 //! `fcm-solve two-sphere`: the exact resistance functions of two spheres.
 
 use crate::streams;
+use anyhow::Context;
 use domain::Comm;
 use lubrication::two_sphere::{TwoSphere, named};
 use serde_json::{Map, Value};
@@ -23,7 +24,7 @@ pub struct Args {
 /// Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let functions = TwoSphere::with_ratio(args.ratio).and_then(|table| table.resistance(args.gap));
-    let values = named(&comm.agree(functions)?);
+    let values = named(&comm.agree(functions).with_context(|| format!("--ratio {} --gap {}", args.ratio, args.gap))?);
     let text = if args.json {
         let object: Map<String, Value> =
             values.into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect();

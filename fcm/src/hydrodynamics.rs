@@ -26,7 +26,10 @@ pub enum SolveError {
         tolerance: f64,
     },
     /// Positions or loads are not numbers.
-    #[error("the motion of the particles is not finite; look for non-finite forces, or for particles at one point")]
+    #[error(
+        "the motion of the particles is not finite; look for forces beyond the range of numbers (species.force, \
+         repulsion.strength, ...), or for particles at one point"
+    )]
     NotFinite,
     /// Some rank was asked to stop.
     #[error("the solve was interrupted")]

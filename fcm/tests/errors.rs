@@ -180,8 +180,8 @@ fn loads_that_are_not_numbers_are_an_error_on_all_ranks() {
             assert_eq!(outcomes, vec![Err(SolveError::NotFinite); 4], "{method:?}");
         }
     }
-    let expected =
-        "the motion of the particles is not finite; look for non-finite forces, or for particles at one point";
+    let expected = "the motion of the particles is not finite; look for forces beyond the range of numbers (species.force, \
+                    repulsion.strength, ...), or for particles at one point";
     assert_eq!(SolveError::NotFinite.to_string(), expected);
 }
 

@@ -10,6 +10,7 @@ use super::warm_start::WarmStart;
 use crate::clock::Clock;
 use crate::integrator::VELOCITY;
 use crate::lubricated::{Guess, Hydrodynamics, Solved};
+use anyhow::Context;
 use domain::{Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, PlanError, SolveError};
 use io::{Multipoles, SuspensionScene};
@@ -116,7 +117,8 @@ impl Dynamics {
         let chosen = &scene.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
         let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
-        let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, range)?;
+        let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, range);
+        let hydrodynamics = hydrodynamics.context("hydrodynamics.lubrication")?;
         let dynamics = Self {
             hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
             lubrication: range,

@@ -43,7 +43,7 @@ impl Setup {
         let particles = comm.agree(particles.map_err(|e| crate::run::in_full(&e)))?;
         let setup = match planned {
             Some(planned) => Self::of(scene, (planned, particles), (comm, 0))?,
-            None => Self::at(scene, particles, (comm, 0))?,
+            None => Self::at(scene, particles, (comm, 0)).context("the spheres of particles.path")?,
         };
         let Gap { length: gap, radius } = setup.gap();
         // Touching spheres may touch, up to the round-off of a box's length.
