@@ -92,3 +92,31 @@ impl Program {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verdict::{End, Names, judge};
+
+    /// What a shell that carries out these lines, as the command `run` or another, is judged to be.
+    fn judged(name: &str, lines: &str) -> Result<End, String> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(name), lines).unwrap();
+        let limits = Limits { memory: 1 << 30, patience: Duration::from_secs(1), processor_seconds: 1 };
+        let shell = Program { path: PathBuf::from("/bin/sh"), limits };
+        judge(&shell.run(folder.path(), &[name.into()]).unwrap(), &Names::default())
+    }
+
+    #[test]
+    fn what_does_not_end_hangs() {
+        assert!(judged("check", "while :; do :; done").unwrap_err().contains("hang"));
+        assert!(judged("run", "trap '' TERM; while :; do :; done").unwrap_err().contains("hang"));
+        assert!(judged("check", "exec sleep 60").unwrap_err().contains("hang"));
+    }
+
+    #[test]
+    fn runs_that_take_long_are_asked_to_stop() {
+        assert_eq!(judged("run", "trap 'exit 75' TERM; while :; do sleep 0.1; done"), Ok(End::Stopped));
+        assert_eq!(judged("check", "echo 1.5"), Ok(End::Answered));
+    }
+}
