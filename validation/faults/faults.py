@@ -40,8 +40,10 @@ def disturb(runs, folder, kills, stops):
     """Kills runs and stops ranks; returns whether all that was survived."""
     killed = try_kills(runs, folder, kills)
     print(f"kills: {kills - len(killed)} of {kills} survived", flush=True)
-    stopped = try_stops(runs, folder, stops)
-    print(f"stops of a rank: {stops - len(stopped)} of {stops} survived", flush=True)
+    parallel = [run for run in runs if run.ranks]
+    stopped = try_stops(parallel, folder, stops)
+    if parallel:
+        print(f"stops of a rank: {stops - len(stopped)} of {stops} survived", flush=True)
     return not killed and not stopped
 
 

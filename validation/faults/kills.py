@@ -7,7 +7,7 @@ import shutil
 import signal
 import time
 
-from runs import PATIENCE
+from runs import patience
 from state import differences, end_state, unreadable
 
 
@@ -37,13 +37,13 @@ def at_work(out):
     return False
 
 
-def end(process, out):
-    """Waits until a killed run is gone."""
-    said = "".join(process.communicate(timeout=PATIENCE))
-    deadline = time.monotonic() + PATIENCE
+def end(process, out, until):
+    """Waits until a killed run is gone, for so many seconds."""
+    said = "".join(process.communicate(timeout=until))
+    deadline = time.monotonic() + until
     while at_work(out):
         if time.monotonic() > deadline:
-            raise RuntimeError(f"a rank outlives its job by {PATIENCE} s: {said}")
+            raise RuntimeError(f"a rank outlives its job by {until} s: {said}")
         time.sleep(0.01)
 
 
@@ -54,6 +54,7 @@ class Kills:
         self.run, self.out = run, folder / "out"
         os.makedirs(folder)
         self.seconds = run.whole(self.out)
+        self.patience = patience(self.seconds)
         self.expected = end_state(self.out)
 
     def kill(self):
@@ -63,11 +64,11 @@ class Kills:
         time.sleep(random.uniform(0, self.seconds))
         victim = random.choice([process.pid, *children(process.pid)])
         send(victim, signal.SIGKILL)
-        end(process, self.out)
+        end(process, self.out, self.patience)
         broken = unreadable(self.out)
         if broken:
             return f"unreadable files: {broken}"
-        code, said = self.run.call(self.run.go_on(self.out))
+        code, said = self.run.call(self.run.go_on(self.out), None, self.patience)
         if code != 0:
             return f"going on ended with {code}: {said}"
         return self.wrong()
@@ -81,7 +82,7 @@ class Kills:
         send(victim, signal.SIGSTOP)
         time.sleep(seconds)
         send(victim, signal.SIGCONT)
-        said = "".join(process.communicate(timeout=PATIENCE))
+        said = "".join(process.communicate(timeout=self.patience))
         return f"it ended with {process.returncode}: {said}" if process.returncode else self.wrong()
 
     def wrong(self):
@@ -95,9 +96,8 @@ def try_kills(runs, folder, number):
 
 
 def try_stops(runs, folder, number):
-    """Stops ranks of runs in turn; returns what did not survive."""
-    parallel = [run for run in runs if run.ranks]
-    return repeat(parallel, folder / "stops", number, "stop", lambda kills: kills.stop_for_a_while(0.5))
+    """Stops ranks of parallel runs in turn; returns what did not survive."""
+    return repeat(runs, folder / "stops", number, "stop", lambda kills: kills.stop_for_a_while(0.5))
 
 
 def repeat(runs, folder, number, what, attempt):

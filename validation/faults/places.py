@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 
+from runs import patience
 from state import differences, end_state, unreadable
 
 CALLS = ("open", "write", "sync", "rename", "unlink", "truncate", "mkdir", "close")
@@ -31,8 +32,11 @@ class Place:
     def __init__(self, run, folder, library):
         self.run, self.out, self.log = run, folder / "out", folder / "log"
         self.former, self.library = folder / "former", library
-        self.run.whole(self.out)
+        self.patience = patience(self.run.whole(self.out))
         self.expected = end_state(self.out)
+
+    def call(self, arguments, environment=None):
+        return self.run.call(arguments, environment, self.patience)
 
     def environment(self, fault=None, rank=0):
         variables = {"LD_PRELOAD": self.library, "FAULT_FOLDER": self.out, "FAULT_LOG": self.log, "FAULT_RANK": rank}
@@ -55,13 +59,13 @@ class Place:
         """From now on runs that are tried go on with one that found the disk full in its middle."""
         writes = sum(call == "write" for call in self.calls())
         self.reset()
-        self.run.call(self.arguments(), self.environment(Fault("write", 3 * writes // 4, errno.ENOSPC, "stays")))
+        self.call(self.arguments(), self.environment(Fault("write", 3 * writes // 4, errno.ENOSPC, "stays")))
         shutil.copytree(self.out, self.former)
 
     def calls(self, rank=0):
         """The calls of a run in which all of them pass, in order, as the library's log names them."""
         self.reset()
-        code, said = self.run.call(self.arguments(), self.environment(rank=rank))
+        code, said = self.call(self.arguments(), self.environment(rank=rank))
         if code != 0 or differences(end_state(self.out), self.expected):
             raise RuntimeError(f"{self.run.name} with all calls listed ended with {code}:\n{said}")
         return [line.split()[0] for line in self.log.read_text().splitlines()] if self.log.exists() else []
@@ -69,7 +73,7 @@ class Place:
     def survives(self, fault):
         """None if the run bears the fault; else what went wrong."""
         self.reset()
-        code, said = self.run.call(self.arguments(), self.environment(fault))
+        code, said = self.call(self.arguments(), self.environment(fault))
         if not self.log.exists():
             return f"the call was not made: {said}"
         return self.wrong_end(code, said) or self.wrong_after(code)
@@ -88,7 +92,7 @@ class Place:
     def wrong_after(self, code):
         """What is wrong when the run is gone on with; a run that bore the fault has nothing left to do."""
         if code != 0:
-            code, said = self.run.call(self.run.go_on(self.out))
+            code, said = self.call(self.run.go_on(self.out))
             if code != 0:
                 return f"it does not go on: {said}"
         missed = differences(end_state(self.out), self.expected)

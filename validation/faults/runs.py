@@ -11,8 +11,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
 
-# A hundred times what any of these runs takes; what does not end by then hangs.
+# A hundred times what any of these runs takes on an idle machine.
 PATIENCE = 120
+
+
+def patience(seconds):
+    """When a run hangs of which one was seen to take so long: on a busy machine all of them take longer."""
+    return max(PATIENCE, 100 * seconds)
+
 
 SUSPENSION = {
     "box.edges": "[10.0, 10.0, 10.0]",
@@ -64,11 +70,11 @@ class Run:
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=environment, start_new_session=True)
 
-    def call(self, arguments, environment=None):
-        """Exit code and all that was printed; the code is None where the run hangs."""
+    def call(self, arguments, environment=None, until=10 * PATIENCE):
+        """Exit code and all that was printed; the code is None where the run hangs, which is when it takes so long."""
         process = self.start(arguments, environment)
         try:
-            said = "".join(process.communicate(timeout=PATIENCE))
+            said = "".join(process.communicate(timeout=until))
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, 9)
             return None, "".join(process.communicate())
