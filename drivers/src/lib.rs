@@ -2,9 +2,11 @@
 
 pub mod continuum;
 pub mod disks;
+mod error;
 mod fraction;
 mod parameter;
 pub mod shear_cell;
 mod widest;
 
+pub use error::StartError;
 pub use parameter::ParameterError;

@@ -1,18 +1,7 @@
 //! The one way in which a driver refuses its input.
 
+pub use domain::ParameterError;
 use domain::{Number, Vector};
-
-/// A parameter outside its range.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{key} is {found}; it needs {allowed}")]
-pub struct ParameterError {
-    /// The key, as a scene writes it.
-    pub key: &'static str,
-    /// What was given.
-    pub found: String,
-    /// What would do.
-    pub allowed: String,
-}
 
 /// What was given, as a message shows it.
 pub(crate) trait Found {
@@ -68,6 +57,11 @@ impl Found for String {
     }
 }
 
+/// An error that says what was found and what is allowed.
+pub(crate) fn refused(key: &'static str, found: &str, allowed: &str) -> ParameterError {
+    ParameterError::new(key, format!("is {found}; it needs {allowed}"))
+}
+
 /// Passes if `holds`; else names the key, what was found and what is allowed.
 pub(crate) fn require(
     holds: bool,
@@ -75,7 +69,7 @@ pub(crate) fn require(
     found: &impl Found,
     allowed: impl Into<String>,
 ) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(ParameterError { key, found: found.shown(), allowed: allowed.into() }) }
+    if holds { Ok(()) } else { Err(refused(key, &found.shown(), &allowed.into())) }
 }
 
 /// Passes 0 and numbers whose size is between `10^-power` and `10^power`: beyond, products of them would leave the range

@@ -1,13 +1,12 @@
 //! `fcm-solve check`: what a scene would cost.
 
-use crate::granular;
 use crate::machine::on_this_machine;
-use crate::run::read;
+use crate::scene_file::read;
 use crate::streams;
-use crate::suspension::{Asked, Outline, Ranks};
 use domain::Comm;
 use io::Kind;
 use std::path::PathBuf;
+use suspension::{Asked, Outline, Ranks};
 
 /// Which scene.
 #[derive(clap::Args)]
@@ -29,8 +28,10 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let scene = on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
     let outline = match scene.kind() {
-        Kind::Suspension(scene) => Outline::of(scene, asked(args, comm), comm)?.to_string(),
-        other => granular::outline(other),
+        Kind::Suspension(scene) => {
+            Outline::of(&scene.model, io::placed(scene, comm)?, asked(args, comm), comm)?.to_string()
+        }
+        other => io::outline(other),
     };
     streams::print(comm, &outline)
 }

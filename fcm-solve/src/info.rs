@@ -1,6 +1,6 @@
 //! `fcm-solve info`: what a result file holds.
 
-use crate::run::in_full;
+use crate::causes::in_full;
 use crate::streams;
 use anyhow::{anyhow, ensure};
 use domain::Comm;

@@ -1,15 +1,15 @@
 //! What evaluations cost on this machine: measured by `fcm-solve calibrate`, kept in the user's cache folder, and
 //! written into the scenes that are run here, so that they are resumed anywhere by the same plan.
 
-use crate::bench::{Case, Kind, Spheres, Task};
-use crate::run::in_full;
+use crate::causes::in_full;
 use crate::streams;
 use anyhow::{Context, anyhow};
 use domain::Comm;
-use fcm::{Costs, Fixed, Seconds};
+use fcm::Costs;
 use io::{Kind as SceneKind, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use suspension::benchmark::measured_costs;
 
 /// The file in the cache folder.
 #[derive(Serialize, Deserialize)]
@@ -23,7 +23,7 @@ struct Cached {
 /// Measures the costs, for a fraction of a second, and keeps them. Collective.
 pub fn calibrate(comm: &Comm) -> anyhow::Result<()> {
     // Each rank by itself, as its share of a machine.
-    let costs = measured(&Comm::alone())?;
+    let costs = measured_costs(&Comm::alone())?;
     let kept = if comm.is_first() { keep(costs) } else { Ok(PathBuf::new()) };
     let path = comm.agree(kept.map_err(|e| in_full(&e)))?;
     let Costs { stencils, transforms, pairs } = costs;
@@ -33,34 +33,6 @@ pub fn calibrate(comm: &Comm) -> anyhow::Result<()> {
         path.display()
     );
     streams::print(comm, &text)
-}
-
-/// Medians over evaluations of two tolerances, over what the planner expects.
-fn measured(comm: &Comm) -> anyhow::Result<Costs> {
-    let case = Case { particles: 3200, volume_fraction: 0.12, size_ratio: 1.0 };
-    let spheres = Spheres::random(&case, comm)?;
-    let task = |tolerance| Task {
-        tolerance,
-        kind: Kind::All,
-        repeats: 9,
-        with_error: false,
-        fixed: Fixed::default(),
-        costs: Costs::default(),
-    };
-    let mut factors = [1.0; 3];
-    for tolerance in [1e-3, 1e-6] {
-        let (plan, seconds) = task(tolerance).times(&spheres, comm)?;
-        let Seconds { spread, fft, interpolate, near, .. } = seconds;
-        let expected = plan.parts(case.particles);
-        let parts = [(spread + interpolate, expected.stencils), (fft, expected.transforms), (near, expected.pairs)];
-        for (factor, (found, expected)) in factors.iter_mut().zip(parts) {
-            // The threads share the work.
-            let found = found * rayon::current_num_threads() as f64;
-            *factor *= (found / expected).clamp(0.01, 100.0).sqrt();
-        }
-    }
-    let [stencils, transforms, pairs] = factors;
-    Ok(Costs { stencils, transforms, pairs })
 }
 
 fn keep(Costs { stencils, transforms, pairs }: Costs) -> anyhow::Result<PathBuf> {
@@ -105,7 +77,7 @@ fn kept() -> anyhow::Result<Option<Costs>> {
 pub fn on_this_machine(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
     let SceneKind::Suspension(checked) = scene.kind() else { return Ok(scene) };
     let costs = costs(comm)?;
-    if checked.hydrodynamics.costs.is_some() || costs == Costs::default() {
+    if checked.model.hydrodynamics.costs.is_some() || costs == Costs::default() {
         return Ok(scene);
     }
     let Costs { stencils, transforms, pairs } = costs;

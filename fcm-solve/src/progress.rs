@@ -1,9 +1,9 @@
 //! How far a run is, for whoever waits.
 
-use crate::clock::Clock;
 use crate::streams;
 use domain::{Comm, Number};
 use indicatif::{ProgressBar, ProgressStyle};
+use simulation::Clock;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 

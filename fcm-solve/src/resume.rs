@@ -1,15 +1,14 @@
 //! `fcm-solve resume`: a run from its last checkpoint.
 
-use crate::march::march;
-use crate::output::{Folder, Recorder};
-use crate::run::{Whole, in_full, quoted, read};
+use crate::causes::in_full;
+use crate::commands::resume_command;
+use crate::continuing::{go_on, kept_scene, latest};
 use crate::signals::Signals;
 use crate::walltime::{self, Walltime};
-use crate::{granular, simulation, streams};
-use anyhow::Context;
+use crate::whole_scene::carry_out;
 use domain::Comm;
-use io::{Checkpoint, Scene};
-use std::path::{Path, PathBuf};
+use io::{RunFolder, WholeScene};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Which run to go on with.
@@ -29,57 +28,12 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let command = resume_command(&args.folder, args.steps);
     let signals = comm.agree(Signals::watch(comm, command, walltime::end(args.walltime)))?;
-    let folder = comm.agree(Folder::reopen(&args.folder, comm).map_err(|e| in_full(&e)))?;
+    let folder = comm.agree(RunFolder::reopen(&args.folder, comm).map_err(|e| in_full(&e.into())))?;
     let scene = kept_scene(&folder, args.steps, comm)?;
-    if let Some(work) = Whole::of(&scene) {
-        granular::on_one_rank(comm)?;
-        granular::check_room(scene.kind(), comm)?;
-        return work.carry_out(&scene, &folder, comm);
+    if let Some(work) = WholeScene::of(&scene) {
+        io::check_room(scene.kind(), comm)?;
+        return carry_out(&work, (&scene, &folder), comm);
     }
-    let checkpoint = comm.agree(latest(&folder, comm))?;
-    go_on(folder, checkpoint, args.steps, (comm, &signals))
-}
-
-/// Goes on from a checkpoint, which the first rank brings, until step `steps` if that is not the end of the scene in
-/// the folder. Collective.
-pub fn go_on(
-    folder: Folder,
-    checkpoint: Option<Checkpoint>,
-    steps: Option<u64>,
-    (comm, signals): (&Comm, &Signals),
-) -> anyhow::Result<ExitCode> {
-    let scene = kept_scene(&folder, steps, comm)?;
-    if steps.is_some() {
-        let kept = if comm.is_first() { folder.keep(scene.text()) } else { Ok(()) };
-        comm.agree(kept.map_err(|e| in_full(&e)))?;
-    }
-    let mut resumed = simulation::resume(&scene, checkpoint, comm)
-        .with_context(|| format!("{}: the last checkpoint does not fit its scene", folder.path().display()))?;
-    let mut recorder = Recorder::resume(folder, &scene, &mut *resumed)?;
-    march(&mut *resumed, &mut recorder, scene.kind().steps(), signals)
-}
-
-/// The scene of a folder, perhaps with another end. Collective.
-fn kept_scene(folder: &Folder, steps: Option<u64>, comm: &Comm) -> anyhow::Result<Scene> {
-    let overrides: Vec<String> = steps.iter().map(|n| format!("time.steps={n}")).collect();
-    read(&folder.scene(), &overrides, comm)
-}
-
-/// The last whole checkpoint, on the first rank.
-pub fn latest(folder: &Folder, comm: &Comm) -> Result<Option<Checkpoint>, io::FileError> {
-    if !comm.is_first() {
-        return Ok(None);
-    }
-    let (checkpoint, damaged) = Checkpoint::latest(folder.path())?;
-    for error in damaged {
-        streams::log(format_args!("warning: {error}; going on from the checkpoint before, step {}", checkpoint.step));
-    }
-    Ok(Some(checkpoint))
-}
-
-/// The command that goes on with the run of a folder.
-pub fn resume_command(folder: &Path, steps: Option<u64>) -> String {
-    let folder = quoted(&folder.display().to_string());
-    let steps = steps.map_or_else(String::new, |steps| format!(" --steps {steps}"));
-    format!("fcm-solve resume {folder}{steps}")
+    let state = comm.agree(latest(&folder, comm))?;
+    go_on(folder, state, args.steps, (comm, &signals))
 }

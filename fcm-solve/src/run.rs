@@ -1,17 +1,19 @@
 //! `fcm-solve run`: a scene from its start, or from where it stands.
 
-use crate::least_repulsion::with_least_repulsion;
+use crate::causes::in_full;
+use crate::commands::{quoted, resume_command};
+use crate::continuing::{go_on, latest};
 use crate::machine::on_this_machine;
-use crate::march::march;
-use crate::output::{Folder, Former, Recorder};
-use crate::resume::{go_on, latest, resume_command};
+use crate::preparing::Preparing;
+use crate::run_loop::run_to_end;
+use crate::scene_file::read;
 use crate::signals::Signals;
 use crate::walltime::{self, Walltime};
-use crate::{granular, simulation, streams};
-use anyhow::{Context, ensure};
+use crate::whole_scene::carry_out;
+use crate::{calibration::with_least_repulsion, streams};
+use anyhow::ensure;
 use domain::Comm;
-use drivers::disks::Sweep;
-use io::{Checkpoint, ContinuumScene, Kind, Scene};
+use io::{Checkpoints, Former, Kind, Recorder, RunFolder, Scene, WholeScene};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -43,7 +45,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let path = args.folder(&scene);
     let signals = Signals::watch(comm, args.command(&path), walltime::end(args.walltime));
     let signals = comm.agree(signals)?;
-    let folder = comm.agree(Folder::claim(&path, comm, args.former()).map_err(|e| in_full(&e)))?;
+    let folder = comm.agree(RunFolder::claim(&path, comm, args.former()).map_err(|e| in_full(&e.into())))?;
     if args.goes_on && folder.holds_run(comm) {
         return start_or_go_on(scene, folder, comm, &signals);
     }
@@ -51,46 +53,47 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
 }
 
 /// A run from its start. Collective.
-fn start(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+fn start(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     let scene = with_least_repulsion(on_this_machine(scene, comm)?, comm)?;
-    if let Some(work) = Whole::of(&scene) {
-        granular::on_one_rank(comm)?;
-        granular::check_room(scene.kind(), comm)?;
+    if let Some(work) = WholeScene::of(&scene) {
+        io::check_room(scene.kind(), comm)?;
         folder.start_with(scene.text())?;
         signals.go_on_with(resume_command(folder.path(), None));
-        return work.carry_out(&scene, &folder, comm);
+        return carry_out(&work, (&scene, &folder), comm);
     }
-    let mut started = simulation::start(&scene, comm)?;
+    let mut preparing = Preparing::start(comm, "the particles are placed");
+    let mut started = io::start(&scene, comm, &mut |part| preparing.show(part))?;
+    drop(preparing);
     let mut recorder = Recorder::create(folder, &scene, &mut *started)?;
-    march(&mut *started, &mut recorder, scene.kind().steps(), signals)
+    run_to_end(&mut *started, &mut recorder, scene.kind().steps(), signals)
 }
 
 /// The run that a folder holds, on to the end that the scene has now. Collective.
-fn start_or_go_on(scene: Scene, folder: Folder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+fn start_or_go_on(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     let kept = read(&folder.scene(), &[], comm)?;
     refuse_another(&scene, &kept, folder.path())?;
     let end = scene.kind().steps();
-    if let Some(work) = Whole::of(&kept) {
-        return if comm.any(comm.is_first() && work.is_finished(&folder)) {
+    if let Some(work) = WholeScene::of(&kept) {
+        return if comm.any(comm.is_first() && work.is_finished(folder.path())) {
             Ok(finished("", &folder, comm))
         } else {
             signals.go_on_with(resume_command(folder.path(), None));
-            work.carry_out(&kept, &folder, comm)
+            carry_out(&work, (&kept, &folder), comm)
         };
     }
-    let has_checkpoint = if comm.is_first() { Checkpoint::is_in(folder.path()) } else { Ok(false) };
+    let has_checkpoint = if comm.is_first() { Checkpoints::of(folder.path()).any() } else { Ok(false) };
     if !comm.any(comm.agree(has_checkpoint)?) {
         return start(scene, folder, comm, signals);
     }
-    let checkpoint = comm.agree(latest(&folder, comm))?;
-    if comm.any(checkpoint.as_ref().is_some_and(|checkpoint| checkpoint.step >= end)) {
+    let state = comm.agree(latest(&folder, comm))?;
+    if comm.any(state.as_ref().is_some_and(|state| state.step >= end)) {
         return Ok(finished(&format!(", after step {end}"), &folder, comm));
     }
     let other_end = (end != kept.kind().steps()).then_some(end);
-    go_on(folder, checkpoint, other_end, (comm, signals))
+    go_on(folder, state, other_end, (comm, signals))
 }
 
-fn finished(when: &str, folder: &Folder, comm: &Comm) -> ExitCode {
+fn finished(when: &str, folder: &RunFolder, comm: &Comm) -> ExitCode {
     if comm.is_first() {
         streams::log(format_args!("finished already{when}; results in {}", folder.path().display()));
     }
@@ -100,7 +103,7 @@ fn finished(when: &str, folder: &Folder, comm: &Comm) -> ExitCode {
 /// Refuses to go on with the run of another scene. Its end may be another, for that says only how far the run goes.
 fn refuse_another(scene: &Scene, kept: &Scene, folder: &Path) -> anyhow::Result<()> {
     let says = |key: &str| scene.differences(kept).iter().any(|d| d.key.starts_with(key) && d.values[0].is_some());
-    let calibrates = matches!(scene.kind(), Kind::Suspension(s) if s.repulsion.is_some_and(|r| r.calibrate));
+    let calibrates = matches!(scene.kind(), Kind::Suspension(s) if s.model.repulsion.is_some_and(|r| r.calibrate));
     let may_differ = |key: &str| {
         ["time.steps", "time.duration", "time.strain", "output.folder"].contains(&key)
             || key.starts_with(COSTS) && !says(COSTS)
@@ -146,88 +149,6 @@ impl Args {
     }
 }
 
-/// A word as a shell takes it.
-pub fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./=+-:,@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
-/// A scene that has no steps of its own to march through.
-pub enum Whole<'a> {
-    /// Problems to solve.
-    Continuum(&'a ContinuumScene),
-    /// Runs to make.
-    Sweep(&'a Sweep),
-}
-
-impl<'a> Whole<'a> {
-    /// The scene as one of these, if it is one.
-    pub fn of(scene: &'a Scene) -> Option<Self> {
-        match scene.kind() {
-            Kind::Continuum(scene) => Some(Self::Continuum(scene)),
-            Kind::GranularDisks(scene) => scene.sweep.as_ref().map(Self::Sweep),
-            _ => None,
-        }
-    }
-
-    /// Does what is left to do.
-    pub fn carry_out(&self, scene: &Scene, folder: &Folder, comm: &Comm) -> anyhow::Result<ExitCode> {
-        match self {
-            Self::Continuum(problems) => granular::solve(problems, scene, folder.path(), comm),
-            Self::Sweep(runs) => granular::sweep(runs, scene, folder.path(), comm),
-        }
-    }
-
-    /// Whether a folder has all that there is to do.
-    fn is_finished(&self, folder: &Folder) -> bool {
-        match self {
-            Self::Continuum(problems) => granular::is_solved(problems, folder.path()),
-            // Written last.
-            Self::Sweep(_) => folder.path().join("sweep.h5").exists(),
-        }
-    }
-}
-
-/// Reads a scene on the first rank and shares it. Collective.
-pub fn read(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<Scene> {
-    let read = if comm.is_first() { read_here(path, overrides).map(Some) } else { Ok(None) };
-    let read = comm.agree(read)?;
-    let text = comm.broadcast_text(read.as_ref().map_or("", |scene| scene.text()));
-    read.map_or_else(|| Scene::parse(&text, &path.display().to_string(), &[]).context("as the first rank sent it"), Ok)
-}
-
-fn read_here(path: &Path, overrides: &[String]) -> Result<Scene, io::SceneError> {
-    if path != Path::new("-") {
-        return Scene::read(path, overrides);
-    }
-    let name = "standard input";
-    let text = std::io::read_to_string(std::io::stdin());
-    let text = text.map_err(|reason| io::SceneError::Unreadable { name: name.to_owned(), reason })?;
-    Scene::parse(&text, name, overrides)
-}
-
-/// An error with all its causes, for the other ranks.
-pub fn in_full(error: &anyhow::Error) -> String {
-    format!("{error:#}")
-}
-
 fn default_folder(scene: &Path) -> PathBuf {
     Path::new("results").join(scene.file_stem().unwrap_or(scene.as_os_str()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_needs_it() {
-        assert_eq!(quoted("results/my-run_1.toml"), "results/my-run_1.toml");
-        assert_eq!(quoted("species[0].count=3"), "'species[0].count=3'");
-        assert_eq!(quoted("it's"), r"'it'\''s'");
-        assert_eq!(quoted(""), "''");
-    }
 }

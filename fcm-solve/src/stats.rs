@@ -1,13 +1,16 @@
 //! `fcm-solve stats`: statistics of a run from its trajectory.
 
+use crate::causes::in_full;
 use crate::number::{finite, positive};
-use crate::run::in_full;
-use crate::statistics::{self, COLUMNS, Statistics};
 use crate::streams;
 use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, Need, Particles, Process};
-use io::{Kind, Multipoles, Provenance, Recorded, Scene, SuspensionScene, Table, write_tables};
+use io::{Kind, Recorded, Scene, provenance, write_tables};
+use simulation::Table;
 use std::path::PathBuf;
+use suspension::{
+    Model, Multipoles, SAMPLE_COLUMNS, Statistics, StatisticsWanted, column_bytes, sample_bytes, statistics_bytes,
+};
 
 /// Which run, and what of it.
 #[derive(clap::Args)]
@@ -44,11 +47,12 @@ fn take(args: &Args) -> anyhow::Result<()> {
     let Kind::Suspension(suspension) = scene.kind() else {
         bail!("{} is not of a suspension, and statistics are of those only", trajectory.display())
     };
-    let mut wanted = suspension.statistics.unwrap_or(io::Statistics::ALL);
+    let model = &suspension.model;
+    let mut wanted = model.statistics.unwrap_or(StatisticsWanted::ALL);
     wanted.from = args.from.unwrap_or(f64::NEG_INFINITY);
     wanted.diffusive_from = args.diffusive_from.or(wanted.diffusive_from);
     if let Some(distance) = args.distance {
-        io::Statistics::check_distance(distance, &suspension.cell).map_err(|e| anyhow!("--distance {e}"))?;
+        StatisticsWanted::check_distance(distance, &model.cell).map_err(|e| anyhow!("--distance {e}"))?;
         wanted.distance = Some(distance);
     }
     let until = args.to.unwrap_or(f64::INFINITY);
@@ -64,11 +68,11 @@ fn take(args: &Args) -> anyhow::Result<()> {
                 continue;
             }
         };
-        fits(&particles, suspension).with_context(|| format!("frame {frame} of {}", trajectory.display()))?;
+        fits(&particles, model).with_context(|| format!("frame {frame} of {}", trajectory.display()))?;
         if statistics.is_none() {
-            check_room(suspension, particles.len() as f64, samples)?;
+            check_room(model, particles.len() as f64, samples)?;
         }
-        let statistics = statistics.get_or_insert_with(|| Statistics::new(suspension, wanted, &particles));
+        let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles));
         statistics.sample(time, &cell, &particles);
     }
     let Some(statistics) = statistics else {
@@ -76,39 +80,33 @@ fn take(args: &Args) -> anyhow::Result<()> {
     };
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("stats"));
     ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
-    let provenance = Provenance {
-        scene: scene.text().to_owned(),
-        program: concat!("fcm-solve ", env!("CARGO_PKG_VERSION")).to_owned(),
-        plan: recorded.plan().to_owned(),
-        ranks: 1,
-        seed: suspension.seed,
-    };
+    let provenance = provenance(&scene, recorded.plan().to_owned(), &Comm::alone());
     write_tables(&out, "statistics", &provenance, &statistics.tables()).context("the statistics are lost")?;
     streams::print_here(&format!("{}tables     {}\n", in_columns(&statistics.summary()), out.display()))
 }
 
 /// Refuses particles of which no statistics can be made: without velocities, or of another scene.
-fn fits(particles: &Particles, scene: &SuspensionScene) -> anyhow::Result<()> {
-    let needed = if scene.hydrodynamics.multipoles == Multipoles::Dipole { &COLUMNS[..] } else { &COLUMNS[..1] };
+fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
+    let needed =
+        if model.hydrodynamics.multipoles == Multipoles::Dipole { &SAMPLE_COLUMNS[..] } else { &SAMPLE_COLUMNS[..1] };
     for name in needed {
         let has = particles.columns.iter().any(|column| column.name == *name);
         ensure!(has, "it has no {name}, which statistics are made of");
     }
-    let species = scene.species.len();
+    let species = model.species.len();
     let unknown = particles.species.iter().find(|&&s| s as usize >= species);
     ensure!(unknown.is_none(), "it has a sphere of species {}; the scene has {species}, from 0", unknown.unwrap_or(&0));
     Ok(())
 }
 
-/// Refuses samples of so many particles of a scene that there is no memory for.
-fn check_room(scene: &SuspensionScene, particles: f64, samples: u64) -> anyhow::Result<()> {
-    let kept = statistics::bytes(particles, samples, (scene.species.len(), rayon::current_num_threads()));
-    let columns = statistics::column_bytes(scene);
-    let peak = kept.then(columns).then(Particles::bytes(particles, 11)).then(statistics::sample_bytes(particles));
+/// Refuses samples of so many particles of a model that there is no memory for.
+fn check_room(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
+    let kept = statistics_bytes(particles, samples, (model.species.len(), rayon::current_num_threads()));
+    let peak = kept.then(column_bytes(model)).then(Particles::bytes(particles, 11)).then(sample_bytes(particles));
     let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
     Comm::check_room_of(&[need]).with_context(|| {
         format!("{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from and --to",
-            scene.species.len())
+            model.species.len())
     })
 }
 

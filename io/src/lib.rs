@@ -1,4 +1,4 @@
-//! What goes in and out: scenes, and the files of a run.
+//! What goes in and out: scenes, the files of a run, and runs from scenes to files.
 
 mod case;
 mod checkpoint;
@@ -8,12 +8,11 @@ mod durable;
 mod error;
 mod fields;
 mod frames;
-mod memory;
 mod placed;
 mod provenance;
 mod recorded;
+mod run;
 mod scene;
-mod schedule;
 mod series;
 mod sized;
 mod tables;
@@ -22,22 +21,22 @@ mod trajectory;
 mod whole;
 
 pub use case::{Answer, Background, Case, OneOrAll, Terms};
-pub use checkpoint::Checkpoint;
+pub use checkpoint::Checkpoints;
 pub use contents::{Contents, FrameSpan};
 pub use durable::replace as replace_file;
 pub use error::FileError;
-pub use fields::{VelocityField, drop_fields_after};
+pub use fields::{drop_fields_after, write_field};
 pub use frames::Damage;
-pub use memory::frame_bytes;
-pub use placed::Placed;
+pub use placed::read_placed;
 pub use provenance::Provenance;
 pub use recorded::Recorded;
-pub use scene::{
-    Adaptive, Axis, ContinuumScene, Difference, Evaluation, Flow, GranularDisksScene, Hydrodynamics, Integrator, Kind,
-    Lattice, Multipoles, Output, Repulsion, Scene, SceneError, ShearCellScene, Species, Start, Statistics,
-    SuspensionScene, Time,
+pub use run::{
+    Former, Listener, Recorder, RunError, RunFolder, WholeScene, check_room, outline, placed, provenance, resume, start,
 };
-pub use schedule::Schedule;
-pub use series::{Quantity, Series};
-pub use tables::{Table, write_tables};
-pub use trajectory::{Frame, Trajectory};
+pub use scene::{
+    ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,
+    Time,
+};
+pub use series::Series;
+pub use tables::{read_rows, write_tables};
+pub use trajectory::Trajectory;

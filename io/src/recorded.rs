@@ -126,7 +126,8 @@ fn numbers(particles: &Particles) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Frame, Provenance, Trajectory};
+    use crate::{Provenance, Trajectory};
+    use simulation::Frame;
 
     /// A trajectory of one frame of one particle, after it was changed; what is said of its frame.
     fn changed(change: impl FnOnce(&File) -> hdf5::Result<()>) -> String {

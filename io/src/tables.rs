@@ -3,76 +3,37 @@
 use crate::{FileError, Provenance, durable, text, whole};
 use hdf5::File;
 use hdf5::types::VarLenUnicode;
-use std::fmt::Write as _;
+use simulation::Table;
 use std::path::Path;
 
-/// A table: some columns of words that say what a row is of, and columns of numbers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Table {
-    /// Its name in files.
-    pub name: &'static str,
-    /// Names of the columns of words.
-    pub labels: &'static [&'static str],
-    /// Names and units of the columns of numbers.
-    pub columns: Vec<(String, &'static str)>,
-    /// The words and numbers of each row.
-    pub rows: Vec<(Vec<String>, Vec<f64>)>,
+/// The rows of a CSV file that has the columns of a table without words.
+pub fn read_rows(table: &Table, path: &Path) -> Result<Vec<Vec<f64>>, FileError> {
+    let csv = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
+    let mut lines = csv.lines();
+    let expected = table.columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(",");
+    if lines.next() != Some(&expected) {
+        return Err(FileError::damaged(path, &format!("its first line is not {expected}")));
+    }
+    let row = |line: &str| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>();
+    let rows: Vec<Vec<f64>> = lines.map(row).collect::<Result<_, _>>().map_err(|e| FileError::damaged(path, &e))?;
+    match rows.iter().find(|row| row.len() != table.columns.len()) {
+        Some(row) => Err(FileError::damaged(path, &format!("it has a row of {} numbers", row.len()))),
+        None => Ok(rows),
+    }
 }
 
-impl Table {
-    /// A table without rows.
-    pub fn new(name: &'static str, labels: &'static [&'static str], columns: &[(&str, &'static str)]) -> Self {
-        let columns = columns.iter().map(|&(name, unit)| (name.to_owned(), unit)).collect();
-        Self { name, labels, columns, rows: Vec::new() }
+fn write(table: &Table, file: &File) -> hdf5::Result<()> {
+    let group = file.create_group(table.name)?;
+    for (place, name) in table.labels.iter().enumerate() {
+        let words: Vec<VarLenUnicode> = table.rows.iter().map(|(words, _)| text::scalar(&words[place])).collect();
+        group.new_dataset_builder().with_data(&words).create(*name)?;
     }
-
-    /// Adds a row.
-    pub fn add(&mut self, words: &[&str], numbers: &[f64]) {
-        assert_eq!((words.len(), numbers.len()), (self.labels.len(), self.columns.len()), "a value for each column");
-        self.rows.push((words.iter().map(|&word| word.to_owned()).collect(), numbers.to_vec()));
+    for (place, (name, unit)) in table.columns.iter().enumerate() {
+        let numbers: Vec<f64> = table.rows.iter().map(|(_, numbers)| numbers[place]).collect();
+        let dataset = group.new_dataset_builder().with_data(&numbers).create(name.as_str())?;
+        text::write_dimensions(&dataset, unit)?;
     }
-
-    /// The table as CSV; words with commas or quotes are quoted.
-    pub fn to_csv(&self) -> String {
-        let names = self.labels.iter().map(|&name| name.to_owned()).chain(self.columns.iter().map(|c| c.0.clone()));
-        let mut csv = names.collect::<Vec<_>>().join(",") + "\n";
-        for (words, numbers) in &self.rows {
-            let words = words.iter().map(|word| quoted(word));
-            let cells: Vec<String> = words.chain(numbers.iter().map(|number| format!("{number:?}"))).collect();
-            writeln!(csv, "{}", cells.join(",")).expect("text grows");
-        }
-        csv
-    }
-
-    /// The rows of a CSV file that has the columns of this table, which has no words.
-    pub fn read_rows(&self, path: &Path) -> Result<Vec<Vec<f64>>, FileError> {
-        let csv = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
-        let mut lines = csv.lines();
-        let expected = self.columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(",");
-        if lines.next() != Some(&expected) {
-            return Err(FileError::damaged(path, &format!("its first line is not {expected}")));
-        }
-        let row = |line: &str| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>();
-        let rows: Vec<Vec<f64>> = lines.map(row).collect::<Result<_, _>>().map_err(|e| FileError::damaged(path, &e))?;
-        match rows.iter().find(|row| row.len() != self.columns.len()) {
-            Some(row) => Err(FileError::damaged(path, &format!("it has a row of {} numbers", row.len()))),
-            None => Ok(rows),
-        }
-    }
-
-    fn write(&self, file: &File) -> hdf5::Result<()> {
-        let group = file.create_group(self.name)?;
-        for (place, name) in self.labels.iter().enumerate() {
-            let words: Vec<VarLenUnicode> = self.rows.iter().map(|(words, _)| text::scalar(&words[place])).collect();
-            group.new_dataset_builder().with_data(&words).create(*name)?;
-        }
-        for (place, (name, unit)) in self.columns.iter().enumerate() {
-            let numbers: Vec<f64> = self.rows.iter().map(|(_, numbers)| numbers[place]).collect();
-            let dataset = group.new_dataset_builder().with_data(&numbers).create(name.as_str())?;
-            text::write_dimensions(&dataset, unit)?;
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// Writes tables into a folder, which is made: each as a CSV file of its own, all together as `NAME.h5`. Files of those
@@ -84,12 +45,8 @@ pub fn write_tables(folder: &Path, name: &str, provenance: &Provenance, tables: 
     }
     whole::write(&folder.join(name).with_extension("h5"), |file| {
         provenance.write(file)?;
-        tables.iter().try_for_each(|table| table.write(file))
+        tables.iter().try_for_each(|table| write(table, file))
     })
-}
-
-fn quoted(word: &str) -> String {
-    if word.contains([',', '"', '\n']) { format!("\"{}\"", word.replace('"', "\"\"")) } else { word.to_owned() }
 }
 
 #[cfg(test)]
@@ -123,11 +80,11 @@ mod tests {
         table.add(&[], &[1.0 / 3.0, -1e-300]);
         table.add(&[], &[f64::INFINITY, 0.0]);
         std::fs::write(&path, table.to_csv()).unwrap();
-        assert_eq!(table.read_rows(&path).unwrap(), [[1.0 / 3.0, -1e-300], [f64::INFINITY, 0.0]]);
+        assert_eq!(read_rows(&table, &path).unwrap(), [[1.0 / 3.0, -1e-300], [f64::INFINITY, 0.0]]);
         let other = Table::new("sizes", &[], &[("length", "length")]);
-        let error = other.read_rows(&path).unwrap_err().to_string();
+        let error = read_rows(&other, &path).unwrap_err().to_string();
         assert!(error.contains("sizes.csv is damaged: its first line is not length"), "{error}");
         std::fs::write(&path, "length,share\n1.0\n").unwrap();
-        assert!(table.read_rows(&path).unwrap_err().to_string().contains("it has a row of 1 numbers"));
+        assert!(read_rows(&table, &path).unwrap_err().to_string().contains("it has a row of 1 numbers"));
     }
 }

@@ -2,20 +2,10 @@
 
 use crate::frames::{Damage, Element, Frames, Kind, Values};
 use crate::{FileError, Provenance, checksum, text};
-use domain::{Particles, PeriodicBox};
+use domain::Particles;
 use hdf5::types::FixedAscii;
+use simulation::Frame;
 use std::path::Path;
-
-/// All particles at a moment, in the order of their ids, and the box that they are in.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
-    /// The particles, with the columns that are written: any of `velocity`, `angular_velocity` and `stresslet`.
-    pub particles: Particles,
-    /// The box.
-    pub cell: PeriodicBox,
-    /// Which of its axes are periodic; the others end at walls.
-    pub periodic: [bool; 3],
-}
 
 /// A trajectory that is being written: positions inside the box, images, and those of the columns `velocity`,
 /// `angular_velocity` and `stresslet` that the particles have, all in the order of the ids. A run that is cut short

@@ -3,7 +3,8 @@
 #![allow(clippy::float_cmp, reason = "what was written is read, to the bit")]
 
 use domain::{Particles, PeriodicBox, Vector};
-use io::{Frame, Provenance, Trajectory};
+use io::{Provenance, Trajectory};
+use simulation::Frame;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;

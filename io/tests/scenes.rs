@@ -2,8 +2,10 @@
 
 #![allow(clippy::float_cmp, reason = "numbers of a file are those of the scene")]
 
-use io::{Kind, Scene, Schedule, Start, SuspensionScene};
+use io::{Kind, Scene, SuspensionScene};
+use simulation::Schedule;
 use std::path::{Path, PathBuf};
+use suspension::Start;
 
 fn files(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
@@ -51,8 +53,8 @@ fn good_scenes_are_read() {
 fn what_a_scene_leaves_out_has_its_default() {
     let scene = good("least.toml", &[]);
     let scene = suspension(&scene);
-    assert_eq!(scene.start, Start::Random { minimum_gap: 0.0 });
-    assert_eq!((scene.hydrodynamics.tolerance, scene.hydrodynamics.grid), (1e-3, None));
+    assert_eq!(scene.model.start, Start::Random { minimum_gap: 0.0 });
+    assert_eq!((scene.model.hydrodynamics.tolerance, scene.model.hydrodynamics.grid), (1e-3, None));
     assert_eq!(scene.output.trajectory, Schedule::every(1));
     assert_eq!(suspension(&good("duration.toml", &[])).time.steps, 10);
 }
@@ -69,15 +71,15 @@ fn overrides_reach_the_scene_and_its_text() {
     let scene = good("least.toml", &["time.steps=20", "species[0].radius=0.5", "gravity.acceleration=[0, 0, -2]"]);
     assert_eq!(suspension(&scene).time.steps, 20);
     let again = Scene::parse(scene.text(), "again.toml", &[]).unwrap();
-    assert_eq!(suspension(&again).species, suspension(&scene).species);
-    assert_eq!(suspension(&again).gravity.z, -2.0);
+    assert_eq!(suspension(&again).model.species, suspension(&scene).model.species);
+    assert_eq!(suspension(&again).model.gravity.z, -2.0);
 }
 
 #[test]
 fn paths_start_from_the_folder_of_the_scene() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
     for (overrides, path) in [(&[][..], "start.csv"), (&["particles.path=a/b.csv"], "a/b.csv")] {
-        assert_eq!(suspension(&good("from-file.toml", overrides)).start, Start::File(folder.join(path)));
+        assert_eq!(suspension(&good("from-file.toml", overrides)).start, Some(folder.join(path)));
     }
 }
 

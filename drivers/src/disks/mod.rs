@@ -13,6 +13,7 @@ mod motion;
 mod observe;
 mod parameters;
 mod progress;
+mod run;
 mod simulation;
 mod sizes;
 mod state;
@@ -23,6 +24,7 @@ mod tally;
 
 use rayon::prelude::*;
 
+pub use self::simulation::Disks;
 pub use contact::Contact;
 pub use flow::Flow;
 pub use gear::Gear;
@@ -34,7 +36,7 @@ pub use observe::{
 };
 pub use parameters::{Model, Parameters, Preparation};
 pub use progress::Progress;
-pub use simulation::Disks;
+pub use run::{Course, DiskRun, outline, run_bytes};
 pub use sizes::{LengthUnit, Size, Sizes, Species};
 pub use sweep::{Branch, Case, Estimate, Keeper, Sweep};
 pub use tally::{Measurement, Tally};

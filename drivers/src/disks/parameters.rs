@@ -1,7 +1,7 @@
 //! The input of a system of disks, checked.
 
 use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
-use crate::parameter::{ParameterError, positive, require};
+use crate::parameter::{ParameterError, positive, refused, require};
 use domain::{Comm, Need, Number, Particles, PeriodicBox, Vector};
 use std::f64::consts::PI;
 
@@ -135,11 +135,7 @@ impl Model {
         )?;
         let need = Need { resident: 2.0 * Self::size_bytes(count).most, ..Need::default() };
         let fits = Comm::check_room_of(&[need]);
-        fits.map_err(|error| ParameterError {
-            key,
-            found: found(),
-            allowed: format!("fewer, or larger radii: {error}"),
-        })
+        fits.map_err(|error| refused(key, &found(), &format!("fewer, or larger radii: {error}")))
     }
 
     fn of(parameters: Parameters, sizes: Vec<Size>) -> Result<Self, ParameterError> {

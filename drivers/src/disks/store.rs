@@ -4,7 +4,7 @@ use super::law::Law;
 use super::list::List;
 use super::state::{Body, Identity, Motion, State};
 use super::{Disks, Model, Progress};
-use crate::parameter::{ParameterError, require};
+use crate::parameter::{ParameterError, refused, require};
 use domain::{Particles, Vector};
 use glam::DVec2;
 
@@ -99,11 +99,9 @@ impl State {
 
     fn stored(particles: &Particles, model: &Model) -> Result<Self, ParameterError> {
         let needed = |column: (&'static str, usize)| {
-            rows_of(particles, column).ok_or_else(|| ParameterError {
-                key: column.0,
-                found: "missing from the particles".to_owned(),
-                allowed: "the columns that a checkpoint of disks has".to_owned(),
-            })
+            let missing = "missing from the particles";
+            rows_of(particles, column)
+                .ok_or_else(|| refused(column.0, missing, "the columns that a checkpoint of disks has"))
         };
         let (gear, list) = (needed(GEAR)?, needed(LIST)?);
         let mut order: Vec<usize> = (0..particles.len()).collect();

@@ -1,6 +1,7 @@
 //! Frictional, inelastic spheres in a shear cell: flow along x (periodic), walls below and above (y) and at both sides
 //! (z). Bottom and side walls move along x, the top rests.
 
+mod cell_run;
 mod contact;
 mod engine;
 mod event_driven;
@@ -12,9 +13,11 @@ mod memory;
 mod packing;
 mod parameters;
 mod run;
+mod tables;
 mod tally;
 mod time_stepped;
 
+pub use cell_run::{CellRun, Experiment};
 pub use contact::{Contact, Face, FrictionLaw, INERTIA, Motion};
 pub use engine::{Collisions, Engine, State};
 pub use event_driven::{EventDriven, Events};

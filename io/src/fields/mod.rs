@@ -6,54 +6,35 @@ mod tests;
 mod xdmf;
 
 use crate::{FileError, Provenance, checksum, durable, text, whole};
-use domain::{PeriodicBox, Vector};
 use hdf5::File;
+use simulation::VelocityField;
 use std::path::{Path, PathBuf};
 
-/// The velocity on a grid at one time.
-#[derive(Debug)]
-pub struct VelocityField<'a> {
-    /// Steps taken.
-    pub step: u64,
-    /// The time.
-    pub time: f64,
-    /// The box.
-    pub cell: PeriodicBox,
-    /// Grid points along x, y and z.
-    pub points: [usize; 3],
-    /// Velocities in the order `[z][y][x]`, x fastest.
-    pub values: &'a [Vector],
-    /// What kind of velocity it is, in words.
-    pub note: &'a str,
+/// Writes a field to `fields/` in a folder, and makes `fields.xdmf` there name it with those of the steps before.
+pub fn write_field(field: &VelocityField, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
+    let fields = folder.join("fields");
+    std::fs::create_dir_all(&fields).map_err(|e| FileError::write(&fields, &e))?;
+    let path = fields.join(format!("velocity-{:010}.h5", field.step));
+    whole::write(&path, |file| fill(file, field, provenance))?;
+    add_to_index(folder, &path)
 }
 
-impl VelocityField<'_> {
-    /// Writes the field to `fields/` in a folder, and makes `fields.xdmf` there name it with those of the steps before.
-    pub fn write(&self, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
-        let fields = folder.join("fields");
-        std::fs::create_dir_all(&fields).map_err(|e| FileError::write(&fields, &e))?;
-        let path = fields.join(format!("velocity-{:010}.h5", self.step));
-        whole::write(&path, |file| self.fill(file, provenance))?;
-        add_to_index(folder, &path)
-    }
-
-    fn fill(&self, file: &File, provenance: &Provenance) -> hdf5::Result<()> {
-        provenance.write(file)?;
-        let [nx, ny, nz] = self.points;
-        let dataset = file.new_dataset::<f64>().shape((nz, ny, nx, 3)).create("velocity")?;
-        dataset.write_raw(bytemuck::cast_slice::<_, f64>(self.values))?;
-        checksum::attach(&dataset, checksum::of(self.values))?;
-        text::write_dimensions(&dataset, "length/time")?;
-        text::write_attribute(&dataset, "note", self.note)?;
-        let root = file.as_group()?;
-        root.new_attr::<u64>().create("step")?.write_scalar(&self.step)?;
-        root.new_attr::<f64>().create("time")?.write_scalar(&self.time)?;
-        root.new_attr::<f64>().create("strain")?.write_scalar(&self.cell.strain())?;
-        let edges = ndarray::arr1(&self.cell.edges().to_array());
-        root.new_attr::<f64>().shape(3).create("edges")?.write(&edges)?;
-        repeated::add_velocity(file)?;
-        if self.cell.strain() == 0.0 { Ok(()) } else { repeated::add_position(file) }
-    }
+fn fill(file: &File, field: &VelocityField, provenance: &Provenance) -> hdf5::Result<()> {
+    provenance.write(file)?;
+    let [nx, ny, nz] = field.points;
+    let dataset = file.new_dataset::<f64>().shape((nz, ny, nx, 3)).create("velocity")?;
+    dataset.write_raw(bytemuck::cast_slice::<_, f64>(&field.values))?;
+    checksum::attach(&dataset, checksum::of(&field.values))?;
+    text::write_dimensions(&dataset, "length/time")?;
+    text::write_attribute(&dataset, "note", field.note)?;
+    let root = file.as_group()?;
+    root.new_attr::<u64>().create("step")?.write_scalar(&field.step)?;
+    root.new_attr::<f64>().create("time")?.write_scalar(&field.time)?;
+    root.new_attr::<f64>().create("strain")?.write_scalar(&field.cell.strain())?;
+    let edges = ndarray::arr1(&field.cell.edges().to_array());
+    root.new_attr::<f64>().shape(3).create("edges")?.write(&edges)?;
+    repeated::add_velocity(file)?;
+    if field.cell.strain() == 0.0 { Ok(()) } else { repeated::add_position(file) }
 }
 
 /// Drops the fields of a former run after step `last`.

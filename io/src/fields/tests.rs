@@ -1,6 +1,7 @@
 #![allow(clippy::float_cmp, reason = "what was written is read, to the bit")]
 
 use super::*;
+use domain::{PeriodicBox, Vector};
 use ndarray::Array4;
 
 /// Writes fields of 4 x 3 x 2 points, at the times 0.1 STEP, whose velocities are the numbers of the points.
@@ -11,8 +12,8 @@ fn write(folder: &Path, steps_and_strains: &[(u64, f64)]) {
     for &(step, strain) in steps_and_strains {
         let cell = PeriodicBox::sheared(Vector::new(4.0, 6.0, 1.0), strain).unwrap();
         let time = 0.1 * step as f64;
-        let field = VelocityField { step, time, cell, points: [4, 3, 2], values: &values, note: "" };
-        field.write(folder, &provenance).unwrap();
+        let field = VelocityField { step, time, cell, points: [4, 3, 2], values: values.clone(), note: "" };
+        write_field(&field, folder, &provenance).unwrap();
     }
 }
 
@@ -167,8 +168,8 @@ fn places_take_little_room() {
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 };
     let values = vec![Vector::ZERO; 48 * 48 * 48];
     let cell = PeriodicBox::sheared(Vector::new(17.0, 19.0, 23.0), 0.1234567).unwrap();
-    let field = VelocityField { step: 0, time: 0.0, cell, points: [48; 3], values: &values, note: "" };
-    field.write(folder.path(), &provenance).unwrap();
+    let field = VelocityField { step: 0, time: 0.0, cell, points: [48; 3], values: values.clone(), note: "" };
+    write_field(&field, folder.path(), &provenance).unwrap();
     let size = std::fs::metadata(folder.path().join("fields/velocity-0000000000.h5")).unwrap().len();
     let velocities = 48 * 48 * 48 * 24;
     assert!(size < velocities * 11 / 10, "{size} bytes for {velocities} of velocities");

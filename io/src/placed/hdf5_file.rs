@@ -1,9 +1,9 @@
 //! Positions in HDF5.
 
-use super::Placed;
 use crate::frames::Sums;
 use crate::{FileError, checksum, sized};
 use bytemuck::NoUninit;
+use domain::Placed;
 use domain::Vector;
 use hdf5::{File, Group, H5Type};
 use std::path::Path;
@@ -23,7 +23,7 @@ fn flat(file: &File) -> hdf5::Result<Placed> {
     let radii = perhaps(file, "radii")?;
     let radii = radii.map(|r| if r.len() == 1 { vec![r[0]; positions.len()] } else { r });
     let species = perhaps(file, "species")?;
-    Ok(Placed { positions, radii, species })
+    Ok(Placed { positions, radii, species, ..Placed::default() })
 }
 
 /// The last whole frame of an H5MD trajectory.
@@ -37,7 +37,7 @@ fn last_frame(file: &File) -> hdf5::Result<Placed> {
     let positions = sized::dataset(&group, "position/value")?.read_slice_2d::<f64, _>(hdf5_slice(last))?;
     let radii = perhaps(&group, "radius")?;
     let species = perhaps(&group, "species")?;
-    Ok(Placed { positions: vectors(positions.as_slice().unwrap_or_default()), radii, species })
+    Ok(Placed { positions: vectors(positions.as_slice().unwrap_or_default()), radii, species, ..Placed::default() })
 }
 
 /// The numbers of a dataset that may be missing.

@@ -1,6 +1,6 @@
 //! Positions in text.
 
-use super::Placed;
+use domain::Placed;
 use domain::Vector;
 
 /// Comma-separated values under a line of names; lines that start with # are skipped.

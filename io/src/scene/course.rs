@@ -2,9 +2,9 @@
 
 use super::checks::positive;
 use super::error::Fault;
-use crate::Schedule;
 use domain::Number;
 use serde::Deserialize;
+use simulation::Schedule;
 use std::path::PathBuf;
 
 /// Time step and number of steps.

@@ -2,6 +2,7 @@
 
 use super::names;
 use super::places::{Places, line};
+use domain::ParameterError;
 
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error)]
@@ -59,10 +60,10 @@ impl Fault {
     }
 }
 
-/// What a driver says of a key of its own.
-impl From<drivers::ParameterError> for Fault {
-    fn from(error: drivers::ParameterError) -> Self {
-        Self::new(error.key, format!("is {}; it needs {}", error.found, error.allowed))
+/// What a library says of a key of its own.
+impl From<ParameterError> for Fault {
+    fn from(ParameterError { key, message }: ParameterError) -> Self {
+        Self { key, message }
     }
 }
 

@@ -12,6 +12,7 @@ mod shear_cell;
 mod shear_cell_continuum;
 mod suspension;
 
+pub use self::suspension::SuspensionScene;
 pub use course::{Output, Time};
 pub use differences::Difference;
 pub use error::SceneError;
@@ -21,10 +22,6 @@ use places::Places;
 pub use shear_cell::ShearCellScene;
 pub use shear_cell_continuum::ContinuumScene;
 use std::path::Path;
-pub use suspension::{
-    Adaptive, Axis, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, Multipoles, Repulsion, Species, Start,
-    Statistics, SuspensionScene,
-};
 
 /// A scene that has been checked: every number is in its range, and whatever the file left out has its default. Only
 /// [`Scene::read`] and [`Scene::parse`] make one.
@@ -146,9 +143,9 @@ impl Kind {
     /// Where random numbers start.
     pub fn seed(&self) -> u64 {
         match self {
-            Self::Suspension(scene) => scene.seed,
+            Self::Suspension(scene) => scene.model.seed,
             Self::GranularDisks(scene) => scene.model.parameters().seed,
-            Self::ShearCell(scene) => scene.seed,
+            Self::ShearCell(scene) => scene.experiment.seed,
             Self::Continuum(_) => 0,
         }
     }

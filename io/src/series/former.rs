@@ -1,7 +1,8 @@
 //! The table of a time series as a former run left it.
 
-use super::{Quantity, header};
+use super::header;
 use crate::FileError;
+use simulation::Quantity;
 use std::path::Path;
 
 /// What the table of a former run has: whole rows until a step.

@@ -6,43 +6,11 @@ use crate::durable;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
 use crate::{FileError, Provenance};
 use former::Former;
+use simulation::Quantity;
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-
-/// One quantity of a time series: a number, or a table of numbers such as a vector for each species.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Quantity {
-    /// Its name.
-    pub name: &'static str,
-    /// Its unit, in terms of length, time and force.
-    pub unit: &'static str,
-    /// Names of the rows and columns of a table.
-    pub table: Option<(Vec<String>, Vec<String>)>,
-}
-
-impl Quantity {
-    /// A quantity that is one number.
-    pub fn number(name: &'static str, unit: &'static str) -> Self {
-        Self { name, unit, table: None }
-    }
-
-    /// A vector for each species.
-    pub fn vectors(name: &'static str, unit: &'static str, species: &[String]) -> Self {
-        Self { name, unit, table: Some((species.to_vec(), ["x", "y", "z"].map(String::from).to_vec())) }
-    }
-
-    fn columns(&self) -> Vec<String> {
-        let Some((rows, columns)) = &self.table else { return vec![self.name.to_owned()] };
-        rows.iter().flat_map(|row| columns.iter().map(move |column| format!("{}_{column}[{row}]", self.name))).collect()
-    }
-
-    fn element(&self) -> Element {
-        let shape = self.table.as_ref().map(|(rows, columns)| [rows.len(), columns.len()]);
-        Element { path: format!("observables/{}", self.name), shape, whole: false, unit: self.unit }
-    }
-}
 
 /// A time series that is being written to `observables.csv` and `observables.h5` of a folder.
 pub struct Series {
@@ -59,7 +27,7 @@ impl Series {
         quantities: &[Quantity],
         rows: u64,
     ) -> Result<Self, FileError> {
-        let elements: Vec<Element> = quantities.iter().map(Quantity::element).collect();
+        let elements: Vec<Element> = quantities.iter().map(element).collect();
         let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
         let kind = Kind { elements: &elements, capacity: rows, fixed: &fixed };
         let frames = Frames::create(&folder.join("observables.h5"), &kind)?;
@@ -83,7 +51,7 @@ impl Series {
             }
             return Ok(series);
         }
-        let elements: Vec<Element> = quantities.iter().map(Quantity::element).collect();
+        let elements: Vec<Element> = quantities.iter().map(element).collect();
         let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
         let frames = Frames::resume(&path, &Kind { elements: &elements, capacity: rows, fixed: &fixed }, last)?;
         let table = table(&frames, quantities, &former)?;
@@ -119,6 +87,11 @@ impl Series {
         self.csv.sync_all().map_err(|e| FileError::write(&self.csv_path, &e))?;
         self.frames.sync()
     }
+}
+
+fn element(quantity: &Quantity) -> Element {
+    let shape = quantity.table.as_ref().map(|(rows, columns)| [rows.len(), columns.len()]);
+    Element { path: format!("observables/{}", quantity.name), shape, whole: false, unit: quantity.unit }
 }
 
 fn header(quantities: &[Quantity]) -> String {

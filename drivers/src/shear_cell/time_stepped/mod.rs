@@ -3,7 +3,7 @@
 mod neighbours;
 
 use super::{Grains, Lid, Model, Motion, Side, State, Tally, Top, contact::Face, grains::wrap};
-use crate::parameter::{ParameterError, positive};
+use crate::parameter::{ParameterError, positive, refused};
 use domain::{Number, Vector};
 use neighbours::Neighbours;
 
@@ -95,7 +95,7 @@ impl TimeStepped {
             Number(enough),
             Number(self.tally.time)
         );
-        ParameterError { key: "time.collision_step", found: Number(self.step).to_string(), allowed }
+        refused("time.collision_step", &Number(self.step).to_string(), &allowed)
     }
 
     fn take_step(&mut self) {

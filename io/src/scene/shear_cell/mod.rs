@@ -2,12 +2,13 @@
 
 mod raw;
 
-use super::checks::{MOST_PARTICLES, few_enough, rows};
+use super::checks::{few_enough, rows};
 use super::course::{Output, Time};
 use super::error::Fault;
 use domain::Number;
-use drivers::shear_cell::{Collisions, Contact, FrictionLaw, Model, Parameters, Sampling, Top};
+use drivers::shear_cell::{Collisions, Contact, Experiment, FrictionLaw, Model, Parameters, Sampling, Top};
 pub(super) use raw::Raw;
+use suspension::MAX_SPHERES;
 
 /// A checked scene of grains in a shear cell; only [`Scene`](super::Scene) makes one.
 #[derive(Debug)]
@@ -15,20 +16,8 @@ pub(super) use raw::Raw;
 pub struct ShearCellScene {
     /// What the scene is called in plots and files.
     pub title: String,
-    /// Where random numbers start.
-    pub seed: u64,
-    /// The cell, its walls and its grains.
-    pub model: Model,
-    /// How many grains.
-    pub count: usize,
-    /// Standard deviation of each component of the velocities at the start.
-    pub agitation: f64,
-    /// How hits are found.
-    pub collisions: Collisions,
-    /// What is measured: a sample of the grains each step.
-    pub sampling: Sampling,
-    /// Steps before measuring.
-    pub settle: u64,
+    /// The cell, its grains, and what is done with them.
+    pub experiment: Experiment,
     /// Time step, from one look at the cell to the next, and number of steps.
     pub time: Time,
     /// What is written, where and when.
@@ -50,18 +39,10 @@ impl ShearCellScene {
         let count = count(&raw.grains, &model)?;
         let output = raw.output.checked(time.steps, time.steps);
         output.check(time.steps, count as f64)?;
-        Ok(Self {
-            title: raw.title.unwrap_or_default(),
-            seed: raw.seed,
-            count,
-            agitation,
-            collisions,
-            sampling,
-            settle: whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?,
-            output,
-            model,
-            time,
-        })
+        let settle = whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?;
+        let (seed, time_step, steps) = (raw.seed, time.step, time.steps);
+        let experiment = Experiment { model, seed, count, agitation, collisions, sampling, settle, time_step, steps };
+        Ok(Self { title: raw.title.unwrap_or_default(), experiment, time, output })
     }
 }
 
@@ -172,7 +153,7 @@ fn count(raw: &raw::Grains, model: &Model) -> Result<usize, Fault> {
             Err(Fault::new("grains.count", message))
         }
         (None, Some(fraction)) => match model.count(fraction)? {
-            count if count as f64 > MOST_PARTICLES => {
+            count if count as f64 > MAX_SPHERES => {
                 let found = format!("{}, with grains.diameter = {}", Number(fraction), Number(raw.diameter));
                 few_enough("grains.solid_fraction", &found, (count as f64, "grains")).map(|()| count)
             }

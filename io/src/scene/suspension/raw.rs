@@ -66,7 +66,7 @@ pub(super) struct Particles {
     #[serde(default)]
     pub(super) initial: Initial,
     pub(super) minimum_gap: Option<f64>,
-    pub(super) lattice: Option<super::Lattice>,
+    pub(super) lattice: Option<Lattice>,
     pub(super) path: Option<PathBuf>,
     pub(super) positions: Option<Vec<[f64; 3]>>,
 }
@@ -147,27 +147,29 @@ impl Default for Hydrodynamics {
     }
 }
 
-/// Which multipoles the spheres have.
-#[derive(Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum Multipoles {
-    /// Forces alone.
-    Monopole,
-    /// Forces, torques and the stresslets that keep spheres rigid.
-    Dipole,
+/// Declares the names that a scene has for the values of a library's type.
+macro_rules! names {
+    ($raw:ident for $library:ty: $($name:ident)*) => {
+        #[derive(Deserialize, Clone, Copy)]
+        #[serde(rename_all = "kebab-case")]
+        pub(super) enum $raw {
+            $($name,)*
+        }
+
+        impl From<$raw> for $library {
+            fn from(name: $raw) -> Self {
+                match name {
+                    $($raw::$name => Self::$name,)*
+                }
+            }
+        }
+    };
 }
 
-/// How the far field is evaluated.
-#[derive(Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum Evaluation {
-    /// Whichever takes less time.
-    Auto,
-    /// The envelopes themselves on the grid.
-    Direct,
-    /// Wider envelopes on a coarser grid, and the difference pair by pair.
-    Split,
-}
+names! { Multipoles for suspension::Multipoles: Monopole Dipole }
+names! { Evaluation for suspension::Evaluation: Auto Direct Split }
+names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
+names! { Axis for suspension::Axis: X Y Z }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -207,6 +209,6 @@ pub(super) struct Statistics {
     #[serde(default)]
     pub(super) from: f64,
     pub(super) distance: Option<f64>,
-    pub(super) axis: Option<super::Axis>,
+    pub(super) axis: Option<Axis>,
     pub(super) diffusive_from: Option<f64>,
 }

@@ -1,0 +1,69 @@
+//! Parameters and the ranges that they have to be in. Keys are those of a scene.
+
+use crate::{Number, Vector};
+
+/// A parameter outside its range.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{key} {message}")]
+pub struct ParameterError {
+    /// The key, as a scene writes it.
+    pub key: String,
+    /// What was found and what is allowed, to be read after the key.
+    pub message: String,
+}
+
+impl ParameterError {
+    /// A key and what is wrong with it.
+    pub fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { key: key.into(), message: message.into() }
+    }
+
+    /// Passes a finite number.
+    pub fn unless_finite(key: &str, value: f64) -> Result<f64, Self> {
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(Self::new(key, format!("is {}; it needs to be a finite number", Number(value))))
+        }
+    }
+
+    /// Passes a finite number above 0.
+    pub fn unless_positive(key: &str, value: f64) -> Result<f64, Self> {
+        let error = || Self::new(key, format!("is {}; it needs to be a finite number above 0", Number(value)));
+        if value > 0.0 && value.is_finite() { Ok(value) } else { Err(error()) }
+    }
+
+    /// Passes a number in a range, both ends included.
+    pub fn unless_between(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Self> {
+        let [found, least, most] = [value, low, high].map(Number);
+        let error = || Self::new(key, format!("is {found}; it needs to be between {least} and {most}"));
+        if (low..=high).contains(&value) { Ok(value) } else { Err(error()) }
+    }
+
+    /// Passes a vector of finite numbers.
+    pub fn unless_finite_vector(key: &str, value: Vector) -> Result<Vector, Self> {
+        for (axis, component) in value.to_array().into_iter().enumerate() {
+            Self::unless_finite(&format!("{key}[{axis}]"), component)?;
+        }
+        Ok(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_message_names_key_value_and_range() {
+        let between = |value| ParameterError::unless_between("a.b", value, [0.5, 1.0]);
+        assert_eq!((between(0.5), between(1.0)), (Ok(0.5), Ok(1.0)));
+        assert_eq!(between(2.0).unwrap_err().to_string(), "a.b is 2; it needs to be between 0.5 and 1");
+        assert!(between(f64::NAN).is_err());
+        assert!(
+            ParameterError::unless_positive("a", 0.0).is_err() && ParameterError::unless_positive("a", 1e-300).is_ok()
+        );
+        let vector = Vector::new(0.0, f64::INFINITY, 0.0);
+        let error = ParameterError::unless_finite_vector("x", vector).unwrap_err();
+        assert_eq!(error.to_string(), "x[1] is inf; it needs to be a finite number");
+    }
+}

@@ -1,0 +1,199 @@
+//! Sheared disks as a simulation in steps of the flow.
+
+use super::{AveragedProfile, Disks, MeanStripe, Model, Progress, Record, Stage, estimated_free_path, viscous_length};
+use crate::StartError;
+use domain::{Bytes, Comm, Need, Number, Particles, Placed, Process};
+use simulation::{Clock, Frame, Quantity, Simulation, SimulationError, State, Table, TableSet};
+use statistics::{State as Stored, Store};
+
+/// Disks that are moved by one call at most, times steps: a moment, after which a signal is heard.
+const MOMENT: u64 = 1_000_000;
+
+/// A run of sheared disks. Its steps are those of the flow; what makes a random start ready comes before the first.
+pub struct DiskRun {
+    disks: Disks,
+    clock: Clock,
+    profile: AveragedProfile,
+    plan: String,
+    comm: Comm,
+}
+
+/// What a checkpoint keeps besides the disks.
+struct Kept {
+    progress: Vec<f64>,
+    profile: AveragedProfile,
+}
+
+impl Stored for Kept {
+    fn visit(&mut self, store: &mut dyn Store) {
+        store.numbers(&mut self.progress);
+        self.profile.visit(store);
+    }
+}
+
+/// How long a run of disks is, and what is averaged over it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Course {
+    /// The last step.
+    pub steps: u64,
+    /// Strips over the height in the profile.
+    pub profile_strips: usize,
+}
+
+impl DiskRun {
+    /// Disks when the flow sets in: where somebody brings them, or at random and made ready for it, while `tell` hears
+    /// now and then which part of that is done.
+    pub fn start(
+        model: &Model,
+        course: Course,
+        placed: Option<&Placed>,
+        (comm, tell): (&Comm, &mut dyn FnMut(f64)),
+    ) -> Result<Self, StartError> {
+        StartError::unless_alone(comm)?;
+        let disks = match placed {
+            None => Disks::prepare_and_tell(model, tell)?,
+            Some(placed) => flowing(model, course, placed, comm)?,
+        };
+        Ok(Self::of(disks, course, AveragedProfile::new(course.profile_strips), comm))
+    }
+
+    /// Disks in a state; those of a file have sizes of their own.
+    pub fn resume(
+        model: &Model,
+        course: Course,
+        (state, from_file): (&State, bool),
+        comm: &Comm,
+    ) -> Result<Self, StartError> {
+        StartError::unless_alone(comm)?;
+        let mut kept = Kept { progress: Vec::new(), profile: AveragedProfile::new(course.profile_strips) };
+        let fits = kept.load(&state.statistics);
+        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(StartError::State)?;
+        let model = if from_file {
+            Model::with_particles(model.parameters().clone(), &state.particles)?
+        } else {
+            model.clone()
+        };
+        Ok(Self::of(Disks::resume(&model, &state.particles, &progress)?, course, kept.profile, comm))
+    }
+
+    fn of(disks: Disks, course: Course, profile: AveragedProfile, comm: &Comm) -> Self {
+        debug_assert!(disks.stage() == Stage::Flow, "states are kept in the flow");
+        let clock = Clock::at(disks.steps(), disks.model().parameters().time_step);
+        let plan = outline(disks.model(), course.steps);
+        Self { disks, clock, profile, plan, comm: comm.clone() }
+    }
+}
+
+/// Disks that somebody brings, if there is memory for them.
+fn flowing(model: &Model, course: Course, placed: &Placed, comm: &Comm) -> Result<Disks, StartError> {
+    let (parameters, particles) = (model.parameters(), brought(placed));
+    let refused = |source| StartError::Brought { name: placed.name.clone(), source };
+    let model = Model::with_particles(parameters.clone(), &particles).map_err(refused)?;
+    let resident = Process::ALONE.resident(run_bytes(&model, course.profile_strips).most);
+    let fits = comm.check_room(Need { resident, ..Need::default() });
+    fits.map_err(|missing| StartError::Room { disks: particles.len(), missing })?;
+    Disks::flowing(parameters.clone(), &particles).map_err(refused)
+}
+
+/// What a run of disks with a profile of so many strips takes.
+pub fn run_bytes(model: &Model, strips: usize) -> Bytes {
+    model.bytes(strips).then(Frame::bytes(model.sizes().len() as f64, 3))
+}
+
+/// A system of disks in words.
+pub fn outline(model: &Model, steps: u64) -> String {
+    let (p, sizes) = (model.parameters(), model.sizes());
+    let end = steps as f64 * p.time_step;
+    let zeta = viscous_length(model);
+    let viscous =
+        if zeta.is_finite() { format!("viscous length {:.4}", Number(zeta)) } else { "no viscous length".into() };
+    let strain = p.flow.rate(p.edges[1]).abs() * p.time_step * steps as f64;
+    format!(
+        "disks      {}, radii {:.4} to {:.4}, {:.4}% of the area\n\
+         lengths    {viscous}, estimated mean free path {:.4}\n\
+         steps      {steps}, until time {:.6} and strain {:.6}\n",
+        sizes.len(),
+        Number(model.smallest()),
+        Number(model.largest()),
+        Number(100.0 * model.area_fraction()),
+        Number(estimated_free_path(model.area_fraction())),
+        Number(end),
+        Number(strain),
+    )
+}
+
+/// The disks that somebody brings, moving with the liquid.
+fn brought(placed: &Placed) -> Particles {
+    let mut particles = Particles::default();
+    for (id, position) in placed.positions.iter().enumerate() {
+        let radius = placed.radii.as_ref().map_or(1.0, |radii| radii[id]);
+        particles.push(id as u64, *position, radius, placed.species.as_ref().map_or(0, |species| species[id]));
+    }
+    particles
+}
+
+impl Simulation for DiskRun {
+    fn comm(&self) -> &Comm {
+        &self.comm
+    }
+
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    fn plan(&mut self) -> String {
+        self.plan.clone()
+    }
+
+    fn advance(&mut self, last: u64) -> Result<(), SimulationError> {
+        let moment = (MOMENT / self.disks.model().sizes().len() as u64).max(1);
+        self.disks.advance(moment.min(last - self.clock.step()));
+        self.disks.check().map_err(SimulationError::new)?;
+        self.clock = Clock::at(self.disks.steps(), self.clock.dt());
+        Ok(())
+    }
+
+    fn frame(&self) -> Frame {
+        let (particles, _) = self.disks.store();
+        Frame { particles, cell: self.disks.cell(), periodic: [true, true, false] }
+    }
+
+    fn quantities(&self) -> Vec<Quantity> {
+        Record::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit)).collect()
+    }
+
+    /// What is averaged is so since the row before. The profile is taken at each row.
+    fn observe(&mut self) -> Vec<Vec<f64>> {
+        self.profile.add(&self.disks.snapshot());
+        let record = self.disks.record();
+        self.disks.restart_tally();
+        record.values().map(|value| vec![value]).to_vec()
+    }
+
+    fn state(&mut self) -> State {
+        let (particles, progress) = self.disks.store();
+        State {
+            step: self.clock.step(),
+            strain: self.disks.cell().strain(),
+            plan: self.plan.clone(),
+            particles,
+            statistics: Kept { progress: progress.to_numbers(), profile: self.profile.clone() }.save(),
+        }
+    }
+
+    fn averages(&mut self) -> Option<TableSet> {
+        let mut table = Table::new("profile", &[], &[("height", "length"), ("disks", "")]);
+        for (name, unit) in PROFILE {
+            table.columns.extend([(name.to_owned(), unit), (format!("{name}_error"), unit)]);
+        }
+        for MeanStripe { height, count, velocity, excess, temperature } in self.profile.strips() {
+            let [v, w, t] = [velocity, excess, temperature].map(|e| [e.mean, e.error]);
+            table.add(&[], &[&[height, count.mean], &v[..], &w, &t].concat());
+        }
+        Some(TableSet { folder: None, name: "averages", tables: vec![table] })
+    }
+}
+
+/// What is averaged over a strip.
+const PROFILE: [(&str, &str); 3] =
+    [("velocity", "length/time"), ("excess_velocity", "length/time"), ("temperature", "length^2/time^2")];

@@ -1,0 +1,201 @@
+//! Grains in a shear cell as a simulation in steps from one look at them to the next.
+
+use super::tables::{WALLS, tables};
+use super::{Collisions, Grains, Model, Run, Sample, Sampling, Side};
+use crate::StartError;
+use domain::{Comm, Interrupt, Number, PeriodicBox, Vector};
+use simulation::{Clock, Frame, Quantity, Simulation, SimulationError, State, TableSet};
+
+/// What is done with a cell.
+#[derive(Debug, Clone, Copy)]
+pub struct Experiment {
+    /// The cell, its walls and its grains.
+    pub model: Model,
+    /// Where random numbers start.
+    pub seed: u64,
+    /// How many grains.
+    pub count: usize,
+    /// Standard deviation of each component of the velocities at the start.
+    pub agitation: f64,
+    /// How hits are found.
+    pub collisions: Collisions,
+    /// What is measured: a sample of the grains each step.
+    pub sampling: Sampling,
+    /// Steps before measuring.
+    pub settle: u64,
+    /// The time from one look at the cell to the next.
+    pub time_step: f64,
+    /// The last step.
+    pub steps: u64,
+}
+
+impl Experiment {
+    /// The cell in words.
+    pub fn outline(&self) -> String {
+        let (p, model) = (self.model.parameters(), &self.model);
+        let volume = std::f64::consts::PI / 6.0 * p.diameter.powi(3);
+        let fraction = self.count as f64 * volume / model.edges().element_product();
+        let engine = match self.collisions {
+            Collisions::EventDriven => "at their exact times".to_owned(),
+            Collisions::TimeStepped { step } => format!("on a time step of {:.6}", Number(step)),
+        };
+        format!(
+            "grains     {}, solid fraction {:.4}\n\
+             top        {}\n\
+             collisions {engine}\n\
+             steps      {}, until time {:.6}; measured from time {:.6}\n",
+            self.count,
+            Number(fraction),
+            if model.is_lid_free() { "free under its load" } else { "fixed" },
+            self.steps,
+            Number(self.steps as f64 * self.time_step),
+            Number(self.settle as f64 * self.time_step),
+        )
+    }
+}
+
+/// Grains that have no room to move.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower {}, or take \
+     collisions = \"time-stepped\"",
+    Number(*time),
+    if *lid_is_free { "top.pressure" } else { "grains.solid_fraction, let the top go with top.kind = \"free\"" }
+)]
+struct Jammed {
+    time: f64,
+    lid_is_free: bool,
+}
+
+/// A run of the shear cell. A step is the time from one look at the grains to the next.
+pub struct CellRun {
+    run: Run,
+    model: Model,
+    clock: Clock,
+    settle: u64,
+    sample: Option<Sample>,
+    plan: String,
+    interrupt: Interrupt,
+    comm: Comm,
+}
+
+impl CellRun {
+    /// An experiment at time zero: grains packed at random and set moving, while `tell` hears now and then which part of
+    /// the packing is done.
+    pub fn start(experiment: &Experiment, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Self, StartError> {
+        StartError::unless_alone(comm)?;
+        let Experiment { model, seed, count, agitation, collisions, sampling, .. } = *experiment;
+        let mut grains = model.pack_and_tell(count, seed, tell)?;
+        grains.stir(&model, agitation, seed);
+        let run = Run::new(&model, &grains, collisions, sampling)?;
+        Ok(Self::of(experiment, run, (0, comm)))
+    }
+
+    /// An experiment in a state.
+    pub fn resume(experiment: &Experiment, state: &State, comm: &Comm) -> Result<Self, StartError> {
+        StartError::unless_alone(comm)?;
+        let Experiment { model, collisions, sampling, .. } = experiment;
+        let grains = Grains::from_particles(model, &state.particles)?;
+        let run = Run::resume(model, &grains, (*collisions, *sampling), &state.statistics)?;
+        Ok(Self::of(experiment, run, (state.step, comm)))
+    }
+
+    fn of(experiment: &Experiment, run: Run, (step, comm): (u64, &Comm)) -> Self {
+        Self {
+            run,
+            model: experiment.model,
+            clock: Clock::at(step, experiment.time_step),
+            settle: experiment.settle,
+            sample: None,
+            plan: experiment.outline(),
+            interrupt: Interrupt::NEVER,
+            comm: comm.clone(),
+        }
+    }
+}
+
+impl Simulation for CellRun {
+    fn comm(&self) -> &Comm {
+        &self.comm
+    }
+
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    fn plan(&mut self) -> String {
+        self.plan.clone()
+    }
+
+    fn listen(&mut self, interrupt: Interrupt) {
+        self.interrupt = interrupt;
+    }
+
+    /// Takes one step. The engine starts anew after each, as it does from a checkpoint, so that a run is the same
+    /// wherever it was interrupted; a step in which a signal comes is not taken.
+    fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
+        let before = *self.run.engine().tally();
+        let go_on = || !self.interrupt.is_requested();
+        let is_settling = self.clock.step() < self.settle;
+        let take = if is_settling { Run::settle } else { Run::measure };
+        let is_taken = take(&mut self.run, self.clock.dt(), &go_on);
+        if let Some(failure) = self.run.engine().failure() {
+            return Err(SimulationError::new(failure));
+        }
+        if self.run.engine().is_jammed() {
+            let (time, lid_is_free) = (self.run.engine().tally().time, self.model.is_lid_free());
+            return Err(SimulationError::new(Jammed { time, lid_is_free }));
+        }
+        if !is_taken {
+            return self.run.go_back().map_err(SimulationError::new);
+        }
+        self.run.renew().map_err(SimulationError::new)?;
+        self.sample = Some(self.run.sample_since(&before));
+        self.clock.tick();
+        Ok(())
+    }
+
+    fn frame(&self) -> Frame {
+        let engine = self.run.engine();
+        let edges = Vector { y: engine.lid().height, ..self.model.edges() };
+        let cell = PeriodicBox::new(edges).expect("a cell's edges are positive");
+        Frame { particles: engine.grains().to_particles(&self.model), cell, periodic: [true, false, false] }
+    }
+
+    fn quantities(&self) -> Vec<Quantity> {
+        let stress = Quantity {
+            name: "wall_stress",
+            unit: "force/length^2",
+            table: Some((WALLS.map(String::from).to_vec(), ["normal", "along", "across"].map(String::from).to_vec())),
+        };
+        let numbers = Sample::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit));
+        [stress].into_iter().chain(numbers).collect()
+    }
+
+    /// Stresses are averages over the last step; there are none at the start.
+    fn observe(&mut self) -> Vec<Vec<f64>> {
+        let none = *self.run.engine().tally();
+        let sample = self.sample.unwrap_or_else(|| self.run.sample_since(&none));
+        let stresses = Side::ALL.iter().flat_map(|&side| sample.stresses[side as usize]).collect();
+        [stresses].into_iter().chain(sample.values().map(|value| vec![value])).collect()
+    }
+
+    fn state(&mut self) -> State {
+        State {
+            step: self.clock.step(),
+            strain: 0.0,
+            plan: self.plan.clone(),
+            particles: self.run.engine().grains().to_particles(&self.model),
+            statistics: self.run.save(),
+        }
+    }
+
+    fn averages(&mut self) -> Option<TableSet> {
+        let is_measured = self.clock.step() > self.settle;
+        is_measured.then(|| TableSet { folder: None, name: "averages", tables: tables(&self.run.report()) })
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.run.report().warnings
+    }
+}

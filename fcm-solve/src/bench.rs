@@ -1,0 +1,121 @@
+//! `fcm-solve bench`: run time of one mobility against its error.
+
+use crate::number::{fraction, ratio, tolerance};
+use crate::{machine, streams};
+use clap::ValueEnum;
+use domain::Comm;
+use fcm::{Costs, Fixed, MethodName};
+use serde::Serialize;
+use suspension::benchmark::{Case, Kind, Measurement, Spheres, Task};
+
+/// Which cases: every combination of the lists, one JSON line each.
+#[derive(clap::Args)]
+#[command(after_help = LINE)]
+pub struct Args {
+    /// Numbers of spheres
+    #[arg(long, value_delimiter = ',', default_value = "3200", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
+    particles: Vec<u32>,
+    /// Their volume fractions
+    #[arg(long, value_delimiter = ',', default_value = "0.12", value_parser = fraction, allow_hyphen_values = true)]
+    volume_fraction: Vec<f64>,
+    /// Radius of every second sphere; the others have the radius 1
+    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = ratio, allow_hyphen_values = true)]
+    size_ratio: Vec<f64>,
+    /// Relative errors allowed
+    #[arg(long, value_delimiter = ',', default_value = "1e-3", value_parser = tolerance, allow_hyphen_values = true)]
+    tolerance: Vec<f64>,
+    /// How envelopes are evaluated
+    #[arg(long, value_enum, default_value_t = Choice::Auto)]
+    method: Choice,
+    /// Grid points along each edge [default: what the tolerance needs]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    grid: Option<usize>,
+    /// Forces alone: no torque, no stresslet
+    #[arg(long)]
+    monopoles: bool,
+    /// Stresslets alone, and rates of strain for them, as in an iteration for rigid spheres
+    #[arg(long, conflicts_with = "monopoles")]
+    stresslets: bool,
+    /// Evaluations, each at new positions, after one that is not counted
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
+    repeats: u32,
+    /// Do not evaluate a second time, much tighter, to measure the error
+    #[arg(long)]
+    no_error: bool,
+}
+
+const LINE: &str = "\
+A line has particles, volume_fraction, size_ratio, tolerance, method, precision, grid, support, ranks,
+threads, bytes_sent, seconds and error. Bytes are what a rank sends to others for one mobility, the most of
+all ranks. Seconds are medians over the repeats: spread, fft, solve, interpolate,
+near, exchange and total, for one mobility F, T, S -> V, Omega, E at new positions. The Stokes solve is
+made within the transform, so its time is part of fft and solve is 0. The error is the largest relative
+2-norm of velocities, angular velocities and rates of strain against an evaluation with a tolerance
+100 times smaller.";
+
+/// Evaluation method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Choice {
+    /// The faster one
+    Auto,
+    /// Every envelope on the grid
+    Direct,
+    /// One common Gaussian on the grid, pairs for the rest
+    Split,
+}
+
+/// A line of the output.
+#[derive(Serialize)]
+struct Line {
+    #[serde(flatten)]
+    case: Case,
+    #[serde(flatten)]
+    measured: Measurement,
+}
+
+/// Runs all cases. Collective.
+pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+    let costs = machine::costs(comm)?;
+    for case in args.cases() {
+        let spheres = Spheres::random(&case, comm)?;
+        for &tolerance in &args.tolerance {
+            let measured = args.task(tolerance, costs).measure(&spheres, comm)?;
+            streams::print(comm, &(serde_json::to_string(&Line { case, measured })? + "\n"))?;
+        }
+    }
+    Ok(())
+}
+
+impl Args {
+    fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for &particles in &self.particles {
+            for &volume_fraction in &self.volume_fraction {
+                for &size_ratio in &self.size_ratio {
+                    cases.push(Case { particles: particles as usize, volume_fraction, size_ratio });
+                }
+            }
+        }
+        cases
+    }
+
+    fn task(&self, tolerance: f64, costs: Costs) -> Task {
+        let method = match self.method {
+            Choice::Auto => None,
+            Choice::Direct => Some(MethodName::Direct),
+            Choice::Split => Some(MethodName::Split),
+        };
+        Task {
+            tolerance,
+            kind: match (self.monopoles, self.stresslets) {
+                (true, _) => Kind::Forces,
+                (_, true) => Kind::Stresslets,
+                _ => Kind::All,
+            },
+            repeats: self.repeats,
+            with_error: !self.no_error,
+            fixed: Fixed { method, grid: self.grid.map(|m| [m; 3]), ..Fixed::default() },
+            costs,
+        }
+    }
+}

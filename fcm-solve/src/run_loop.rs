@@ -1,0 +1,62 @@
+//! The run loop.
+
+use crate::commands::resume_command;
+use crate::progress::Progress;
+use crate::signals::Signals;
+use crate::stop::Stop;
+use anyhow::bail;
+use io::Recorder;
+use simulation::Simulation;
+use std::process::ExitCode;
+
+/// Steps until step `last` or a request to stop, and records what is due. Collective.
+pub fn run_to_end(
+    simulation: &mut dyn Simulation,
+    recorder: &mut Recorder,
+    last: u64,
+    signals: &Signals,
+) -> anyhow::Result<ExitCode> {
+    simulation.listen(signals.interrupt());
+    signals.run_begins(resume_command(recorder.folder(), None));
+    let mut progress = Progress::start(simulation.comm(), simulation.clock(), last);
+    for warning in simulation.cautions().iter().chain(recorder.warnings()) {
+        progress.say(&format!("warning: {warning}"));
+    }
+    progress.say(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
+    recorder.record(simulation)?;
+    let first = simulation.clock().step();
+    while simulation.clock().step() < last {
+        signals.checkpoint_took(recorder.longest_checkpoint());
+        if let Some(stop) = signals.received() {
+            recorder.checkpoint(simulation)?;
+            return stopped(stop, [first, simulation.clock().step(), last], &progress, &signals.command());
+        }
+        let due = recorder.next_due(simulation.clock().step()).map_or(last, |due| due.min(last));
+        simulation.advance(due)?;
+        recorder.record(simulation)?;
+        progress.show(simulation.clock());
+    }
+    recorder.checkpoint(simulation)?;
+    for warning in simulation.warnings() {
+        progress.say(&format!("warning: {warning}"));
+    }
+    progress.say(&format!(
+        "finished after step {}; results in {}",
+        simulation.clock().step(),
+        recorder.folder().display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A run that stops after step `now`. One that was given too little time for a single step would be started again and
+/// again for nothing, so that is an error.
+fn stopped(stop: Stop, [first, now, last]: [u64; 3], progress: &Progress, command: &str) -> anyhow::Result<ExitCode> {
+    if stop == Stop::TimeIsUp && now == first {
+        bail!(
+            "the run's time is too short for a single step and its checkpoint: it stands at step {now}; give it more time \
+             (--walltime, or the job's limit), or a smaller time.step"
+        );
+    }
+    progress.say(&format!("stopped after step {now} of {last} by {stop}; go on with: {command}"));
+    Ok(stop.into())
+}

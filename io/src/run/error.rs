@@ -1,0 +1,72 @@
+//! Why a run can't begin or go on.
+
+use crate::{FileError, SceneError};
+use domain::Failure;
+use drivers::ParameterError;
+use simulation::SimulationError;
+use std::error::Error;
+use std::path::PathBuf;
+
+/// Why a run can't begin or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A file that can't be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A scene that is not one.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A suspension that can't be started.
+    #[error(transparent)]
+    Suspension(#[from] suspension::StartError),
+    /// Grains that can't be started.
+    #[error(transparent)]
+    Grains(#[from] drivers::StartError),
+    /// A simulation that can't go on.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// A parameter of a sweep's runs.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Something that only some ranks know of.
+    #[error(transparent)]
+    Failed(#[from] Failure),
+    /// A scene of a kind that is not advanced in steps.
+    #[error("scenes of this kind have no steps")]
+    NoSteps,
+    /// A folder that can't be used.
+    #[error("can't {what} {}", path.display())]
+    Folder {
+        /// What was tried.
+        what: &'static str,
+        /// The folder or the file in it.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// A folder that is not to be used.
+    #[error("{0}")]
+    Refused(String),
+    /// Problems of a continuum without a solution.
+    #[error("{} of {problems} problems have no solution:\n{}", unsolved.len(), unsolved.join("\n"))]
+    Unsolved {
+        /// Which, and why not.
+        unsolved: Vec<String>,
+        /// How many problems there are.
+        problems: usize,
+    },
+    /// Too little memory.
+    #[error("{remedy}: {missing}")]
+    Room {
+        /// What the scene is, and what to change.
+        remedy: String,
+        /// What it takes and what there is.
+        missing: domain::NoRoom,
+    },
+}
+
+/// An error with all its causes in a line.
+pub(super) fn in_full(error: &dyn Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| (*cause).source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}

@@ -1,0 +1,97 @@
+//! The memory that scenes of grains take, predicted.
+
+use super::RunError;
+use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
+use domain::{Bytes, Comm, Need, Process, readable_bytes};
+use drivers::continuum::Problem;
+use drivers::disks::{Record, run_bytes};
+use drivers::shear_cell::Experiment;
+use simulation::{Frame, Table};
+
+/// What a run of a scene needs at its peak.
+pub fn need(kind: &Kind) -> Need {
+    let peak = match kind {
+        Kind::GranularDisks(scene) => disks(scene),
+        Kind::ShearCell(scene) => cell(scene),
+        Kind::Continuum(scene) => continuum(scene),
+        _ => Bytes::default(),
+    };
+    // Tables are written at once, everything else into files that stay open.
+    let process = Process { writes: !matches!(kind, Kind::Continuum(_)), ..Process::ALONE };
+    Need { resident: process.resident(peak.most), ..Need::default() }
+}
+
+/// Refuses a scene of grains that there is no memory for; suspensions look themselves, when they are planned.
+pub fn check_room(kind: &Kind, comm: &Comm) -> Result<(), RunError> {
+    if let Kind::Suspension(_) = kind {
+        return Ok(());
+    }
+    comm.check_room(need(kind)).map_err(|missing| RunError::Room { remedy: remedy(kind), missing })
+}
+
+/// The line of `check`, and a warning if there is not enough.
+pub fn outline(kind: &Kind) -> String {
+    let need = need(kind);
+    let warning = Comm::check_room_of(&[need]).err();
+    let warning = warning.map_or_else(String::new, |error| format!("warning: {}: {error}\n", remedy(kind)));
+    format!("memory     about {} at most\n{warning}", readable_bytes(need.resident))
+}
+
+/// What a scene is, and what to change if it takes too much.
+fn remedy(kind: &Kind) -> String {
+    match kind {
+        Kind::GranularDisks(scene) => remedy_of_disks(scene),
+        Kind::ShearCell(scene) => format!(
+            "the scene has {} grains; take fewer grains.count or a lower grains.solid_fraction, larger ones, or fewer \
+             measure.layers and measure.pixels",
+            scene.experiment.count
+        ),
+        Kind::Continuum(scene) => format!(
+            "the scene has {} problems of {} heights each; list fewer cell.speeds or cell.pressures, or take fewer \
+             output.points",
+            scene.problems.len(),
+            scene.points
+        ),
+        _ => String::new(),
+    }
+}
+
+fn remedy_of_disks(scene: &GranularDisksScene) -> String {
+    let disks = scene.model.sizes().len();
+    match &scene.sweep {
+        Some(sweep) => format!(
+            "the scene has {} runs of about {disks} disks with {:.2e} records each; take fewer sweep.seeds, a larger \
+             output.observables_every, a smaller box.edges or sweep.area_fractions, or fewer --threads",
+            sweep.count(),
+            sweep.records_each()
+        ),
+        None => format!(
+            "the scene has {disks} disks and {} strips; take a smaller box.edges or particles.area_fraction, or fewer \
+             output.profile_strips",
+            scene.profile_strips
+        ),
+    }
+}
+
+fn disks(scene: &GranularDisksScene) -> Bytes {
+    if let Some(sweep) = &scene.sweep {
+        let rows = sweep.count() * sweep.records_each();
+        let tables = Table::bytes(rows, 2 * Record::COLUMNS.len());
+        return sweep.bytes(rayon::current_num_threads()).then(tables);
+    }
+    run_bytes(&scene.model, scene.profile_strips)
+}
+
+fn cell(scene: &ShearCellScene) -> Bytes {
+    let Experiment { model, sampling, count, collisions, .. } = &scene.experiment;
+    sampling.bytes(model, *count, *collisions).then(Frame::bytes(*count as f64, 6))
+}
+
+/// A solution, or rows of the profiles of all problems and their text.
+fn continuum(scene: &ContinuumScene) -> Bytes {
+    let solved = scene.problems.first().map(|_| Problem::bytes()).unwrap_or_default();
+    solved.or(Table::bytes(scene.problems.len() as f64 * scene.points as f64, ROW))
+}
+
+/// Columns of a row of the profiles: pressure and speed, and what is at a height.
+const ROW: usize = 7;

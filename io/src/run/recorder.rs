@@ -1,0 +1,249 @@
+//! Output files of a run.
+
+use super::error::in_full;
+use super::{RunError, RunFolder};
+use crate::{
+    Checkpoints, FileError, Output, Provenance, Scene, Series, Trajectory, drop_fields_after, write_field, write_tables,
+};
+use domain::Comm;
+use simulation::{Frame, Quantity, Simulation};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Writes what is due, when it is due. The first rank writes; every call is collective.
+pub struct Recorder {
+    folder: RunFolder,
+    output: Output,
+    provenance: Provenance,
+    files: Files,
+    comm: Comm,
+    /// The first step to be recorded: those before are in the files already.
+    from: u64,
+    /// The step of the last checkpoint.
+    saved: Option<u64>,
+    /// The step at which the run ends.
+    last: u64,
+    /// The longest time that a checkpoint took.
+    longest_checkpoint: Duration,
+    /// What is damaged of a former run's files.
+    warnings: Vec<String>,
+}
+
+/// The files that grow: on the first rank, and if they are ever due.
+#[derive(Default)]
+struct Files {
+    trajectory: Option<Trajectory>,
+    series: Option<Series>,
+}
+
+impl Files {
+    /// Waits until all that was written is on the disk.
+    fn sync(&self) -> Result<(), FileError> {
+        self.trajectory.as_ref().map_or(Ok(()), Trajectory::sync)?;
+        self.series.as_ref().map_or(Ok(()), Series::sync)
+    }
+
+    /// What is damaged of what a former run wrote, which the run does not need.
+    fn damage(&self) -> Vec<String> {
+        let trajectory = self.trajectory.iter().flat_map(Trajectory::damage).map(|damage| ("trajectory.h5", damage));
+        let series = self.series.iter().flat_map(Series::damage).map(|damage| ("observables.h5", damage));
+        let warning = |(name, damage)| format!("{name} is damaged: {damage}; the run goes on without it");
+        trajectory.chain(series).map(warning).collect()
+    }
+}
+
+impl Recorder {
+    /// A recorder for a run from its start, in place of any former run in the folder.
+    pub fn create(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
+        let comm = simulation.comm().clone();
+        let emptied = if comm.is_first() { folder.start_with(scene.text()) } else { Ok(()) };
+        comm.agree(emptied.map_err(|e| in_full(&e)))?;
+        Self::open(folder, scene, simulation, None)
+    }
+
+    /// A recorder for a run that goes on from where it is.
+    pub fn resume(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
+        let last = simulation.clock().step();
+        Self::open(folder, scene, simulation, Some(last))
+    }
+
+    fn open(
+        folder: RunFolder,
+        scene: &Scene,
+        simulation: &mut dyn Simulation,
+        last: Option<u64>,
+    ) -> Result<Self, RunError> {
+        let comm = simulation.comm().clone();
+        let output = scene.kind().output().ok_or(RunError::NoSteps)?.clone();
+        let provenance = provenance(scene, simulation.plan(), &comm);
+        let (frame, quantities) = (simulation.frame(), simulation.quantities());
+        let open = Open { path: folder.path(), provenance: &provenance, last, steps: scene.kind().steps() };
+        let files = if comm.is_first() { open.files(&output, &frame, &quantities) } else { Ok(Files::default()) };
+        let files = comm.agree(files)?;
+        let warnings = files.damage();
+        let from = last.map_or(0, |step| step + 1);
+        let steps = scene.kind().steps();
+        Ok(Self {
+            folder,
+            output,
+            provenance,
+            files,
+            comm,
+            from,
+            saved: last,
+            last: steps,
+            longest_checkpoint: Duration::ZERO,
+            warnings,
+        })
+    }
+
+    /// The folder of the results.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// What the user should know of the files.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The first step after this one at which anything is due.
+    pub fn next_due(&self, step: u64) -> Option<u64> {
+        let Output { trajectory, observables, checkpoints, fields, .. } = &self.output;
+        [trajectory, observables, checkpoints, fields].into_iter().filter_map(|s| s.next_after(step)).min()
+    }
+
+    /// Writes what is due at the step where the simulation is.
+    pub fn record(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        let step = simulation.clock().step();
+        if step < self.from {
+            return Ok(());
+        }
+        if self.output.trajectory.is_due(step) {
+            self.frame(simulation)?;
+        }
+        if self.output.observables.is_due(step) {
+            self.row(simulation)?;
+        }
+        if self.output.fields.is_due(step) {
+            self.field(simulation)?;
+        }
+        simulation.sample();
+        if self.output.checkpoints.is_due(step) || step == 0 {
+            self.checkpoint(simulation)?;
+        }
+        self.from = step + 1;
+        Ok(())
+    }
+
+    fn frame(&mut self, simulation: &dyn Simulation) -> Result<(), RunError> {
+        let frame = simulation.frame();
+        let clock = (simulation.clock().step(), simulation.clock().time());
+        let append = |file: &mut Trajectory| file.append(clock, &frame);
+        Ok(self.comm.agree(self.files.trajectory.as_mut().map_or(Ok(()), append))?)
+    }
+
+    fn row(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        let row = simulation.observe();
+        let clock = (simulation.clock().step(), simulation.clock().time());
+        let append = |file: &mut Series| file.append(clock, &row);
+        Ok(self.comm.agree(self.files.series.as_mut().map_or(Ok(()), append))?)
+    }
+
+    /// The longest time that a checkpoint took.
+    pub fn longest_checkpoint(&self) -> Duration {
+        self.longest_checkpoint
+    }
+
+    /// Writes a checkpoint, unless there is one of this step already, and the averages so far. The last checkpoint of a
+    /// run comes after all else: a run that has it is finished.
+    pub fn checkpoint(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        let step = simulation.clock().step();
+        if self.saved == Some(step) {
+            return Ok(());
+        }
+        let began = Instant::now();
+        if step == self.last {
+            self.averages(simulation)?;
+            self.state(simulation)?;
+        } else {
+            self.state(simulation)?;
+            self.averages(simulation)?;
+        }
+        self.longest_checkpoint = self.longest_checkpoint.max(began.elapsed());
+        Ok(())
+    }
+
+    fn field(&self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        let field = simulation.velocity_field()?.filter(|_| self.comm.is_first());
+        let write = field.map_or(Ok(()), |field| write_field(&field, self.folder.path(), &self.provenance));
+        Ok(self.comm.agree(write)?)
+    }
+
+    fn state(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        let state = simulation.state();
+        // What a checkpoint follows on must be on the disk when it is.
+        let write = || self.files.sync().and_then(|()| Checkpoints::of(self.folder.path()).write(&state).map(drop));
+        let written = if self.comm.is_first() { write() } else { Ok(()) };
+        self.comm.agree(written)?;
+        self.saved = Some(simulation.clock().step());
+        Ok(())
+    }
+
+    fn averages(&self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        let path = self.folder.path();
+        let write = simulation.averages().map_or(Ok(()), |set| {
+            let folder = set.folder.map_or_else(|| path.to_owned(), |name| path.join(name));
+            write_tables(&folder, set.name, &self.provenance, &set.tables)
+        });
+        Ok(self.comm.agree(write)?)
+    }
+}
+
+/// Where the results of a scene come from.
+pub fn provenance(scene: &Scene, plan: String, comm: &Comm) -> Provenance {
+    Provenance {
+        scene: scene.text().to_owned(),
+        program: concat!("fcm-solve ", env!("CARGO_PKG_VERSION")).to_owned(),
+        plan,
+        ranks: comm.size(),
+        seed: scene.kind().seed(),
+    }
+}
+
+/// How files are opened: from the start, or after the last step of a former run.
+struct Open<'a> {
+    path: &'a Path,
+    provenance: &'a Provenance,
+    last: Option<u64>,
+    steps: u64,
+}
+
+impl Open<'_> {
+    fn files(&self, output: &Output, frame: &Frame, quantities: &[Quantity]) -> Result<Files, FileError> {
+        if let Some(last) = self.last {
+            drop_fields_after(self.path, last)?;
+        }
+        let frames = output.trajectory.count_until(self.steps);
+        let rows = output.observables.count_until(self.steps);
+        Ok(Files {
+            trajectory: if frames > 0 { Some(self.trajectory(frame, frames)?) } else { None },
+            series: if rows > 0 { Some(self.series(quantities, rows)?) } else { None },
+        })
+    }
+
+    fn trajectory(&self, frame: &Frame, frames: u64) -> Result<Trajectory, FileError> {
+        let path = self.path.join("trajectory.h5");
+        match self.last {
+            Some(last) if path.exists() => Trajectory::resume(&path, self.provenance, frame, (last, frames)),
+            _ => Trajectory::create(&path, self.provenance, frame, frames),
+        }
+    }
+
+    fn series(&self, quantities: &[Quantity], rows: u64) -> Result<Series, FileError> {
+        match self.last {
+            Some(last) => Series::resume(self.path, self.provenance, quantities, (last, rows)),
+            None => Series::create(self.path, self.provenance, quantities, rows),
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! What a scene computes, at its start or in the state of a checkpoint.
+
+use super::RunError;
+use super::memory::check_room;
+use crate::{GranularDisksScene, Kind, Scene, SuspensionScene, read_placed};
+use domain::{Comm, Placed};
+use drivers::disks::{Course, DiskRun};
+use drivers::shear_cell::CellRun;
+use simulation::{Simulation, State};
+use std::path::Path;
+use suspension::Observed;
+
+/// A scene at its start; `tell` hears now and then which part of its preparation is done. Collective.
+pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Box<dyn Simulation>, RunError> {
+    check_room(scene.kind(), comm)?;
+    Ok(match scene.kind() {
+        Kind::Suspension(scene) => Box::new(Observed::start(&scene.model, placed(scene, comm)?, comm)?),
+        Kind::GranularDisks(scene) => {
+            let placed = read(scene.start.as_deref(), comm)?;
+            Box::new(DiskRun::start(&scene.model, course(scene), placed.as_ref(), (comm, tell))?)
+        }
+        Kind::ShearCell(scene) => Box::new(CellRun::start(&scene.experiment, comm, tell)?),
+        Kind::Continuum(_) => return Err(RunError::NoSteps),
+    })
+}
+
+/// A scene in a state, which the first rank brings. Collective.
+pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
+    check_room(scene.kind(), comm)?;
+    Ok(match (scene.kind(), state) {
+        (Kind::Suspension(scene), state) => Box::new(Observed::resume(&scene.model, state, comm)?),
+        (Kind::GranularDisks(scene), Some(state)) => {
+            let from_file = scene.start.is_some();
+            Box::new(DiskRun::resume(&scene.model, course(scene), (&state, from_file), comm)?)
+        }
+        (Kind::ShearCell(scene), Some(state)) => Box::new(CellRun::resume(&scene.experiment, &state, comm)?),
+        _ => return Err(RunError::NoSteps),
+    })
+}
+
+/// Where the spheres of a scene start, if a file says so; on the first rank. Collective.
+pub fn placed(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Placed>, RunError> {
+    read(scene.start.as_deref(), comm)
+}
+
+fn read(path: Option<&Path>, comm: &Comm) -> Result<Option<Placed>, RunError> {
+    let path = path.filter(|_| comm.is_first());
+    Ok(comm.agree(path.map(read_placed).transpose())?)
+}
+
+fn course(scene: &GranularDisksScene) -> Course {
+    Course { steps: scene.time.steps, profile_strips: scene.profile_strips }
+}

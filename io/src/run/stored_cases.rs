@@ -1,0 +1,105 @@
+//! Stored results of a sweep's runs, so that none is made twice.
+
+use super::{Listener, RunError};
+use crate::{read_rows, replace_file};
+use domain::Number;
+use drivers::disks::{Case, Keeper, Record};
+use simulation::Table;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+
+/// Keeps each run's records in a file of the folder `cases`.
+pub struct StoredCases<'a> {
+    folder: PathBuf,
+    progress: Mutex<Progress>,
+    listener: &'a dyn Listener,
+}
+
+/// How far the runs are.
+struct Progress {
+    /// The part of each run that is done.
+    parts: Vec<f64>,
+    /// Runs that are made.
+    made: usize,
+}
+
+/// The table of one run: what it is of, and a row for each record.
+fn table() -> Table {
+    let of = [("seed", ""), ("viscosity", "force*time/length^2"), ("rate", "1/time"), ("area_fraction", "")];
+    Table::new("case", &[], &[&of[..], &Record::COLUMNS].concat())
+}
+
+fn name(case: &Case) -> [f64; 4] {
+    [case.seed as f64, case.viscosity, case.rate, case.area_fraction]
+}
+
+impl<'a> StoredCases<'a> {
+    /// Those of a run's folder, `count` in all.
+    pub fn of(folder: &Path, count: usize, listener: &'a dyn Listener) -> Result<Self, RunError> {
+        let folder = folder.join("cases");
+        let failed = |source| RunError::Folder { what: "make the folder", path: folder.clone(), source };
+        std::fs::create_dir_all(&folder).map_err(failed)?;
+        let progress = Mutex::new(Progress { parts: vec![0.0; count], made: 0 });
+        Ok(Self { folder, progress, listener })
+    }
+
+    fn path(&self, case: &Case) -> PathBuf {
+        self.folder.join(format!("{:04}.csv", case.index))
+    }
+
+    fn progress(&self) -> MutexGuard<'_, Progress> {
+        self.progress.lock().expect("nobody who holds it panics")
+    }
+
+    fn show(&self, case: &Case, part: f64) {
+        let mut progress = self.progress();
+        progress.parts[case.index] = part;
+        self.listener.part(progress.parts.iter().sum::<f64>() / progress.parts.len() as f64);
+    }
+
+    fn say(&self, case: &Case, what: &str) {
+        let Case { seed, viscosity, rate, area_fraction, .. } = case;
+        let [viscosity, rate, area_fraction] = [viscosity, rate, area_fraction].map(|&value| Number(value));
+        let run = format!("seed {seed}, viscosity {viscosity}, rate {rate}, area fraction {area_fraction}");
+        let mut progress = self.progress();
+        progress.made += 1;
+        self.listener.line(&format!("run {} of {}: {run}{what}", progress.made, progress.parts.len()));
+        drop(progress);
+        self.show(case, 1.0);
+    }
+}
+
+impl Keeper for StoredCases<'_> {
+    type Error = RunError;
+
+    fn kept(&self, case: &Case) -> Result<Option<Vec<Record>>, RunError> {
+        let path = self.path(case);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let rows = read_rows(&table(), &path)?;
+        let record = |row: &Vec<f64>| {
+            let (of, values) = row.split_at(name(case).len());
+            let values = values.try_into().expect("the columns were counted");
+            (of == name(case)).then(|| Record::of(values))
+        };
+        let other = || RunError::Refused(format!("{} has another run than this sweep's; move it away", path.display()));
+        let records = rows.iter().map(record).collect::<Option<_>>().ok_or_else(other)?;
+        self.say(case, ", made before");
+        Ok(Some(records))
+    }
+
+    fn keep(&self, case: &Case, records: &[Record]) -> Result<(), RunError> {
+        let mut table = table();
+        for record in records {
+            table.add(&[], &[&name(case)[..], &record.values()].concat());
+        }
+        replace_file(&self.path(case), table.to_csv().as_bytes())?;
+        self.say(case, "");
+        Ok(())
+    }
+
+    fn tell(&self, case: &Case, part: f64) {
+        self.show(case, part);
+    }
+}

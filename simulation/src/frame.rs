@@ -1,0 +1,26 @@
+//! Frames of a trajectory.
+
+use domain::{Bytes, Particles, PeriodicBox};
+
+/// All particles at a moment, in the order of their ids, and the box that they are in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// The particles, with the columns that are written: any of `velocity`, `angular_velocity` and `stresslet`.
+    pub particles: Particles,
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Which of its axes are periodic; the others end at walls.
+    pub periodic: [bool; 3],
+}
+
+/// Chunks that HDF5 keeps of each dataset at most, by default.
+const CACHE: f64 = (1 << 20) as f64;
+
+impl Frame {
+    /// What a frame of so many particles, with columns of so many numbers, takes while it is written: the chunks that
+    /// HDF5 keeps of positions, of images and of each column, where they are small enough.
+    pub fn bytes(particles: f64, numbers: usize) -> Bytes {
+        let chunks = [3.0 * 8.0, 3.0 * 4.0, 8.0 * numbers as f64].map(|width| width * particles);
+        Bytes::keep(chunks.into_iter().map(|bytes| if bytes > CACHE { 0.0 } else { bytes }).sum())
+    }
+}

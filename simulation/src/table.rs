@@ -1,0 +1,69 @@
+//! Tables of results.
+
+use domain::Bytes;
+use std::fmt::Write as _;
+
+/// A table: some columns of words that say what a row is of, and columns of numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Its name in files.
+    pub name: &'static str,
+    /// Names of the columns of words.
+    pub labels: &'static [&'static str],
+    /// Names and units of the columns of numbers.
+    pub columns: Vec<(String, &'static str)>,
+    /// The words and numbers of each row.
+    pub rows: Vec<(Vec<String>, Vec<f64>)>,
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new(name: &'static str, labels: &'static [&'static str], columns: &[(&str, &'static str)]) -> Self {
+        let columns = columns.iter().map(|&(name, unit)| (name.to_owned(), unit)).collect();
+        Self { name, labels, columns, rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn add(&mut self, words: &[&str], numbers: &[f64]) {
+        assert_eq!((words.len(), numbers.len()), (self.labels.len(), self.columns.len()), "a value for each column");
+        self.rows.push((words.iter().map(|&word| word.to_owned()).collect(), numbers.to_vec()));
+    }
+
+    /// The table as CSV; words with commas or quotes are quoted.
+    pub fn to_csv(&self) -> String {
+        let names = self.labels.iter().map(|&name| name.to_owned()).chain(self.columns.iter().map(|c| c.0.clone()));
+        let mut csv = names.collect::<Vec<_>>().join(",") + "\n";
+        for (words, numbers) in &self.rows {
+            let words = words.iter().map(|word| quoted(word));
+            let cells: Vec<String> = words.chain(numbers.iter().map(|number| format!("{number:?}"))).collect();
+            writeln!(csv, "{}", cells.join(",")).expect("text grows");
+        }
+        csv
+    }
+
+    /// What a table of so many rows of numbers takes, each row a list of its own with what the allocator notes of it, and
+    /// its text.
+    pub fn bytes(rows: f64, columns: usize) -> Bytes {
+        let numbers = Bytes::list::<f64>((columns + 1) as f64 * rows);
+        let text = Bytes::keep(rows * columns as f64 * CHARACTERS);
+        Bytes::list::<(Vec<String>, Vec<f64>)>(rows).then(numbers).then(text.freed())
+    }
+}
+
+/// Characters of a number in CSV, on average.
+const CHARACTERS: f64 = 16.0;
+
+/// Tables that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableSet {
+    /// Their folder within the results; none where they lie there themselves.
+    pub folder: Option<&'static str>,
+    /// The name of the file that has all of them.
+    pub name: &'static str,
+    /// The tables.
+    pub tables: Vec<Table>,
+}
+
+fn quoted(word: &str) -> String {
+    if word.contains([',', '"', '\n']) { format!("\"{}\"", word.replace('"', "\"\"")) } else { word.to_owned() }
+}

@@ -1,0 +1,199 @@
+//! How near pairs move relative to each other.
+
+use crate::moving_box::MovingBox;
+use crate::near::Near;
+use bytemuck::{Pod, Zeroable};
+use domain::{Comm, Particles, Partition, Vector};
+use std::ops::AddAssign;
+
+/// Pairs are watched up to this gap over the largest radius.
+const WATCHED: f64 = 1.0;
+
+/// Rounds in which pairs are moved apart before that is given up.
+const MOST_ROUNDS: usize = 100;
+
+/// Pairs are left alone whose gap falls short of what it should be by this part of it.
+const SLACK: f64 = 0.1;
+
+/// The relative motion of near pairs, as `N` velocities of each: of now, and of the past.
+pub struct Approach<const N: usize> {
+    near: Near,
+    pairs: Vec<MovingPair<N>>,
+}
+
+struct MovingPair<const N: usize> {
+    separation: Vector,
+    velocities: [Vector; N],
+    radii: [f64; 2],
+}
+
+impl<const N: usize> Approach<N> {
+    /// The near pairs of particles whose columns of these names hold velocities. Collective.
+    pub fn find(particles: &mut Particles, moving: &MovingBox, partition: &Partition, columns: [&str; N]) -> Self {
+        let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
+        partition.comm().max(&mut largest);
+        let near = Near::find(particles, moving.cell(), partition, (2.0 + WATCHED) * largest[0]);
+        let velocities = columns.map(|name| near.differences(particles.vectors(name)));
+        let pair = |(k, (separation, radii, steps)): (usize, (Vector, [f64; 2], [i32; 3]))| {
+            let image = moving.velocity_of_image(steps);
+            let velocities = std::array::from_fn(|n| velocities[n][k] + image);
+            MovingPair { separation, velocities, radii }
+        };
+        let pairs = near.pairs().enumerate().map(pair).collect();
+        Self { near, pairs }
+    }
+
+    /// What the displacements `sum of weights[k] * velocity k` do to gaps, and how far they are from those with the
+    /// weights `lower`. Losses are over gaps of at least `least[0]` mean radii and errors over those of at least
+    /// `least[1]`, where smaller ones count as so large; those of spheres that overlap do not count at all if that is
+    /// zero. Collective.
+    pub fn after(&self, [weights, lower]: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
+        let mut change = Change { gap: f64::INFINITY, loss: 0.0, error: 0.0 };
+        for pair in &self.pairs {
+            let gap = pair.gap();
+            change.gap = change.gap.min(gap);
+            let sizes = least.map(|least| gap.max(least * pair.mean_radius()));
+            if sizes[0] > 0.0 {
+                let [after, other] = [weights, lower].map(|weights| pair.gap_after(weights));
+                change.loss = change.loss.max((gap - after) / sizes[0]);
+                change.error = change.error.max((after - other).abs() / sizes[1]);
+            }
+        }
+        let mut least = [change.gap, -change.loss, -change.error];
+        comm.min(&mut least);
+        Change { gap: least[0], loss: -least[1], error: -least[2] }
+    }
+
+    /// Displacements, besides `sum of weights[k] * velocity k`, that leave every pair with a gap of `closest` mean
+    /// radii, but for a tenth of it: pairs that are nearer are moved apart along their lines of centres, the smaller
+    /// sphere farther, again and again, a sphere of several such pairs by the mean of what they ask for. None if that
+    /// comes to no end. Collective.
+    pub fn apart(&self, weights: [f64; N], closest: f64, comm: &Comm) -> Option<Vec<Vector>> {
+        let separations: Vec<Vector> = self.pairs.iter().map(|pair| pair.separation_after(weights)).collect();
+        let mut displacements = vec![Vector::ZERO; self.near.owned()];
+        for _ in 0..MOST_ROUNDS {
+            let between = self.near.differences(&displacements);
+            let pushes: Vec<[Push; 2]> =
+                (0..self.pairs.len()).map(|k| self.pairs[k].push(separations[k] + between[k], closest)).collect();
+            if !comm.any(pushes.iter().any(|[push, _]| push.pairs > 0.0)) {
+                return Some(displacements);
+            }
+            let sums = self.near.summed(pushes.into_iter());
+            for (displacement, push) in displacements.iter_mut().zip(sums).filter(|(_, push)| push.pairs > 0.0) {
+                *displacement += push.displacement / push.pairs;
+            }
+        }
+        None
+    }
+}
+
+/// What happens to gaps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// The smallest gap before.
+    pub gap: f64,
+    /// The largest part that a gap loses.
+    pub loss: f64,
+    /// The largest error of a gap, over the gap.
+    pub error: f64,
+}
+
+/// How pairs move a sphere apart from others: the sum of what they ask for, and how many they are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+struct Push {
+    displacement: Vector,
+    pairs: f64,
+}
+
+impl AddAssign for Push {
+    fn add_assign(&mut self, other: Self) {
+        self.displacement += other.displacement;
+        self.pairs += other.pairs;
+    }
+}
+
+impl<const N: usize> MovingPair<N> {
+    fn mean_radius(&self) -> f64 {
+        0.5 * (self.radii[0] + self.radii[1])
+    }
+
+    fn gap(&self) -> f64 {
+        self.separation.length() - 2.0 * self.mean_radius()
+    }
+
+    fn separation_after(&self, weights: [f64; N]) -> Vector {
+        self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>()
+    }
+
+    fn gap_after(&self, weights: [f64; N]) -> f64 {
+        self.separation_after(weights).length() - 2.0 * self.mean_radius()
+    }
+
+    /// What gives the spheres a gap of `closest` mean radii, if theirs falls short of it by more than the slack.
+    fn push(&self, separation: Vector, closest: f64) -> [Push; 2] {
+        let (distance, gap) = (separation.length(), closest * self.mean_radius());
+        let missing = gap + 2.0 * self.mean_radius() - distance;
+        if missing <= SLACK * gap {
+            return [Push::default(); 2];
+        }
+        let apart = separation * (missing / distance / (self.radii[0] + self.radii[1]));
+        [-apart * self.radii[1], apart * self.radii[0]].map(|displacement| Push { displacement, pairs: 1.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::{PeriodicBox, Tensor};
+
+    const VELOCITY: &str = "velocity";
+
+    /// A chain of spheres, near enough to touch once they move, that is pressed together from both ends across a face
+    /// of the box.
+    fn chain() -> Particles {
+        let mut particles = Particles::default();
+        for (id, (x, radius, velocity)) in [(9.0, 1.0, 0.1), (0.5, 0.5, 0.0), (2.0, 1.0, -0.2)].into_iter().enumerate()
+        {
+            particles.push(id as u64, Vector::new(x, 5.0, 5.0), radius, 0);
+            particles.vectors(VELOCITY)[id] = velocity * Vector::X;
+        }
+        particles
+    }
+
+    #[test]
+    fn a_chain_that_is_pressed_keeps_its_gaps_on_any_ranks() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        for ranks in [1, 2, 3, 13, 64] {
+            let all = Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [8, 8]);
+                let mut particles = if comm.is_first() { chain() } else { Particles::default() };
+                particles.vectors(VELOCITY);
+                particles.migrate(&partition, &cell);
+                let moving = MovingBox::at(0.0, cell, Tensor::ZERO, 0.0);
+                let approach = Approach::find(&mut particles, &moving, &partition, [VELOCITY]);
+                let apart = approach.apart([1.0], 1e-3, &comm).expect("an end");
+                let moved: Vec<Vector> = particles.vectors(VELOCITY).iter().zip(&apart).map(|(&v, &a)| v + a).collect();
+                particles.vectors("moved").copy_from_slice(&moved);
+                particles.gathered(&partition)
+            });
+            let mut all = all.into_iter().next().unwrap();
+            let moved = all.vectors("moved").to_vec();
+            let place = |i: usize| all.positions[i].x + moved[i].x;
+            let gaps = [place(1) + 10.0 - place(0) - 1.5, place(2) - place(1) - 1.5];
+            assert!(gaps.iter().all(|gap| (0.6e-3..1.2e-3).contains(gap)), "{gaps:?} on {ranks} ranks");
+            assert!(moved.iter().all(|m| m.y == 0.0 && m.z == 0.0));
+        }
+    }
+
+    #[test]
+    fn what_keeps_its_gap_stays_where_it_is() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        let partition = Partition::new(&Comm::alone(), [8, 8]);
+        let moving = MovingBox::at(0.0, cell, Tensor::ZERO, 0.0);
+        let mut particles = chain();
+        let approach = Approach::find(&mut particles, &moving, &partition, [VELOCITY]);
+        let apart = approach.apart([-1.0], 1e-3, &Comm::alone());
+        assert_eq!(apart, Some(vec![Vector::ZERO; 3]));
+    }
+}

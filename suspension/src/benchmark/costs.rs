@@ -1,0 +1,34 @@
+//! What the parts of an evaluation cost on this machine.
+
+use super::{BenchmarkError, Case, Kind, Spheres, Task};
+use domain::Comm;
+use fcm::{Costs, Fixed, Seconds};
+
+/// What stencils, transforms and pairs cost on this machine, over what the planner expects: medians over evaluations of
+/// two tolerances.
+pub fn measured_costs(comm: &Comm) -> Result<Costs, BenchmarkError> {
+    let case = Case { particles: 3200, volume_fraction: 0.12, size_ratio: 1.0 };
+    let spheres = Spheres::random(&case, comm)?;
+    let task = |tolerance| Task {
+        tolerance,
+        kind: Kind::All,
+        repeats: 9,
+        with_error: false,
+        fixed: Fixed::default(),
+        costs: Costs::default(),
+    };
+    let mut factors = [1.0; 3];
+    for tolerance in [1e-3, 1e-6] {
+        let (plan, seconds) = task(tolerance).times(&spheres, comm)?;
+        let Seconds { spread, fft, interpolate, near, .. } = seconds;
+        let expected = plan.parts(case.particles);
+        let parts = [(spread + interpolate, expected.stencils), (fft, expected.transforms), (near, expected.pairs)];
+        for (factor, (found, expected)) in factors.iter_mut().zip(parts) {
+            // The threads share the work.
+            let found = found * rayon::current_num_threads() as f64;
+            *factor *= (found / expected).clamp(0.01, 100.0).sqrt();
+        }
+    }
+    let [stencils, transforms, pairs] = factors;
+    Ok(Costs { stencils, transforms, pairs })
+}

@@ -1,0 +1,284 @@
+//! One case: its time and its error.
+
+use super::BenchmarkError;
+use super::spheres::{Spheres, loads};
+use crate::single::Single;
+use domain::{Bytes, Comm, Particles, Partition, Vector};
+use fcm::{
+    Costs, Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds,
+};
+use serde::Serialize;
+use std::time::Instant;
+
+/// What to change in a case that takes too much memory.
+const REMEDY: &str = "fewer --particles, a larger --tolerance or a smaller --grid";
+
+/// Which loads there are and which motions are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Forces, torques and stresslets to velocities, angular velocities and rates of strain.
+    All,
+    /// Forces to velocities.
+    Forces,
+    /// Stresslets to angular velocities and rates of strain.
+    Stresslets,
+}
+
+/// What to measure.
+#[derive(Debug, Clone, Copy)]
+pub struct Task {
+    /// Relative error allowed.
+    pub tolerance: f64,
+    /// Loads and motions.
+    pub kind: Kind,
+    /// Evaluations that count.
+    pub repeats: u32,
+    /// Whether to measure the error.
+    pub with_error: bool,
+    /// What the user fixed.
+    pub fixed: Fixed,
+    /// Of the machine.
+    pub costs: Costs,
+}
+
+/// What was measured.
+#[derive(Debug, Serialize)]
+pub struct Measurement {
+    tolerance: f64,
+    method: &'static str,
+    precision: &'static str,
+    grid: [usize; 3],
+    support: usize,
+    ranks: usize,
+    threads: usize,
+    bytes_sent: u64,
+    seconds: Times,
+    predicted_seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Times {
+    spread: f64,
+    fft: f64,
+    solve: f64,
+    interpolate: f64,
+    near: f64,
+    exchange: f64,
+    total: f64,
+}
+
+impl Task {
+    /// Evaluates the mobility of the spheres again and again. Collective.
+    pub fn measure(&self, spheres: &Spheres, comm: &Comm) -> Result<Measurement, BenchmarkError> {
+        let plan = self.plan(spheres, comm)?;
+        let (times, sent, found) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
+        let error = if self.with_error { Some(self.error(&found, spheres, comm)?) } else { None };
+        Ok(Measurement {
+            tolerance: self.tolerance,
+            method: if plan.method == Method::Direct { "direct" } else { "split" },
+            precision: if plan.precision == Precision::Single { "f32" } else { "f64" },
+            grid: plan.grid,
+            support: plan.support.support,
+            ranks: comm.size(),
+            threads: rayon::current_num_threads(),
+            bytes_sent: sent,
+            seconds: medians(&times[1..]),
+            predicted_seconds: plan.predicted_seconds,
+            error,
+        })
+    }
+
+    /// The plan, and the median seconds of each part of an evaluation. Collective.
+    pub fn times(&self, spheres: &Spheres, comm: &Comm) -> Result<(Plan, Seconds), BenchmarkError> {
+        let plan = self.plan(spheres, comm)?;
+        let (times, ..) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
+        let Times { spread, fft, interpolate, near, exchange, .. } = medians(&times[1..]);
+        Ok((plan, Seconds { spread, fft, interpolate, near, exchange }))
+    }
+
+    fn plan(&self, spheres: &Spheres, comm: &Comm) -> Result<Plan, BenchmarkError> {
+        let problem = Problem {
+            edges: spheres.cell.edges(),
+            largest_strain: 0.0,
+            radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
+            viscosity: 1.0,
+            multipoles: if self.kind == Kind::Forces { Multipoles::Monopole } else { Multipoles::Dipole },
+            rigid: false,
+            tolerance: self.tolerance,
+            threads: rayon::current_num_threads(),
+            ranks: comm.size(),
+            costs: self.costs,
+            fixed: self.fixed,
+        };
+        let plan = Plan::choose(&problem).map_err(BenchmarkError::Plan)?;
+        let besides = Bytes::list::<(Vector, [f64; 3])>(spheres.radii.len() as f64);
+        let single =
+            Single { plan: &plan, radii: problem.radii, lubrication: None, numbers: 11, besides, remedy: REMEDY };
+        single.check_room(comm)?;
+        Ok(plan)
+    }
+
+    /// The seconds of an evaluation at each turn's positions, the bytes that a rank sends for the last one, the most of
+    /// all, and its motions, on the first rank.
+    fn evaluate(
+        &self,
+        plan: &Plan,
+        spheres: &Spheres,
+        comm: &Comm,
+        turns: std::ops::RangeInclusive<u32>,
+    ) -> (Vec<(Seconds, f64)>, u64, [Vec<f64>; 3]) {
+        let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+        let mut mobility = Mobility::new(plan, &partition);
+        let wanted = match self.kind {
+            Kind::All => Evaluation::All,
+            Kind::Forces => Evaluation::Velocities,
+            Kind::Stresslets => Evaluation::Gradients,
+        };
+        let (mut times, mut sent) = (Vec::new(), 0);
+        let mut last = (Particles::default(), Motion::default());
+        for turn in turns {
+            let particles = spheres.displaced(turn, &partition);
+            let loads = loads(&particles, self.kind);
+            let before = mobility.work().seconds;
+            comm.barrier();
+            let (start, sent_before) = (Instant::now(), comm.bytes_sent());
+            mobility.arrange(&spheres.cell, &particles);
+            let motion = mobility.apply(&loads, wanted);
+            sent = comm.bytes_sent() - sent_before;
+            comm.barrier();
+            times.push((mobility.work().seconds - before, start.elapsed().as_secs_f64()));
+            last = (particles, motion);
+        }
+        let mut most = [sent as f64];
+        comm.max(&mut most);
+        (times, most[0] as u64, gathered(last.0, &last.1, &partition))
+    }
+
+    /// The largest relative error against an evaluation with a tolerance 100 times smaller.
+    fn error(&self, found: &[Vec<f64>; 3], spheres: &Spheres, comm: &Comm) -> Result<f64, BenchmarkError> {
+        let fixed = Fixed { method: Some(MethodName::Split), ..Fixed::default() };
+        let tighter = Self { tolerance: (self.tolerance * 1e-2).max(1e-12), fixed, ..*self };
+        let plan = tighter.plan(spheres, comm)?;
+        let (_, _, exact) = tighter.evaluate(&plan, spheres, comm, self.repeats..=self.repeats);
+        let errors = found.iter().zip(&exact).map(|(found, exact)| relative(found, exact));
+        Ok(errors.fold(0.0, f64::max))
+    }
+}
+
+/// Velocities, angular velocities and rates of strain in the order of the ids, on the first rank.
+fn gathered(mut particles: Particles, motion: &Motion, partition: &Partition) -> [Vec<f64>; 3] {
+    let kinds: [(&str, usize, &[f64]); 3] = [
+        ("velocity", 3, bytemuck::cast_slice(&motion.velocities)),
+        ("angular_velocity", 3, bytemuck::cast_slice(&motion.angular_velocities)),
+        ("strain_rate", 5, bytemuck::cast_slice(&motion.strain_rates)),
+    ];
+    for (name, width, values) in kinds {
+        particles.column(name, width).values[..values.len()].copy_from_slice(values);
+    }
+    let mut all = particles.gathered(partition);
+    kinds.map(|(name, width, _)| std::mem::take(&mut all.column(name, width).values))
+}
+
+fn relative(found: &[f64], exact: &[f64]) -> f64 {
+    let difference: f64 = found.iter().zip(exact).map(|(a, b)| (a - b) * (a - b)).sum();
+    let square: f64 = exact.iter().map(|b| b * b).sum();
+    if square > 0.0 { (difference / square).sqrt() } else { 0.0 }
+}
+
+fn medians(times: &[(Seconds, f64)]) -> Times {
+    let median = |part: fn(&(Seconds, f64)) -> f64| {
+        let mut values: Vec<f64> = times.iter().map(part).collect();
+        values.sort_by(f64::total_cmp);
+        0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+    };
+    Times {
+        spread: median(|t| t.0.spread),
+        fft: median(|t| t.0.fft),
+        solve: 0.0,
+        interpolate: median(|t| t.0.interpolate),
+        near: median(|t| t.0.near),
+        exchange: median(|t| t.0.exchange),
+        total: median(|t| t.1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Case;
+    use super::*;
+
+    #[test]
+    fn relative_errors_are_those_of_the_two_norm() {
+        let cases: [(&[f64], &[f64], f64); 6] = [
+            (&[3.0, 4.0], &[3.0, 4.0], 0.0),
+            (&[1.0, -2.0], &[4.0, 2.0], (25.0_f64 / 20.0).sqrt()),
+            (&[0.0, 0.0], &[-3.0, 7.0], 1.0),
+            (&[1.0], &[0.5], 1.0),
+            (&[0.0], &[0.0], 0.0),
+            (&[], &[], 0.0),
+        ];
+        for (found, exact, error) in cases {
+            assert!((relative(found, exact) - error).abs() < 1e-15, "{found:?} for {exact:?}");
+        }
+    }
+
+    #[test]
+    fn medians_are_those_of_each_part() {
+        let time = |seconds: f64| {
+            let parts =
+                Seconds { spread: seconds, fft: -seconds, interpolate: 1.0, near: 3.0 * seconds, exchange: 7.0 };
+            (parts, 10.0 * seconds)
+        };
+        let of = |times: &[f64]| medians(&times.iter().copied().map(time).collect::<Vec<_>>());
+        let odd = of(&[5.0, 1.0, 2.0]);
+        let even = of(&[5.0, 1.0, 2.0, 4.0]);
+        let parts = |t: &Times| [t.spread, t.fft, t.interpolate, t.near, t.exchange, t.total].map(|part| part as i64);
+        assert_eq!(parts(&odd), [2, -2, 1, 6, 7, 20]);
+        assert_eq!(parts(&even), [3, -3, 1, 9, 7, 30]);
+    }
+
+    fn task(kind: Kind, tolerance: f64, method: MethodName) -> Task {
+        let fixed = Fixed { method: Some(method), ..Fixed::default() };
+        Task { tolerance, kind, repeats: 1, with_error: true, fixed, costs: Costs::default() }
+    }
+
+    const CASE: Case = Case { particles: 12, volume_fraction: 0.1, size_ratio: 1.5 };
+
+    fn measured(task: Task, ranks: usize) -> Vec<Measurement> {
+        Comm::threads(ranks, |comm| task.measure(&Spheres::random(&CASE, &comm).unwrap(), &comm).unwrap())
+    }
+
+    /// A plan's error is measured, on any ranks: below what was asked for, and not by chance far below.
+    #[test]
+    fn the_measured_error_is_that_of_the_plan() {
+        for (kind, tolerance) in [(Kind::All, 1e-3), (Kind::Forces, 1e-2), (Kind::Stresslets, 1e-4)] {
+            for (method, ranks) in [(MethodName::Direct, 1), (MethodName::Split, 1), (MethodName::Split, 2)] {
+                let error = measured(task(kind, tolerance, method), ranks)[0].error.unwrap();
+                let likely = 1e-3 * tolerance..=tolerance;
+                assert!(likely.contains(&error), "{kind:?} at {tolerance:e} on {ranks} ranks: {error:e}");
+            }
+        }
+    }
+
+    /// Motions in the order of the ids, each its own, against those that a sum over two ranks would mix up.
+    #[test]
+    fn motions_are_gathered_by_id() {
+        let gathered = Comm::threads(2, |comm| {
+            let spheres = Spheres::random(&CASE, &comm).unwrap();
+            let partition = Partition::new(&comm, [8, 8]);
+            let particles = spheres.displaced(0, &partition);
+            let of = |scale: f64| {
+                particles.ids.iter().map(move |&id| domain::Vector::splat(scale * (1 + id) as f64)).collect()
+            };
+            let strain_rates = particles.ids.iter().map(|&id| domain::Traceless([-(1.0 + id as f64); 5])).collect();
+            let motion = Motion { velocities: of(1.0), angular_velocities: of(10.0), strain_rates };
+            gathered(particles, &motion, &partition)
+        });
+        let expected =
+            |scale: f64, width: usize| (0..12 * width).map(|i| scale * (1 + i / width) as f64).collect::<Vec<_>>();
+        assert_eq!(gathered[0], [expected(1.0, 3), expected(10.0, 3), expected(-1.0, 5)]);
+        assert!(gathered[1].iter().all(Vec::is_empty));
+    }
+}

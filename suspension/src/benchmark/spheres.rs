@@ -1,0 +1,86 @@
+//! Random spheres that move a little from evaluation to evaluation.
+
+use super::BenchmarkError;
+use super::measure::Kind;
+use domain::{
+    Bytes, Comm, Need, Particles, Partition, PeriodicBox, Process, Random, Traceless, Vector, packing_bytes,
+    random_packing,
+};
+use fcm::Loads;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// One combination of the lists.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Case {
+    /// Spheres.
+    pub particles: usize,
+    /// Their volume fraction.
+    pub volume_fraction: f64,
+    /// The radius of every second one over that of the others.
+    pub size_ratio: f64,
+}
+
+/// The same spheres on every rank.
+pub struct Spheres {
+    /// Their box.
+    pub cell: PeriodicBox,
+    /// Radii: 1 and the size ratio in turn.
+    pub radii: Vec<f64>,
+    positions: Vec<Vector>,
+}
+
+const SEED: u64 = 1;
+
+impl Spheres {
+    /// Places the spheres of a case without overlap. Collective.
+    pub fn random(case: &Case, comm: &Comm) -> Result<Self, BenchmarkError> {
+        let count = case.particles as f64;
+        let placing =
+            Bytes::list::<(Vector, [f64; 4])>(2.0 * count).then(packing_bytes(count, case.volume_fraction > 0.25));
+        let need = Need { resident: Process::of(comm.rank(), comm.size()).resident(placing.most), ..Need::default() };
+        comm.agree(comm.check_room(need).map_err(|error| format!("{error}; take fewer than {count:.1e} --particles")))?;
+        let radii: Vec<f64> = (0..case.particles).map(|i| if i % 2 == 0 { 1.0 } else { case.size_ratio }).collect();
+        let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
+        let cell = PeriodicBox::new(Vector::splat((volume / case.volume_fraction).cbrt()))?;
+        let placed = if comm.is_first() { random_packing(&cell, &radii, 0.0, SEED) } else { Ok(Vec::new()) };
+        let mut positions = comm.agree(placed).map_err(BenchmarkError::Placing)?;
+        comm.broadcast(&mut positions);
+        Ok(Self { cell, radii, positions })
+    }
+
+    /// This rank's particles after a small random displacement of each, a new one for each `turn`.
+    pub fn displaced(&self, turn: u32, partition: &Partition) -> Particles {
+        let mut particles = Particles::default();
+        for (id, &position) in self.positions.iter().enumerate() {
+            let step = Random::new(SEED + 1 + u64::from(turn), id as u64).point() - Vector::splat(0.5);
+            let (place, _) = self.cell.wrap(position + 0.1 * step);
+            if partition.owner(&self.cell, place) == partition.comm().rank() {
+                particles.push(id as u64, place, self.radii[id], 0);
+            }
+        }
+        particles.migrate(partition, &self.cell);
+        particles
+    }
+}
+
+/// Forces like `a`, torques and stresslets like `a^2`, by the particles' ids; of them those of a kind.
+pub fn loads(particles: &Particles, kind: Kind) -> Loads {
+    let mut loads = Loads::default();
+    for (&id, &radius) in particles.ids.iter().zip(&particles.radii) {
+        let mut random = Random::new(SEED, id);
+        let mut vector = |scale: f64| (random.point() - Vector::splat(0.5)) * scale;
+        let (force, torque) = (vector(radius), vector(radius * radius));
+        let (p, q) = (vector(radius * radius), vector(radius * radius));
+        if kind != Kind::Stresslets {
+            loads.forces.push(force);
+        }
+        if kind == Kind::All {
+            loads.torques.push(torque);
+        }
+        if kind != Kind::Forces {
+            loads.stresslets.push(Traceless([p.x, p.y, p.z, q.x, q.y]));
+        }
+    }
+    loads
+}

@@ -1,0 +1,59 @@
+//! Particles as a state brings them.
+
+use crate::adaptive::AGES;
+use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET};
+use crate::integrator::VELOCITY_COLUMNS;
+use crate::warm_start::WarmStart;
+use domain::Particles;
+
+/// Refuses particles of a species that the scene does not have, and a column that has another number of values for each
+/// particle than a run gives it.
+pub fn check(particles: &Particles, species: usize, lubrication: bool) -> Result<(), String> {
+    if let Some(unknown) = particles.species.iter().find(|&&s| s as usize >= species) {
+        return Err(format!("a sphere is of species {unknown}; the scene has {species}, from 0"));
+    }
+    let known = widths(lubrication);
+    for column in &particles.columns {
+        let width = known.iter().find(|(name, _)| *name == column.name).map(|(_, width)| *width);
+        if let Some(width) = width.filter(|&width| width != column.width) {
+            return Err(format!("\"{}\" has {} numbers for each particle, not {width}", column.name, column.width));
+        }
+    }
+    Ok(())
+}
+
+/// The columns of a run, and how many numbers of each a particle has.
+fn widths(lubrication: bool) -> Vec<(String, usize)> {
+    let velocities = VELOCITY_COLUMNS.map(|name| (name.to_owned(), 3));
+    let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (AGES, 2)].map(|(name, width)| (name.to_owned(), width));
+    velocities.into_iter().chain(others).chain(WarmStart::new(lubrication).kept()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Vector;
+
+    #[test]
+    fn columns_of_another_width_are_refused() {
+        for (name, width) in widths(true) {
+            let mut particles = Particles::default();
+            particles.push(0, Vector::ONE, 1.0, 0);
+            particles.column("another", 7);
+            particles.column(&name, width);
+            assert_eq!(check(&particles, 1, true), Ok(()), "{name}");
+            particles.columns[1].width += 1;
+            let message = check(&particles, 1, true).unwrap_err();
+            assert!(message.contains(&format!("{name}\" has {} numbers", width + 1)), "{message}");
+        }
+        assert!(widths(false).len() < widths(true).len());
+    }
+
+    #[test]
+    fn spheres_of_no_species_are_refused() {
+        let mut particles = Particles::default();
+        particles.push(0, Vector::ONE, 1.0, 2);
+        assert_eq!(check(&particles, 3, false), Ok(()));
+        assert!(check(&particles, 2, false).unwrap_err().contains("species 2"));
+    }
+}

@@ -1,0 +1,51 @@
+//! What `check` and `run` warn of before a run.
+
+use crate::model::{Flow, Model};
+use crate::plan::{Radii, problem};
+use crate::steadiness;
+use fcm::Plan;
+
+/// All warnings of a scene, a sentence each.
+pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
+    let all = [straight_box(model), steadiness::caution(model, radii), burden(model, radii)];
+    all.into_iter().flatten().collect()
+}
+
+/// What makes the plan of a scene hopeless, if it is.
+fn burden(model: &Model, radii: &Radii) -> Option<String> {
+    let problem = problem(model, radii);
+    Plan::choose(&problem).ok()?.burden(&problem)
+}
+
+/// In a straight box the flow `u = rate y` jumps by `rate Ly` across the faces along y. The stress that is observed is
+/// that of spheres beside images that stand still, over `mu rate`.
+fn straight_box(model: &Model) -> Option<String> {
+    let Flow::Shear { rate, lees_edwards: false } = model.flow else { return None };
+    let message = "flow.lees_edwards = false: the box stays straight, so that spheres near its faces along y meet images \
+                   that do not move with the flow; relative_viscosity and stresses in the time series are not those of a \
+                   sheared suspension. Leave the key out unless this is what you want";
+    (rate != 0.0).then(|| message.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species};
+    use domain::{PeriodicBox, Vector};
+
+    fn cautions_of(flow: Flow) -> Vec<String> {
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], (0.1, 1));
+        let model = Model::new(Parameters { flow, ..usual }).unwrap();
+        cautions(&model, &Radii::of_model(&model).unwrap())
+    }
+
+    #[test]
+    fn a_sheared_suspension_in_a_straight_box_is_warned_of() {
+        let straight = |rate| Flow::Shear { rate, lees_edwards: false };
+        assert!(cautions_of(straight(0.5))[0].contains("relative_viscosity"));
+        for flow in [Flow::Shear { rate: 0.5, lees_edwards: true }, straight(0.0), Flow::None] {
+            assert!(cautions_of(flow).is_empty(), "{flow:?}");
+        }
+    }
+}

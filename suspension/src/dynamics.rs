@@ -1,0 +1,309 @@
+//! From positions to velocities.
+
+use crate::approach::Approach;
+use crate::error::StartError;
+use crate::fluid;
+use crate::forces::Forces;
+use crate::gap::Gap;
+use crate::hydrodynamics::{Guess, Hydrodynamics, Solved};
+use crate::integrator::VELOCITY;
+use crate::model::{Model, Multipoles};
+use crate::moving_box::MovingBox;
+use crate::setup::Setup;
+use crate::warm_start::WarmStart;
+use domain::{Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
+use fcm::{Loads, PlanError, SolveError};
+use lubrication::Range;
+use simulation::Clock;
+use solver::BackgroundFlow;
+
+/// The column of stresslets; with lubrication, of the whole hydrodynamic ones.
+pub const STRESSLET: &str = "stresslet";
+
+/// The column of angular velocities.
+pub const ANGULAR_VELOCITY: &str = "angular_velocity";
+
+/// Why a step could not be taken.
+#[derive(Debug, thiserror::Error)]
+pub enum StepError {
+    /// A position that is no place.
+    #[error("{0}")]
+    NotFinite(Failure),
+    /// Near pairs come together faster than steps can follow.
+    #[error(
+        "step {step}: two spheres {gap} apart come together faster than any time step can follow; give the scene a \
+         [repulsion], or a larger repulsion.strength, or hydrodynamics.lubrication = true, or time.integrator = \
+         \"adams-bashforth\", which lets spheres overlap"
+    )]
+    Collision {
+        /// Steps taken before.
+        step: u64,
+        /// The smallest gap.
+        gap: Gap,
+    },
+    /// The fluid could not be computed around spheres that overlap.
+    #[error(
+        "step {step}: spheres overlap by {overlap}, and the flow around them can't be found; take a smaller time.step, \
+         a larger repulsion.strength, or time.integrator = \"adaptive\", which keeps spheres apart"
+    )]
+    Overlap {
+        /// Steps taken before.
+        step: u64,
+        /// The largest overlap.
+        overlap: Gap,
+    },
+    /// The fluid could not be computed.
+    #[error("step {step}")]
+    Solve {
+        /// Steps taken before.
+        step: u64,
+        /// Why not.
+        source: SolveError,
+    },
+    /// Some rank was asked to stop.
+    #[error("the step was interrupted")]
+    Interrupted(#[from] Interrupted),
+}
+
+/// Edges of the box that a particle may be away from it at the end of a step, as far as counting them goes.
+const FARTHEST: f64 = 1e9;
+
+/// How the solve of one evaluation went.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Outcome {
+    /// Iterations for the stresslets.
+    pub iterations: usize,
+    /// Their relative residual.
+    pub residual: f64,
+}
+
+/// When an evaluation is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// The clock at the start of its step.
+    pub clock: Clock,
+    /// How much of that step is over.
+    pub fraction: f64,
+    /// How old the solutions that were remembered were when the last of them was: 0 first.
+    pub ages: Vec<f64>,
+    /// The time since then.
+    pub ahead: f64,
+}
+
+impl Moment {
+    /// When a fraction of a step is over, solutions being remembered at the start of each step.
+    pub fn in_step(clock: &Clock, fraction: f64) -> Self {
+        let ages = (0..=clock.step().min(2)).map(|k| k as f64 * clock.dt()).collect();
+        Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt() }
+    }
+}
+
+/// Everything that moves the particles.
+pub struct Dynamics {
+    partition: Partition,
+    moving: MovingBox,
+    flow: BackgroundFlow,
+    forces: Forces,
+    hydrodynamics: Hydrodynamics,
+    lubrication: Option<Range>,
+    warm_start: WarmStart,
+    rigid: bool,
+    smallest_radius: f64,
+}
+
+impl Dynamics {
+    /// The dynamics of a scene that was made ready, and its particles.
+    pub fn new(model: &Model, setup: Setup) -> Result<(Self, Particles), StartError> {
+        let chosen = &model.hydrodynamics;
+        let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
+        let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
+        let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, range);
+        let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
+        let dynamics = Self {
+            hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
+            lubrication: range,
+            warm_start: WarmStart::new(chosen.lubrication),
+            forces: Forces::new(model, setup.radii.largest())?,
+            rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
+            smallest_radius: setup.radii.smallest(),
+            partition: setup.partition,
+            moving: setup.moving,
+            flow: setup.flow,
+        };
+        Ok((dynamics, setup.particles))
+    }
+
+    /// Makes the state at the start of a step part of the past.
+    pub fn remember(&self, particles: &mut Particles) {
+        if self.rigid {
+            self.warm_start.remember(particles);
+        }
+    }
+
+    /// Looks at this interrupt at each evaluation of the mobility from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.hydrodynamics.listen(interrupt);
+    }
+
+    /// Where the box is in time, to go back to.
+    pub fn moving_box(&self) -> &MovingBox {
+        &self.moving
+    }
+
+    /// Goes back to a box of the past.
+    pub fn go_back(&mut self, moving: MovingBox) {
+        self.moving = moving;
+    }
+
+    /// Brings the particles into the box and to their ranks, and computes their velocities, angular velocities and
+    /// stresslets at a moment. Collective; fails on every rank or on none.
+    pub fn evaluate(&mut self, particles: &mut Particles, moment: &Moment) -> Result<Outcome, StepError> {
+        let clock = &moment.clock;
+        if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
+            return Err(Interrupted.into());
+        }
+        self.check_positions(particles, clock)?;
+        self.moving.go_to(clock.time_at(moment.fraction), particles);
+        let cell = *self.moving.cell();
+        particles.migrate(&self.partition, &cell);
+        let loads = self.forces.on(particles, &cell, &self.partition);
+        let guess =
+            if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
+        let ambient = self.flow.strain_rate();
+        let solved = self.hydrodynamics.solve(&cell, particles, &loads, ambient, &guess);
+        let solved = solved.map_err(|source| self.unsolved(source, particles, clock.step()))?;
+        self.record(particles, &loads, &solved);
+        Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
+    }
+
+    /// Why the flow could not be found at a step. Collective.
+    pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
+        if let SolveError::Interrupted(interrupted) = source {
+            return interrupted.into();
+        }
+        let nothing = [[0.0]; 2];
+        let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
+        if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }
+    }
+
+    /// A length between surfaces, for a message.
+    pub(super) fn gap(&self, length: f64) -> Gap {
+        Gap { length, radius: self.smallest_radius }
+    }
+
+    fn check_positions(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
+        let edges = self.cell().edges();
+        let is_somewhere = |p: &Vector| (*p / edges).abs().max_element() < FARTHEST;
+        let lost = particles.positions.iter().position(|p| !is_somewhere(p));
+        let message = |row: usize| {
+            format!(
+                "step {}: particle {} is at {}, which is no place; the time step is probably too large for the forces \
+                 between particles: try a smaller time.step",
+                clock.step(),
+                particles.ids[row],
+                particles.positions[row]
+            )
+        };
+        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)
+    }
+
+    /// Writes what was solved for into the particles' columns, the background flow included.
+    fn record(&self, particles: &mut Particles, loads: &Loads, solved: &Solved) {
+        let carried = particles.positions.iter().zip(&solved.motion.velocities);
+        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.flow.velocity(x)).collect();
+        particles.vectors(VELOCITY).copy_from_slice(&velocities);
+        if self.rigid {
+            let rotation = self.flow.angular_velocity();
+            let turning = particles.vectors(ANGULAR_VELOCITY);
+            for (turning, &own) in turning.iter_mut().zip(&solved.motion.angular_velocities) {
+                *turning = own + rotation;
+            }
+            let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
+            particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
+            self.warm_start.record(particles, loads, solved);
+        }
+    }
+
+    /// The relative motion of near pairs, with the velocities of the columns named. Collective.
+    pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> Approach<N> {
+        Approach::find(particles, &self.moving, &self.partition, columns)
+    }
+
+    /// From which gap to which lubrication acts, if it does.
+    pub fn lubrication(&self) -> Option<Range> {
+        self.lubrication
+    }
+
+    /// The box as it is.
+    pub fn cell(&self) -> &PeriodicBox {
+        self.moving.cell()
+    }
+
+    /// Which rank owns what.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
+
+    /// Each particle's share of the first moments of repulsion, or nothing without it. Collective.
+    pub fn repulsion_moments(&self, particles: &Particles) -> Vec<Tensor> {
+        self.forces.repulsion_moments(particles, self.cell(), &self.partition)
+    }
+
+    /// The background flow.
+    pub fn flow(&self) -> &BackgroundFlow {
+        &self.flow
+    }
+
+    /// How the fluid is computed, in words.
+    pub fn plan(&mut self) -> String {
+        self.hydrodynamics.mobility().plan().describe()
+    }
+
+    /// Evaluations of the mobility since the start.
+    pub fn evaluations(&mut self) -> u64 {
+        self.hydrodynamics.mobility().work().evaluations
+    }
+
+    /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last. Collective.
+    pub fn divergence(&mut self) -> f64 {
+        self.hydrodynamics.mobility().divergence()
+    }
+
+    /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in
+    /// the order `[z][y][x]`, x fastest; on the first rank. An error where no grid can carry it. Collective.
+    pub fn velocity_field(&mut self, particles: &Particles) -> Result<([usize; 3], Vec<Vector>), PlanError> {
+        let mut loads = self.forces.on(particles, self.moving.cell(), &self.partition);
+        self.warm_start.add_to(&mut loads, particles);
+        // Whatever the strain: programs that draw a series take all of its frames for as large as the first.
+        let plan = self.hydrodynamics.mobility().plan().on_the_grid_alone(self.moving.largest_strain())?;
+        Ok(fluid::velocity(&plan, self.moving.cell(), (particles, &loads), self.partition.comm()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species, Start};
+    use domain::Comm;
+    use std::error::Error;
+
+    /// Where no flow is found: because spheres overlap, or for another reason.
+    #[test]
+    fn spheres_that_overlap_are_named_where_no_flow_is_found() {
+        let cell = PeriodicBox::new(Vector::splat(14.0)).unwrap();
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], (0.05, 6));
+        let start = Start::Positions(vec![Vector::splat(3.0), Vector::new(6.5, 3.0, 3.0)]);
+        let model = Model::new(Parameters { start, ..usual }).unwrap();
+        let (dynamics, mut particles) =
+            Dynamics::new(&model, Setup::start(&model, None, &Comm::alone()).unwrap()).unwrap();
+        for (distance, said) in
+            [(3.5, "step 7: the motion"), (1.5, "step 7: spheres overlap by 0.5 (0.5 of the smallest radius), and")]
+        {
+            particles.positions[1] = particles.positions[0] + Vector::X * distance;
+            let error = dynamics.unsolved(SolveError::NotFinite, &mut particles, 7);
+            let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
+            let message = format!("{error}{cause}");
+            assert!(message.starts_with(said), "{message}");
+        }
+    }
+}

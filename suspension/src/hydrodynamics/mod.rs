@@ -1,0 +1,219 @@
+//! Rigid spheres with lubrication: the far field and the near field, solved together.
+
+mod block;
+mod coupled;
+pub mod memory;
+mod near_pairs;
+mod particle_matrix;
+mod scaled;
+mod screw;
+mod stiffness;
+
+use coupled::{Coupled, PairsAndMoments};
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector};
+use fcm::{Limits, Loads, Mobility, Motion, Plan, SolveError, Unknowns, conjugate_gradients};
+use lubrication::{PairFactor, PairForce, PairForceError, Range};
+use near_pairs::NearPairs;
+use particle_matrix::ParticleMatrix;
+use scaled::Scaled;
+use screw::{Screw, Screws};
+use std::f64::consts::PI;
+use stiffness::Stiffness;
+
+/// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added. As
+/// with those, results have the same digits in any units.
+pub struct Hydrodynamics {
+    far: fcm::Hydrodynamics,
+    /// In units of length and viscosity in which the particles' and the fluid's are about 1.
+    lubrication: Option<(PairForce, Stiffness)>,
+    units: Units,
+    preconditioned: bool,
+    partition: Partition,
+}
+
+/// The motions of the spheres and what was needed to find them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// Motions relative to the background flow.
+    pub motion: Motion,
+    /// The whole hydrodynamic stresslets; empty with monopoles only.
+    pub stresslets: Vec<Traceless>,
+    /// What the far field sees: the loads given and those of lubrication, and its part of the stresslets.
+    pub far: Loads,
+    /// Applications of the mobility, besides one to begin with.
+    pub iterations: usize,
+    /// The error left, as the iteration estimates it, relative to the solution.
+    pub residual: f64,
+}
+
+/// Where the search for a solution starts; empty lists stand for nothing known.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Guess {
+    /// The far field's part of the stresslets.
+    pub stresslets_far: Vec<Traceless>,
+    /// Velocities relative to the background flow.
+    pub velocities: Vec<Vector>,
+    /// Angular velocities relative to the background flow.
+    pub angular_velocities: Vec<Vector>,
+}
+
+/// Iterations after which a solve has failed.
+const MOST_ITERATIONS: usize = 1000;
+
+impl Hydrodynamics {
+    /// Prepares what `plan` decided, with lubrication at the gaps of `range` if there is one. Not to be called from a
+    /// rayon task.
+    pub fn new(plan: &Plan, partition: &Partition, range: Option<Range>) -> Result<Self, PairForceError> {
+        let extreme = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
+        let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
+        let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
+        let force = range.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
+        let lubrication = force.map(|force| {
+            let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
+            let stiffness = Stiffness::new(&force, &single);
+            (force, stiffness)
+        });
+        let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
+        Ok(Self { far, lubrication, units, preconditioned: true, partition })
+    }
+
+    /// With the preconditioner of the solve with lubrication, as it comes, or without, to see what it is worth.
+    #[must_use]
+    pub fn preconditioned(self, preconditioned: bool) -> Self {
+        Self { preconditioned, ..self }
+    }
+
+    /// The mobility of the far field.
+    pub fn mobility(&mut self) -> &mut Mobility {
+        self.far.mobility()
+    }
+
+    /// Looks at this interrupt at each evaluation of a solve from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.far.listen(interrupt);
+    }
+
+    /// What it looks at.
+    pub fn interrupt(&self) -> &Interrupt {
+        self.far.interrupt()
+    }
+
+    /// The motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`;
+    /// `loads.stresslets` are ignored and solved for. Where no pair is near, this is the far field alone. Collective;
+    /// an error is an error on all ranks.
+    pub fn solve(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        loads: &Loads,
+        background: Traceless,
+        guess: &Guess,
+    ) -> Result<Solved, SolveError> {
+        if let Some((force, stiffness)) = &self.lubrication {
+            let (units, own) = (self.units, scaled::particles(particles, &self.units));
+            let near = NearPairs::find((force, stiffness), &own, &cell.scaled(1.0 / units.length), &self.partition);
+            if self.partition.comm().any(!near.list().is_empty()) {
+                let interrupt = self.far.interrupt().clone();
+                let mobility = self.far.mobility();
+                mobility.arrange(cell, particles);
+                let parts = (Scaled { mobility, units }, &near, self.preconditioned);
+                let group = (self.partition.comm(), &interrupt);
+                let (loads, background) =
+                    (scaled::times(loads, 1.0 / units.torque()), background * (1.0 / units.rate()));
+                let guess = scaled::guess(guess, &units);
+                let found = lubricated(group, parts, &own.radii, (&loads, background), &guess)?;
+                return Ok(scaled::solution(&found, &units));
+            }
+        }
+        let solved = self.far.solve(cell, particles, loads, background, &guess.stresslets_far)?;
+        let fcm::Solved { motion, stresslets, iterations, residual } = solved;
+        let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
+        Ok(Solved { motion, stresslets, far, iterations, residual })
+    }
+}
+
+fn in_units(lengths: &[f64], unit: f64) -> Vec<f64> {
+    lengths.iter().map(|length| length / unit).collect()
+}
+
+/// As [`Hydrodynamics::solve`], in the units of lubrication.
+fn lubricated(
+    (comm, interrupt): (&Comm, &Interrupt),
+    (mobility, near, preconditioned): (Scaled, &NearPairs, bool),
+    radii: &[f64],
+    (loads, background): (&Loads, Traceless),
+    guess: &Guess,
+) -> Result<Solved, SolveError> {
+    let plan = mobility.mobility.plan();
+    let viscosity = plan.viscosity / mobility.units.viscosity;
+    let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
+    let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
+    let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
+    let mut x = start(comm, near, background, guess, radii.len());
+    let matrix = preconditioned.then(|| ParticleMatrix::new(comm, near, &single));
+    let loads = with_strain(near, loads, background, radii.len());
+    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&loads, &x));
+    let mut residual = system.residual(&x, background);
+    let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
+    if outcome.interrupted {
+        return Err(Interrupted.into());
+    }
+    if !outcome.residual.is_finite() {
+        return Err(SolveError::NotFinite);
+    }
+    if !outcome.converged {
+        let (iterations, residual) = (outcome.iterations, outcome.residual);
+        return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
+    }
+    let (motion, x) = system.finish((x, &residual), background);
+    let (far, stresslets) = loads_of(near, &loads, (&motion, &x), background);
+    let finite = motion.velocities.iter().all(|v| v.is_finite());
+    if comm.any(!finite) {
+        return Err(SolveError::NotFinite);
+    }
+    Ok(Solved { motion, stresslets, far, iterations: outcome.iterations, residual: outcome.residual })
+}
+
+/// The loads given and those of lubrication in the ambient rate of strain. Collective.
+fn with_strain(near: &NearPairs, loads: &Loads, background: Traceless, particles: usize) -> Loads {
+    let mut all = Screws::new(particles, &loads.forces, &loads.torques);
+    all.add(1.0, &near.loads_in(background));
+    Loads { forces: all.linear(), torques: all.angular(), stresslets: Vec::new() }
+}
+
+/// The loads that the far field sees, and the whole stresslets. Collective.
+fn loads_of(
+    near: &NearPairs,
+    loads: &Loads,
+    (motion, x): (&Motion, &PairsAndMoments),
+    background: Traceless,
+) -> (Loads, Vec<Traceless>) {
+    let mut all = Screws::new(x.moments.len(), &loads.forces, &loads.torques);
+    all.add(1.0, &near.loads(&x.modes));
+    let far = coupled::far_loads(&all, &x.moments);
+    let motions = Screws::new(x.moments.len(), &motion.velocities, &motion.angular_velocities);
+    let near = near.stresslets(&motions, background, &x.modes);
+    let stresslets = far.stresslets.iter().zip(near).map(|(&far, near)| far + near).collect();
+    (far, stresslets)
+}
+
+/// The resistance of a sphere on its own.
+fn single(viscosity: f64, radius: f64) -> Screw {
+    let (force, torque) = (6.0 * PI * viscosity * radius, 8.0 * PI * viscosity * radius.powi(3));
+    Screw::new(Vector::splat(force), Vector::splat(torque))
+}
+
+/// The unknowns that go with a guess. Collective.
+fn start(comm: &Comm, near: &NearPairs, background: Traceless, guess: &Guess, particles: usize) -> PairsAndMoments {
+    let mut modes = vec![[0.0; PairFactor::MODES]; near.list().len()];
+    if comm.any(!guess.velocities.is_empty()) {
+        modes = near.modes(&Screws::new(particles, &guess.velocities, &guess.angular_velocities), background);
+        modes.as_flattened_mut().iter_mut().for_each(|g| *g = -*g);
+    }
+    let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
+    moments.resize(particles, Traceless::ZERO);
+    PairsAndMoments { modes, moments }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,77 @@
+//! Suspensions of spheres in Stokes flow: far and near field of the fluid together, forces, background flow, integrators,
+//! and what is observed and averaged. Nothing here reads or writes files, or prints.
+//!
+//! Two spheres that settle side by side, in units of the radius, of the viscosity and of the Stokes velocity of one
+//! (whose force is then `6 pi`):
+//! ```
+//! use domain::{Comm, PeriodicBox, Vector};
+//! use suspension::{Model, Parameters, Species, Start, Suspension};
+//!
+//! let spheres = Species { force: Vector::new(0.0, 0.0, -6.0 * std::f64::consts::PI), ..Species::new("heavy", 1.0, 2) };
+//! let cell = PeriodicBox::new(Vector::splat(32.0))?;
+//! let places = vec![Vector::new(14.5, 16.0, 24.0), Vector::new(17.5, 16.0, 24.0)];
+//! let start = Start::Positions(places);
+//! let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, vec![spheres], (0.1, 10)) })?;
+//! let mut suspension = Suspension::start(&model, &Comm::alone())?;
+//! for _ in 0..3 {
+//!     suspension.step()?;
+//! }
+//! let fallen = 24.0 - suspension.particles().positions[0].z;
+//! assert!(fallen > 1.1 * suspension.clock().time(), "faster than one alone in such a box");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod adaptive;
+mod approach;
+mod averages;
+pub mod benchmark;
+mod brought;
+mod cautions;
+mod dynamics;
+mod error;
+mod extrapolation;
+mod fluid;
+mod forces;
+mod gap;
+mod hydrodynamics;
+mod initial;
+mod integrator;
+mod least_repulsion;
+mod memory;
+mod mobility;
+mod model;
+mod moving_box;
+mod near;
+mod observe;
+mod observed;
+mod outline;
+mod overlaps;
+mod plan;
+mod rheology;
+mod sampling;
+mod setup;
+mod single;
+mod steadiness;
+mod stress;
+mod suspension;
+mod warm_start;
+
+pub use dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
+pub use error::{PlacingError, StartError};
+pub use hydrodynamics::{Guess, Hydrodynamics as CoupledHydrodynamics, Solved};
+pub use integrator::VELOCITY;
+pub use least_repulsion::{LeastRepulsionError, least_repulsion};
+pub use memory::Ranks;
+pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
+pub use model::{
+    Adaptive, Axis, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles,
+    Parameters, Repulsion, Species, Start, Statistics as StatisticsWanted,
+};
+pub use observed::Observed;
+pub use outline::{Asked, Outline};
+pub use overlaps::Overlaps;
+pub use sampling::{COLUMNS as SAMPLE_COLUMNS, Statistics, bytes as statistics_bytes, column_bytes, sample_bytes};
+pub use single::Single;
+pub use steadiness::longest_step;
+pub use stress::ParticleStress;
+pub use suspension::{StepReport, Suspension};

@@ -1,0 +1,257 @@
+//! The memory that a run takes on each rank at its peak, predicted from the scene and the plan.
+
+use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET};
+use crate::forces::barrier;
+use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
+use crate::integrator::{VELOCITY, VELOCITY_COLUMNS};
+use crate::model::{Integrator, Model, Multipoles, Species, Start};
+use crate::plan::{Radii, largest_strain};
+use crate::sampling;
+use crate::warm_start::WarmStart;
+use domain::{Bytes, Crowd, Need, Pairs, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes};
+use fcm::{Footprint, Plan};
+use lubrication::Range;
+use simulation::Frame;
+
+/// Numbers of each column of a frame of the trajectory.
+const FRAME: [(&str, usize); 3] = [(VELOCITY, 3), (ANGULAR_VELOCITY, 3), (STRESSLET, 5)];
+
+/// A volume fraction beyond which random spheres are moved apart, see [`domain::random_packing`].
+const DENSE: f64 = 0.25;
+
+/// Species, in columns of which they are counted to see how far they are apart, beyond which those are worth a word.
+const MANY: usize = 16;
+
+/// Who takes memory: one of so many ranks, each with so many threads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ranks {
+    /// How many.
+    pub count: usize,
+    /// Threads of each.
+    pub threads: usize,
+}
+
+/// What each rank of a run needs at its peak.
+pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec<Need> {
+    (0..ranks.count).map(|rank| need(model, (radii, plan), ranks, rank)).collect()
+}
+
+/// What a rank of a run needs at its peak.
+pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> Need {
+    let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
+    let crowd = Crowd::new(plan.edges, radii.kinds(), &place);
+    let far = Footprint::new(plan, (&place, ranks.threads), &crowd);
+    let share = Share { model, far, crowd: &crowd, threads: ranks.threads, is_first: rank == 0 };
+    of_peak(share.peak(), &share.far, (rank, ranks.count))
+}
+
+/// What a rank needs whose allocations have a peak, with the far field of a plan.
+pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> Need {
+    let reached = far.reached();
+    let resident = Process::of(rank, ranks).resident(peak.most) + reached;
+    Need { resident, reached, mapped: far.columns_of_others(ranks) - reached }
+}
+
+/// What to change in a scene that takes too much memory.
+pub fn remedy(model: &Model, radii: &Radii) -> String {
+    let chosen = &model.hydrodynamics;
+    let grid = if chosen.grid.is_some() { "a smaller hydrodynamics.grid" } else { "a larger hydrodynamics.tolerance" };
+    let near = if chosen.lubrication { ", a smaller hydrodynamics.lubrication_cutoff" } else { "" };
+    let samples = if model.statistics.is_some() { ", no [statistics]" } else { "" };
+    let columns = readable_bytes(sampling::column_bytes(model).most);
+    let species = if model.species.len() > MANY {
+        format!(", fewer [[species]] (their columns take {columns})")
+    } else {
+        String::new()
+    };
+    format!(
+        "the scene has {} spheres: take fewer of them (species.count, species.volume_fraction, or smaller box.edges), \
+         {grid}{near}{samples}{species}, or more machines with ranks on each",
+        radii.count()
+    )
+}
+
+/// What placing the particles takes on the first rank.
+pub fn placing(model: &Model, radii: &Radii) -> Need {
+    Need { resident: Process::ALONE.resident(placing_bytes(model, radii.count() as f64).most), ..Need::default() }
+}
+
+fn placing_bytes(model: &Model, count: f64) -> Bytes {
+    let listed = Bytes::list::<(u32, f64)>(count);
+    let places = match model.start {
+        Start::Random { minimum_gap } => packing_bytes(count, filled(model, minimum_gap) > DENSE),
+        // A lattice may have more sites than there are spheres.
+        _ => Bytes::list::<(Vector, usize)>(2.0 * count),
+    };
+    let store = Particles::bytes(domain::GROWING * count, 0);
+    listed.then(places).then(Bytes::list::<Vector>(count)).then(store).freed()
+}
+
+/// The volume fraction of the spheres with half the gap that is kept around each.
+fn filled(model: &Model, gap: f64) -> f64 {
+    let of_kind = |s: &Species| s.count.unwrap_or(0) as f64 * (s.radius + 0.5 * gap).powi(3);
+    4.0 / 3.0 * std::f64::consts::PI * model.species.iter().map(of_kind).sum::<f64>() / model.cell.volume()
+}
+
+/// The share of a rank in a run.
+struct Share<'a> {
+    model: &'a Model,
+    far: Footprint<'a>,
+    crowd: &'a Crowd,
+    threads: usize,
+    is_first: bool,
+}
+
+impl Share<'_> {
+    /// From the start to the end.
+    fn peak(&self) -> Bytes {
+        let particles = Particles::bytes(self.crowd.owned(), self.numbers());
+        let stays = self.fluid().then(particles).then(self.estimators()).then(self.segregation());
+        let passes =
+            self.step().or(self.report()).or(self.frame()).or(self.sample()).or(self.checkpoint()).or(self.field());
+        self.start().then(stays).then(passes)
+    }
+
+    fn start(&self) -> Bytes {
+        let placed = if self.is_first { placing_bytes(self.model, self.crowd.total()) } else { Bytes::default() };
+        let own = Particles::bytes(self.crowd.owned(), 0);
+        placed.or(own.then(self.near(self.gap_search())).freed())
+    }
+
+    fn fluid(&self) -> Bytes {
+        let tables = if self.range().is_some() { table_bytes(self.far.radii()) } else { Bytes::default() };
+        self.far.mobility().then(tables)
+    }
+
+    fn range(&self) -> Option<Range> {
+        let chosen = &self.model.hydrodynamics;
+        let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
+        chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST).ok()).flatten()
+    }
+
+    /// Numbers of all columns of a particle.
+    fn numbers(&self) -> usize {
+        let velocities = 3 * VELOCITY_COLUMNS.len();
+        if self.is_rigid() {
+            velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.hydrodynamics.lubrication).numbers()
+        } else {
+            velocities
+        }
+    }
+
+    fn is_rigid(&self) -> bool {
+        self.model.hydrodynamics.multipoles == Multipoles::Dipole
+    }
+
+    /// What the particles and the near pairs of others within a distance of them take while they are looked at.
+    fn near(&self, distance: f64) -> Bytes {
+        let (owned, present) = (self.crowd.owned(), self.crowd.present(distance));
+        let copies = Bytes::list::<(Vector, f64, u64)>(present);
+        copies.then(Pairs::bytes(owned, present, self.crowd.neighbours(distance)))
+    }
+
+    fn gap_search(&self) -> f64 {
+        2.2 * self.crowd.largest_radius()
+    }
+
+    /// A step, and the particles as they were before it, to which one that is interrupted goes back.
+    fn step(&self) -> Bytes {
+        Particles::bytes(self.crowd.owned(), self.numbers()).then(self.evaluation()).freed()
+    }
+
+    fn evaluation(&self) -> Bytes {
+        let owned = self.crowd.owned();
+        let largest = self.crowd.largest_radius();
+        let repulsion = barrier(self.model).ok().flatten().map(|barrier| barrier.reach([largest; 2]));
+        let forces = repulsion.map_or_else(Bytes::default, |reach| self.near(reach).freed());
+        let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
+        let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
+        let solve = match self.range() {
+            Some(range) => solve_bytes(&self.far, self.crowd, range).or(self.far.solve()),
+            None => self.far.solve(),
+        };
+        let evaluation = Particles::migration_bytes(owned).freed().or(loads.then(guess).then(solve).freed());
+        evaluation.or(self.approach())
+    }
+
+    /// Steps of any length look at pairs up to a gap of a radius.
+    fn approach(&self) -> Bytes {
+        let Integrator::Adaptive(_) = self.model.integrator else { return Bytes::default() };
+        let distance = 3.0 * self.crowd.largest_radius();
+        let pairs = 0.5 * self.crowd.owned() * self.crowd.neighbours(distance);
+        self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed()
+    }
+
+    fn report(&self) -> Bytes {
+        self.far.divergence().or(self.near(self.gap_search()).freed())
+    }
+
+    fn gathered(&self, numbers: usize) -> Bytes {
+        Particles::gathering_bytes(self.crowd.owned(), self.crowd.total(), numbers, self.is_first)
+    }
+
+    fn frame(&self) -> Bytes {
+        let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
+        let numbers: usize = widths.sum();
+        let buffers = if self.is_first { Frame::bytes(self.crowd.total(), numbers) } else { Bytes::default() };
+        self.gathered(numbers).freed().then(buffers).freed()
+    }
+
+    /// Samples that the statistics of the scene will have at its end.
+    fn samples(&self) -> Option<u64> {
+        self.model.statistics.map(|wanted| wanted.samples.count_until(self.model.steps))
+    }
+
+    /// What statistics keep on the first rank.
+    fn estimators(&self) -> Bytes {
+        match self.samples() {
+            Some(samples) if self.is_first => {
+                sampling::bytes(self.crowd.total(), samples, (self.model.species.len(), self.threads))
+            }
+            _ => Bytes::default(),
+        }
+    }
+
+    /// Columns for the time series, on each rank, and those of statistics.
+    fn segregation(&self) -> Bytes {
+        let columns = sampling::column_bytes(self.model);
+        let series = if self.model.species.len() > 1 { columns } else { Bytes::default() };
+        let sampled = if self.samples().is_some() && self.is_first { columns } else { Bytes::default() };
+        series.then(sampled)
+    }
+
+    fn sample(&self) -> Bytes {
+        if self.samples().is_none() {
+            return Bytes::default();
+        }
+        let own = if self.is_first { sampling::sample_bytes(self.crowd.total()) } else { Bytes::default() };
+        self.gathered(6).then(own).freed()
+    }
+
+    fn checkpoint(&self) -> Bytes {
+        let total = self.crowd.total();
+        let state = self.samples().map_or(0.0, |samples| sampling::state_bytes(total, samples));
+        let written = Particles::bytes(total, self.numbers()).then(Bytes::keep(state));
+        let own = Bytes::keep(state).then(written);
+        self.gathered(self.numbers()).then(if self.is_first { own } else { Bytes::default() }).freed()
+    }
+
+    /// The flow on a grid of its own, which is gathered.
+    fn field(&self) -> Bytes {
+        if !self.model.fields {
+            return Bytes::default();
+        }
+        let Some(plan) = self.far.plan_of_flow(largest_strain(self.model)) else { return Bytes::default() };
+        let place = self.far.place_of(&plan);
+        let far = Footprint::new(&plan, (&place, self.threads), self.crowd);
+        let moved = Particles::bytes(self.crowd.owned(), 11);
+        let all = if self.is_first { plan.grid.iter().map(|&n| n as f64).product() } else { 0.0 };
+        let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
+        // In a sheared box the places of the points are written too.
+        moved
+            .then(Bytes::keep(far.reached()))
+            .then(far.mobility())
+            .then(far.evaluation().or(far.velocity_field().then(gathered)))
+            .freed()
+    }
+}

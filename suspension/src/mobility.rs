@@ -1,0 +1,236 @@
+//! The mobility of spheres at given positions: loads to motions.
+
+use crate::hydrodynamics::{Guess, Hydrodynamics, Solved};
+use crate::overlaps::Overlaps;
+use crate::single::Single;
+use domain::{Bytes, Comm, Failure, Particles, Partition, PeriodicBox, Traceless, Vector};
+use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, PlanError, Problem, SolveError};
+use lubrication::{PairForceError, Range};
+use solver::BackgroundFlow;
+
+/// Which spheres move in which fluid, and how exactly that is computed.
+#[derive(Debug, Clone)]
+pub struct MobilityParameters {
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Radius of each sphere.
+    pub radii: Vec<f64>,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Forces alone, or torques and stresslets too.
+    pub multipoles: Multipoles,
+    /// Whether to solve for the stresslets that keep the spheres rigid.
+    pub rigid: bool,
+    /// Relative error allowed.
+    pub tolerance: f64,
+    /// The gaps between rigid spheres at which lubrication acts, if it does.
+    pub lubrication: Option<Range>,
+    /// What the machine takes for the parts of an evaluation.
+    pub costs: Costs,
+}
+
+/// The mobility of spheres, planned once for any positions. Whatever is of each sphere is given, and found, in the order
+/// of the radii, on the first rank. All calls are collective.
+pub struct Mobility {
+    parameters: MobilityParameters,
+    problem: Problem,
+    plan: Plan,
+    partition: Partition,
+    hydrodynamics: Hydrodynamics,
+    positions: Vec<Vector>,
+}
+
+/// Why a mobility can't be computed.
+#[derive(Debug, thiserror::Error)]
+pub enum MobilityError {
+    /// No plan.
+    #[error("this case can't be evaluated")]
+    Plan(#[source] PlanError),
+    /// Lubrication between these radii.
+    #[error(transparent)]
+    Lubrication(#[from] PairForceError),
+    /// Lubrication between spheres that overlap.
+    #[error("{0}; lubrication acts between spheres that are apart: move these apart, or leave out lubrication")]
+    Overlap(Overlaps),
+    /// No solution.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// Something that only some ranks know of.
+    #[error(transparent)]
+    Failed(#[from] Failure),
+}
+
+/// Motions of the spheres, and what was needed to find them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motions {
+    /// Velocities, angular velocities and rates of strain, relative to the background flow; the latter two are zero with
+    /// forces alone.
+    pub motion: Motion,
+    /// The whole hydrodynamic stresslets.
+    pub stresslets: Vec<Traceless>,
+    /// The far field's part of them.
+    pub stresslets_far: Vec<Traceless>,
+    /// Iterations.
+    pub iterations: usize,
+    /// The error left, relative to the solution.
+    pub residual: f64,
+}
+
+/// Columns in which loads and motions travel with their particles.
+mod column {
+    pub const FORCE: &str = "force";
+    pub const TORQUE: &str = "torque";
+    pub const VELOCITY: &str = "velocity";
+    pub const ANGULAR_VELOCITY: &str = "angular_velocity";
+    pub const STRAIN_RATE: &str = "strain_rate";
+    pub const STRESSLET: &str = "stresslet";
+    pub const STRESSLET_FAR: &str = "far stresslet";
+}
+
+impl Mobility {
+    /// Plans the mobility, if there is memory for it; `besides` is what the first rank needs for the caller's lists.
+    pub fn new(parameters: MobilityParameters, besides: Bytes, comm: &Comm) -> Result<Self, MobilityError> {
+        let problem = problem(&parameters);
+        let plan = Plan::choose(&problem).map_err(MobilityError::Plan)?;
+        let (lubrication, radii) = (parameters.lubrication, problem.radii.clone());
+        Single { plan: &plan, radii, lubrication, numbers: NUMBERS, besides, remedy: REMEDY }.check_room(comm)?;
+        let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+        let hydrodynamics = comm.agree(Hydrodynamics::new(&plan, &partition, lubrication))?;
+        Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions: Vec::new() })
+    }
+
+    /// How it is computed.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What makes the plan hopeless, if it is.
+    pub fn burden(&self) -> Option<String> {
+        self.plan.burden(&self.problem)
+    }
+
+    /// Puts the spheres into places, inside the box or not. Spheres that overlap are returned, or refused where they feel
+    /// lubrication.
+    pub fn place(&mut self, positions: &[Vector]) -> Result<Option<Overlaps>, MobilityError> {
+        let cell = &self.parameters.cell;
+        self.positions = positions.iter().map(|&position| cell.wrap(position).0).collect();
+        let overlaps = Overlaps::find(cell, &self.positions, &self.parameters.radii);
+        match overlaps.filter(|_| self.parameters.lubrication.is_some()) {
+            Some(overlaps) => Err(MobilityError::Overlap(overlaps)),
+            None => Ok(overlaps),
+        }
+    }
+
+    /// The motions of the spheres under loads, and relative to a background flow. Empty lists stand for no load;
+    /// stresslets are loads of spheres that are not rigid.
+    pub fn apply(&mut self, loads: &Loads, background: &BackgroundFlow) -> Result<Motions, MobilityError> {
+        let mut particles = self.placed(loads);
+        let comm = self.partition.comm();
+        let has = |list: usize| comm.any(list > 0);
+        let given = [loads.forces.len(), loads.torques.len(), loads.stresslets.len()].map(has);
+        let solved = self.solve(&mut particles, given, background)?;
+        record(&mut particles, &solved);
+        Ok(motions(particles.gathered(&self.partition), &solved))
+    }
+
+    /// The particles, with their loads, on the ranks that own them.
+    fn placed(&self, loads: &Loads) -> Particles {
+        let mut particles = Particles::default();
+        if self.partition.comm().is_first() {
+            for (id, (&position, &radius)) in self.positions.iter().zip(&self.parameters.radii).enumerate() {
+                particles.push(id as u64, position, radius, 0);
+            }
+        }
+        fill(particles.vectors(column::FORCE), &loads.forces);
+        fill(particles.vectors(column::TORQUE), &loads.torques);
+        fill(traceless(&mut particles, column::STRESSLET), &loads.stresslets);
+        particles.wrap(&self.parameters.cell);
+        particles.migrate(&self.partition, &self.parameters.cell);
+        particles
+    }
+
+    fn solve(
+        &mut self,
+        particles: &mut Particles,
+        [forces, torques, stresslets]: [bool; 3],
+        background: &BackgroundFlow,
+    ) -> Result<Solved, SolveError> {
+        let (cell, multipoles) = (&self.parameters.cell, self.parameters.multipoles);
+        let mut loads = Loads::default();
+        if forces {
+            loads.forces = particles.vectors(column::FORCE).to_vec();
+        }
+        if torques && multipoles == Multipoles::Dipole {
+            loads.torques = particles.vectors(column::TORQUE).to_vec();
+        }
+        if self.parameters.rigid || multipoles == Multipoles::Monopole {
+            let strain_rate = background.strain_rate();
+            return self.hydrodynamics.solve(cell, particles, &loads, strain_rate, &Guess::default());
+        }
+        if stresslets {
+            loads.stresslets = traceless(particles, column::STRESSLET).to_vec();
+        }
+        let mobility = self.hydrodynamics.mobility();
+        mobility.arrange(cell, particles);
+        let motion = mobility.apply(&loads, Evaluation::All);
+        let stresslets = traceless(particles, column::STRESSLET).to_vec();
+        Ok(Solved { motion, stresslets, far: loads, iterations: 0, residual: 0.0 })
+    }
+}
+
+/// What to change where it takes too much memory.
+const REMEDY: &str = "fewer positions, a larger tolerance";
+
+/// Numbers of a particle in columns, about.
+const NUMBERS: usize = 32;
+
+fn problem(parameters: &MobilityParameters) -> Problem {
+    Problem {
+        edges: parameters.cell.edges(),
+        largest_strain: parameters.cell.strain().abs(),
+        radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
+        viscosity: parameters.viscosity,
+        multipoles: parameters.multipoles,
+        rigid: parameters.rigid,
+        tolerance: parameters.tolerance,
+        threads: 1,
+        ranks: 1,
+        costs: parameters.costs,
+        fixed: Fixed::default(),
+    }
+}
+
+/// Writes the result into the particles' columns, which are put into the order of the ids when they are gathered.
+fn record(particles: &mut Particles, solved: &Solved) {
+    let Motion { velocities, angular_velocities, strain_rates } = &solved.motion;
+    fill(particles.vectors(column::VELOCITY), velocities);
+    fill(particles.vectors(column::ANGULAR_VELOCITY), angular_velocities);
+    let stresslets = [(column::STRESSLET, &solved.stresslets), (column::STRESSLET_FAR, &solved.far.stresslets)];
+    for (name, list) in [(column::STRAIN_RATE, strain_rates)].into_iter().chain(stresslets) {
+        fill(traceless(particles, name), list);
+    }
+}
+
+fn motions(mut all: Particles, solved: &Solved) -> Motions {
+    let motion = Motion {
+        velocities: all.vectors(column::VELOCITY).to_vec(),
+        angular_velocities: all.vectors(column::ANGULAR_VELOCITY).to_vec(),
+        strain_rates: traceless(&mut all, column::STRAIN_RATE).to_vec(),
+    };
+    Motions {
+        motion,
+        stresslets: traceless(&mut all, column::STRESSLET).to_vec(),
+        stresslets_far: traceless(&mut all, column::STRESSLET_FAR).to_vec(),
+        iterations: solved.iterations,
+        residual: solved.residual,
+    }
+}
+
+/// Sets as many values as are known.
+fn fill<T: Copy>(values: &mut [T], known: &[T]) {
+    values.iter_mut().zip(known).for_each(|(value, &known)| *value = known);
+}
+
+fn traceless<'a>(particles: &'a mut Particles, name: &str) -> &'a mut [Traceless] {
+    bytemuck::cast_slice_mut(&mut particles.column(name, 5).values)
+}

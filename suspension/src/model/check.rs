@@ -1,0 +1,69 @@
+//! The ranges that parameters have to be in.
+
+use super::spheres::check_species;
+use super::{Flow, Parameters, Repulsion};
+use domain::{Number, ParameterError};
+
+/// The largest strain of a run: beyond, the box's offset has lost more than half of its digits.
+const MAX_STRAIN: f64 = 1e9;
+
+/// Passes parameters that are all in their ranges.
+pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
+    let p = parameters;
+    ParameterError::unless_positive("time.step", p.time_step)?;
+    check_species(&p.species, &p.cell)?;
+    ParameterError::unless_positive("fluid.viscosity", p.viscosity)?;
+    ParameterError::unless_finite_vector("gravity.acceleration", p.gravity)?;
+    p.start.check(&p.species)?;
+    check_flow(p)?;
+    p.repulsion.as_ref().map_or(Ok(()), check_repulsion)?;
+    p.hydrodynamics.check()?;
+    p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
+    p.integrator.check()
+}
+
+/// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which
+/// the images of a sphere move with the flow.
+fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
+    let Flow::Shear { rate, lees_edwards } = p.flow else { return Ok(()) };
+    ParameterError::unless_finite("flow.rate", rate)?;
+    let end = p.end();
+    if (rate * end).abs() > MAX_STRAIN {
+        let (rate, end, largest) = (Number(rate), Number(end), Number(MAX_STRAIN));
+        let message =
+            format!("is {rate}; until time {end:.6} that is a strain above {largest}, the most that a run can have");
+        return Err(ParameterError::new("flow.rate", message));
+    }
+    if p.hydrodynamics.lubrication && !lees_edwards {
+        let message = "is true, but with flow.lees_edwards = false the box stays straight, and spheres on either side of \
+                       its y boundary would rub against images that do not move with the flow; set \
+                       flow.lees_edwards = true, or lubrication = false";
+        return Err(ParameterError::new("hydrodynamics.lubrication", message));
+    }
+    Ok(())
+}
+
+fn check_repulsion(repulsion: &Repulsion) -> Result<(), ParameterError> {
+    let Repulsion { strength, radius_power, range, calibrate } = *repulsion;
+    if strength < 0.0 || !strength.is_finite() {
+        let message = format!("is {}; the force at contact needs to be 0 or more", Number(strength));
+        return Err(ParameterError::new("repulsion.strength", message));
+    }
+    if let Some(range) = range.filter(|r| !(*r > 0.0 && *r <= 1.0)) {
+        let range = Number(range);
+        let message = format!("is {range}; the gap where the barrier starts needs 0 < range <= 1, in mean radii");
+        return Err(ParameterError::new("repulsion.range", message));
+    }
+    if radius_power > 2 {
+        let message = format!(
+            "is {radius_power}; the force at contact grows with the 0th (the same for all, the default), 1st or 2nd power \
+             of the harmonic mean radius of the two spheres"
+        );
+        return Err(ParameterError::new("repulsion.radius_power", message));
+    }
+    if calibrate && strength == 0.0 {
+        let message = "is 0, but repulsion.calibrate is true; give the strength where the search starts";
+        return Err(ParameterError::new("repulsion.strength", message));
+    }
+    Ok(())
+}

@@ -1,0 +1,133 @@
+//! How the fluid is computed.
+
+use domain::{Number, ParameterError};
+
+/// How the fluid is computed; what is `None` is chosen from the tolerance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hydrodynamics {
+    /// Which multipoles the spheres have.
+    pub multipoles: Multipoles,
+    /// Relative error that the user wants.
+    pub tolerance: f64,
+    /// How the far field is evaluated.
+    pub method: Evaluation,
+    /// Grid points along x, y and z.
+    pub grid: Option<[usize; 3]>,
+    /// Grid points across a stencil.
+    pub support: Option<usize>,
+    /// Relative residual at which the stresslets are solved.
+    pub iteration_tolerance: Option<f64>,
+    /// What parts of an evaluation cost on the machine that the run is planned for: stencils, transforms and pairs,
+    /// over what they cost where the planner was made.
+    pub costs: Option<[f64; 3]>,
+    /// Whether near pairs feel lubrication.
+    pub lubrication: bool,
+    /// The gap where lubrication ends over the larger radius of the two; [`lubrication::Range::WIDE`] where there is
+    /// none.
+    pub lubrication_cutoff: Option<f64>,
+    /// Whether the solve with lubrication is preconditioned.
+    pub preconditioner: bool,
+}
+
+/// Which multipoles the spheres have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Multipoles {
+    /// Forces alone.
+    Monopole,
+    /// Forces, torques and the stresslets that keep spheres rigid.
+    Dipole,
+}
+
+/// How the far field is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Evaluation {
+    /// Whichever takes less time.
+    Auto,
+    /// The envelopes themselves on the grid.
+    Direct,
+    /// Wider envelopes on a coarser grid, and the difference pair by pair.
+    Split,
+}
+
+impl Default for Hydrodynamics {
+    fn default() -> Self {
+        Self {
+            multipoles: Multipoles::Dipole,
+            tolerance: 1e-3,
+            method: Evaluation::Auto,
+            grid: None,
+            support: None,
+            iteration_tolerance: None,
+            costs: None,
+            lubrication: false,
+            lubrication_cutoff: None,
+            preconditioner: true,
+        }
+    }
+}
+
+impl Hydrodynamics {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let key = |name: &str| format!("hydrodynamics.{name}");
+        ParameterError::unless_between(&key("tolerance"), self.tolerance, [1e-12, 0.1])?;
+        if let Some(tolerance) = self.iteration_tolerance {
+            ParameterError::unless_between(&key("iteration_tolerance"), tolerance, [1e-14, 0.1])?;
+        }
+        if let Some(support) = self.support.filter(|s| !(2..=64).contains(s)) {
+            let message = format!("is {support}; a stencil covers 2 to 64 grid points");
+            return Err(ParameterError::new(key("support"), message));
+        }
+        for (axis, points) in self.grid.iter().flatten().enumerate() {
+            check_points(*points).map_err(|message| ParameterError::new(key(&format!("grid[{axis}]")), message))?;
+        }
+        for (name, cost) in ["stencils", "transforms", "pairs"].iter().zip(self.costs.iter().flatten()) {
+            ParameterError::unless_between(&key(&format!("costs.{name}")), *cost, [0.01, 100.0])?;
+        }
+        self.check_lubrication()
+    }
+
+    fn check_lubrication(&self) -> Result<(), ParameterError> {
+        if self.lubrication && self.multipoles == Multipoles::Monopole {
+            let message = "is true, but hydrodynamics.multipoles is \"monopole\"; lubrication needs \"dipole\"";
+            return Err(ParameterError::new("hydrodynamics.lubrication", message));
+        }
+        if !self.preconditioner && !self.lubrication {
+            let message =
+                "is false, but only a solve with lubrication has one; write lubrication = true or leave it out";
+            return Err(ParameterError::new("hydrodynamics.preconditioner", message));
+        }
+        match self.lubrication_cutoff {
+            Some(_) if !self.lubrication => {
+                let message = "is set, but there is no lubrication; write lubrication = true or leave it out";
+                Err(ParameterError::new("hydrodynamics.lubrication_cutoff", message))
+            }
+            Some(cutoff) if !(cutoff > 1e-3 && cutoff <= 8.0) => {
+                let message = format!(
+                    "is {}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in radii of a pair's larger sphere",
+                    Number(cutoff)
+                );
+                Err(ParameterError::new("hydrodynamics.lubrication_cutoff", message))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Grid points along an axis that a transform may have.
+const MOST_POINTS: usize = 1 << 20;
+
+fn check_points(points: usize) -> Result<(), String> {
+    if points > MOST_POINTS {
+        return Err(format!("is {points}; the transform takes up to {MOST_POINTS} points along an axis"));
+    }
+    let mut rest = points;
+    for prime in [2, 3, 5, 7] {
+        while rest > 0 && rest.is_multiple_of(prime) {
+            rest /= prime;
+        }
+    }
+    if rest == 1 && points.is_multiple_of(2) {
+        return Ok(());
+    }
+    Err(format!("is {points}; the transform takes even numbers whose prime factors are 2, 3, 5 and 7"))
+}

@@ -1,0 +1,46 @@
+//! How a step is taken.
+
+use domain::ParameterError;
+
+/// How a step is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Integrator {
+    /// All steps are alike, by the Adams-Bashforth method of an order from 2 to 4.
+    AdamsBashforth {
+        /// Its order.
+        order: u8,
+    },
+    /// Each in as many parts as are needed.
+    Adaptive(Adaptive),
+}
+
+/// What limits the length of a substep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adaptive {
+    /// Largest error of a substep in a position, over the radius.
+    pub tolerance: f64,
+    /// Largest part of a gap between two spheres that a substep may take away.
+    pub gap_fraction: f64,
+}
+
+impl Default for Adaptive {
+    fn default() -> Self {
+        Self { tolerance: 1e-4, gap_fraction: 0.25 }
+    }
+}
+
+impl Integrator {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        match self {
+            Self::AdamsBashforth { order } if !(2..=4).contains(order) => {
+                let message = format!("is {order}; the Adams-Bashforth methods here have order 2, 3 or 4");
+                Err(ParameterError::new("time.order", message))
+            }
+            Self::AdamsBashforth { .. } => Ok(()),
+            Self::Adaptive(Adaptive { tolerance, gap_fraction }) => {
+                ParameterError::unless_between("time.tolerance", *tolerance, [1e-10, 0.9])?;
+                ParameterError::unless_between("time.gap_fraction", *gap_fraction, [1e-10, 0.9]).map(drop)
+            }
+        }
+    }
+}

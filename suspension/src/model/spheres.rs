@@ -1,0 +1,156 @@
+//! The spheres: their species and where they start.
+
+use domain::{Number, ParameterError, PeriodicBox, Vector};
+
+/// The largest volume fraction that spheres may have together.
+pub const MAX_FRACTION: f64 = 0.64;
+
+/// Rows of particles are numbered in 32 bits.
+pub const MAX_SPHERES: f64 = u32::MAX as f64;
+
+/// A kind of spheres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Species {
+    /// Its name in tables.
+    pub name: String,
+    /// Radius.
+    pub radius: f64,
+    /// How many; `None` where whoever brings the positions says it.
+    pub count: Option<u64>,
+    /// Density less that of the fluid.
+    pub density_difference: f64,
+    /// Steady force on each, besides its weight.
+    pub force: Vector,
+    /// Steady torque on each.
+    pub torque: Vector,
+}
+
+/// Where the spheres are at first.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start {
+    /// At random without overlap.
+    Random {
+        /// Smallest gap between surfaces.
+        minimum_gap: f64,
+    },
+    /// On a lattice, the species mixed at random.
+    Lattice(Lattice),
+    /// At these places, species by species.
+    Positions(Vec<Vector>),
+    /// Where whoever starts the run says.
+    Brought,
+}
+
+/// Cubic lattices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lattice {
+    /// One site a cell.
+    SimpleCubic,
+    /// Four sites a cell.
+    FaceCentredCubic,
+}
+
+impl Species {
+    /// So many spheres of a radius, on which nothing acts.
+    pub fn new(name: &str, radius: f64, count: u64) -> Self {
+        let (force, torque) = (Vector::ZERO, Vector::ZERO);
+        Self { name: name.to_owned(), radius, count: Some(count), density_difference: 0.0, force, torque }
+    }
+
+    /// The steady force on a sphere of this species and of the given radius: its own, and its weight less its buoyancy.
+    pub fn force_on(&self, radius: f64, gravity: Vector) -> Vector {
+        self.force + gravity * (self.density_difference * volume(radius))
+    }
+
+    pub(super) fn check(&self, index: usize, cell: &PeriodicBox) -> Result<(), ParameterError> {
+        let key = |name: &str| format!("species[{index}].{name}");
+        ParameterError::unless_positive(&key("radius"), self.radius)?;
+        let shortest = cell.edges().min_element();
+        if 2.0 * self.radius >= shortest {
+            let (radius, shortest) = (Number(self.radius), Number(shortest));
+            let message =
+                format!("is {radius}; a sphere needs to be smaller than the box, whose shortest edge is {shortest}");
+            return Err(ParameterError::new(key("radius"), message));
+        }
+        if self.count == Some(0) {
+            return Err(ParameterError::new(key("count"), "is 0; a species needs at least one sphere"));
+        }
+        ParameterError::unless_finite(&key("density_difference"), self.density_difference)?;
+        ParameterError::unless_finite_vector(&key("force"), self.force)?;
+        ParameterError::unless_finite_vector(&key("torque"), self.torque).map(drop)
+    }
+}
+
+/// Checks what species have to be together.
+pub(super) fn check_species(species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {
+    if species.is_empty() {
+        return Err(ParameterError::new("species", "is empty; write at least one [[species]] section"));
+    }
+    species.iter().enumerate().try_for_each(|(index, one)| one.check(index, cell))?;
+    for (index, one) in species.iter().enumerate() {
+        if species[..index].iter().any(|other| other.name == one.name) {
+            let message = format!("is \"{}\", as another species' name; give each its own", one.name);
+            return Err(ParameterError::new(format!("species[{index}].name"), message));
+        }
+    }
+    check_filling(species, cell)
+}
+
+fn check_filling(species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {
+    let count = |s: &Species| s.count.unwrap_or(0) as f64;
+    let total: f64 = species.iter().map(count).sum();
+    if total > MAX_SPHERES {
+        return Err(ParameterError::new("species", format!("is a list of several: {}", too_many(total))));
+    }
+    let fraction = species.iter().map(|s| count(s) * volume(s.radius)).sum::<f64>() / cell.volume();
+    if fraction >= MAX_FRACTION {
+        let filled = Number(fraction);
+        let message = format!("fill {filled:.3} of the box together; spheres need less than {MAX_FRACTION}");
+        return Err(ParameterError::new("species", message));
+    }
+    Ok(())
+}
+
+fn too_many(count: f64) -> String {
+    format!(
+        "the scene has {count:.1e} spheres, but they are numbered in 32 bits, {MAX_SPHERES:.1e} at most; take fewer, or a \
+         smaller box"
+    )
+}
+
+impl Start {
+    pub(super) fn check(&self, species: &[Species]) -> Result<(), ParameterError> {
+        match self {
+            Self::Random { minimum_gap } if !(*minimum_gap >= 0.0 && minimum_gap.is_finite()) => {
+                let message = format!("is {}; it needs to be 0 or more", Number(*minimum_gap));
+                Err(ParameterError::new("particles.minimum_gap", message))
+            }
+            Self::Positions(places) => check_places(places, species),
+            _ => self.check_counts(species),
+        }
+    }
+
+    /// Only whoever brings positions may leave out how many spheres there are.
+    fn check_counts(&self, species: &[Species]) -> Result<(), ParameterError> {
+        let uncounted = species.iter().position(|s| s.count.is_none() && *self != Self::Brought);
+        uncounted.map_or(Ok(()), |index| {
+            Err(ParameterError::new(format!("species[{index}].count"), "is missing; say how many spheres there are"))
+        })
+    }
+}
+
+fn check_places(places: &[Vector], species: &[Species]) -> Result<(), ParameterError> {
+    let counted: u64 = species.iter().filter_map(|s| s.count).sum();
+    if places.len() as u64 != counted {
+        let message = format!("has {} places, but the species count {counted} spheres", places.len());
+        return Err(ParameterError::new("particles.positions", message));
+    }
+    for (row, &place) in places.iter().enumerate() {
+        ParameterError::unless_finite_vector(&format!("particles.positions[{row}]"), place)?;
+    }
+    Ok(())
+}
+
+pub(crate) fn volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}

@@ -1,0 +1,141 @@
+//! What is observed of a suspension in the course of time.
+
+use crate::gap::Gap;
+use crate::model::Model;
+use crate::rheology::Rheology;
+use crate::sampling::{columns, counted};
+use crate::suspension::{StepReport, Suspension};
+use domain::Vector;
+use simulation::Quantity;
+use statistics::Columns;
+use std::time::Instant;
+
+/// Computes the rows of the time series.
+pub struct Observer {
+    species: Vec<String>,
+    rheology: Option<Rheology>,
+    /// Columns in which species may separate, if there is more than one.
+    columns: Option<Columns>,
+    last: (u64, Instant),
+    overlaps: Overlaps,
+    repels: bool,
+    smallest_radius: f64,
+}
+
+/// How often spheres were seen to overlap.
+#[derive(Debug, Clone, Copy, Default)]
+struct Overlaps {
+    rows: u64,
+    with_overlap: u64,
+    largest: f64,
+}
+
+impl Observer {
+    /// An observer of a scene's species from step `step` on.
+    pub fn new(model: &Model, step: u64, smallest_radius: f64) -> Self {
+        let species = model.species.iter().map(|s| s.name.clone()).collect();
+        let columns = (model.species.len() > 1).then(|| columns(model));
+        let (last, repels) = ((step, Instant::now()), model.repulsion.is_some());
+        Self {
+            species,
+            rheology: Rheology::of(model),
+            columns,
+            last,
+            overlaps: Overlaps::default(),
+            repels,
+            smallest_radius,
+        }
+    }
+
+    /// What to say of overlaps in the rows so far, if there were any.
+    pub fn warning(&self) -> Option<String> {
+        let Overlaps { rows, with_overlap, largest } = self.overlaps;
+        let remedy = if self.repels { "a larger repulsion.strength or a shorter time.step" } else { "a [repulsion]" };
+        (with_overlap > 0).then(|| {
+            format!(
+                "spheres overlap in {with_overlap} of {rows} rows of the time series, by {} at most; try {remedy}",
+                Gap { length: largest, radius: self.smallest_radius }
+            )
+        })
+    }
+
+    /// What a row consists of. Velocities are relative to the background flow; their variance is component by
+    /// component.
+    pub fn quantities(&self) -> Vec<Quantity> {
+        let mut quantities = vec![
+            Quantity::vectors("mean_velocity", "length/time", &self.species),
+            Quantity::vectors("velocity_variance", "length^2/time^2", &self.species),
+        ];
+        quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
+        quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
+        quantities.extend([
+            Quantity::number("smallest_gap", "length"),
+            Quantity::number("iterations", ""),
+            Quantity::number("residual", ""),
+            Quantity::number("evaluations", ""),
+            Quantity::number("divergence", ""),
+            Quantity::number("seconds_per_step", "s"),
+        ]);
+        quantities
+    }
+
+    /// A row for the suspension as it is. Collective.
+    pub fn observe(&mut self, suspension: &mut Suspension) -> Vec<Vec<f64>> {
+        let (means, variances) = self.moments(suspension);
+        let report = suspension.report();
+        let seconds = self.seconds_per_step(suspension.clock().step());
+        let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
+        self.overlaps.see(smallest_gap);
+        let mut row = vec![components(&means), components(&variances)];
+        if let Some(rheology) = &self.rheology {
+            row.extend(rheology.row(&suspension.stress(self.species.len())));
+        }
+        if let Some(columns) = &self.columns {
+            let mut counted = counted(columns, suspension.particles());
+            suspension.comm().sum(counted.counts());
+            row.push(vec![counted.intensity()]);
+        }
+        let (iterations, evaluations) = (iterations as f64, evaluations as f64);
+        row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));
+        row
+    }
+
+    /// Mean and variance of the velocity of each species.
+    fn moments(&self, suspension: &Suspension) -> (Vec<Vector>, Vec<Vector>) {
+        let velocities = suspension.velocities_in_flow();
+        let kinds = &suspension.particles().species;
+        let mean_of = |value: &dyn Fn(usize) -> Vector| {
+            let mut sums = vec![0.0; 4 * self.species.len()];
+            for (i, &kind) in kinds.iter().enumerate() {
+                let sum = &mut sums[4 * kind as usize..][..4];
+                for (component, add) in sum.iter_mut().zip(value(i).to_array().into_iter().chain([1.0])) {
+                    *component += add;
+                }
+            }
+            suspension.comm().sum(&mut sums);
+            sums.chunks_exact(4).map(|s| Vector::from_slice(s) / s[3]).collect::<Vec<_>>()
+        };
+        let means = mean_of(&|i| velocities[i]);
+        let fluctuation = |i: usize| velocities[i] - means[kinds[i] as usize];
+        let variances = mean_of(&|i| fluctuation(i) * fluctuation(i));
+        (means, variances)
+    }
+
+    fn seconds_per_step(&mut self, step: u64) -> f64 {
+        let (before, began) = std::mem::replace(&mut self.last, (step, Instant::now()));
+        let steps = step.saturating_sub(before).max(1);
+        began.elapsed().as_secs_f64() / steps as f64
+    }
+}
+
+impl Overlaps {
+    fn see(&mut self, smallest_gap: f64) {
+        self.rows += 1;
+        self.with_overlap += u64::from(smallest_gap < 0.0);
+        self.largest = self.largest.max(-smallest_gap);
+    }
+}
+
+fn components(vectors: &[Vector]) -> Vec<f64> {
+    vectors.iter().flat_map(Vector::to_array).collect()
+}

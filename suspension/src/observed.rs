@@ -1,0 +1,130 @@
+//! A suspension as the march and the recorder see it.
+
+use crate::averages::Averages;
+use crate::cautions::cautions;
+use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
+use crate::error::StartError;
+use crate::integrator::VELOCITY;
+use crate::model::Model;
+use crate::observe::Observer;
+use crate::plan::Radii;
+use crate::suspension::Suspension;
+use domain::{Comm, Interrupt, Placed};
+use simulation::Clock;
+use simulation::{Frame, Quantity, Simulation, SimulationError, State, TableSet, VelocityField};
+
+/// A suspension and who observes it.
+pub struct Observed {
+    suspension: Suspension,
+    observer: Observer,
+    averages: Option<Averages>,
+    cautions: Vec<String>,
+}
+
+/// The columns of a frame of the trajectory.
+const FRAME: [&str; 3] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET];
+
+impl Observed {
+    /// A model at time zero, with spheres where the first rank brings them, if the model says so. Collective.
+    pub fn start(model: &Model, placed: Option<Placed>, comm: &Comm) -> Result<Self, StartError> {
+        Ok(Self::of(model, Suspension::start_with(model, placed, comm)?))
+    }
+
+    /// A model in a state, which the first rank brings. Collective.
+    pub fn resume(model: &Model, mut state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
+        let statistics = state.as_mut().map(|state| std::mem::take(&mut state.statistics)).unwrap_or_default();
+        let mut resumed = Self::of(model, Suspension::resume(model, state, comm)?);
+        let taken_up = resumed.averages.as_mut().map_or(Ok(()), |averages| averages.take_up(&statistics));
+        comm.agree(taken_up)?;
+        Ok(resumed)
+    }
+
+    fn of(model: &Model, suspension: Suspension) -> Self {
+        let frame = suspension.gathered(Some(&FRAME));
+        let radii = Radii::shared(&frame, suspension.comm());
+        let observer = Observer::new(model, suspension.clock().step(), radii.smallest());
+        let resumed = suspension.caution().map(str::to_owned);
+        let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
+        let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &frame));
+        Self { suspension, observer, averages, cautions }
+    }
+
+    /// The suspension that is observed.
+    pub fn suspension(&self) -> &Suspension {
+        &self.suspension
+    }
+}
+
+impl Simulation for Observed {
+    fn comm(&self) -> &Comm {
+        self.suspension.comm()
+    }
+
+    fn clock(&self) -> &Clock {
+        self.suspension.clock()
+    }
+
+    fn plan(&mut self) -> String {
+        self.suspension.plan()
+    }
+
+    fn listen(&mut self, interrupt: Interrupt) {
+        self.suspension.listen(interrupt);
+    }
+
+    fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
+        match self.suspension.step() {
+            Err(StepError::Interrupted(_)) => Ok(()),
+            taken => taken.map_err(SimulationError::new),
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        let particles = self.suspension.gathered(Some(&FRAME));
+        Frame { particles, cell: *self.suspension.cell(), periodic: [true; 3] }
+    }
+
+    fn quantities(&self) -> Vec<Quantity> {
+        self.observer.quantities()
+    }
+
+    fn observe(&mut self) -> Vec<Vec<f64>> {
+        self.observer.observe(&mut self.suspension)
+    }
+
+    fn sample(&mut self) {
+        if let Some(averages) = &mut self.averages {
+            averages.sample(&self.suspension);
+        }
+    }
+
+    fn state(&mut self) -> State {
+        let statistics = self.averages.as_mut().map(Averages::state).unwrap_or_default();
+        State { statistics, ..self.suspension.state() }
+    }
+
+    fn cautions(&self) -> Vec<String> {
+        self.cautions.clone()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.observer.warning().into_iter().collect()
+    }
+
+    fn averages(&mut self) -> Option<TableSet> {
+        let first = self.suspension.comm().is_first();
+        self.averages.as_ref().filter(|_| first).and_then(Averages::tables)
+    }
+
+    fn velocity_field(&mut self) -> Result<Option<VelocityField>, SimulationError> {
+        let (points, values) = self.suspension.velocity_field().map_err(SimulationError::new)?;
+        Ok(Some(VelocityField {
+            step: self.suspension.clock().step(),
+            time: self.suspension.clock().time(),
+            cell: *self.suspension.cell(),
+            points,
+            values,
+            note: "relative to the background flow",
+        }))
+    }
+}

@@ -1,0 +1,111 @@
+//! How the fluid of a scene is to be computed.
+
+use crate::model::{Evaluation, Flow, Hydrodynamics, Model, Multipoles, Start};
+use domain::{Comm, Particles};
+use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Precision, Problem};
+
+/// The radii that occur, smallest first, and how many particles have each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Radii(Vec<(f64, usize)>);
+
+impl Radii {
+    /// The radii of particles that are all on the first rank. Collective.
+    pub fn shared(particles: &Particles, comm: &Comm) -> Self {
+        let mut radii = particles.radii.clone();
+        radii.sort_by(f64::total_cmp);
+        let mut kinds: Vec<[f64; 2]> =
+            radii.chunk_by(|a, b| a.total_cmp(b).is_eq()).map(|equal| [equal[0], equal.len() as f64]).collect();
+        comm.broadcast(&mut kinds);
+        Self(kinds.into_iter().map(|[radius, count]| (radius, count as usize)).collect())
+    }
+
+    /// The radii of a scene that counts its particles itself; none where a file does.
+    pub fn of_model(model: &Model) -> Option<Self> {
+        if let Start::Brought = model.start {
+            return None;
+        }
+        let mut kinds: Vec<(f64, usize)> =
+            model.species.iter().map(|s| (s.radius, s.count.unwrap_or(0) as usize)).collect();
+        kinds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let merged = |equal: &[(f64, usize)]| (equal[0].0, equal.iter().map(|kind| kind.1).sum());
+        Some(Self(kinds.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()).map(merged).collect()))
+    }
+
+    /// Each radius and how many particles have it.
+    pub fn kinds(&self) -> &[(f64, usize)] {
+        &self.0
+    }
+
+    /// How many particles.
+    pub fn count(&self) -> usize {
+        self.0.iter().map(|(_, count)| count).sum()
+    }
+
+    /// Their volume.
+    pub fn volume(&self) -> f64 {
+        self.0.iter().map(|(radius, count)| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * *count as f64).sum()
+    }
+
+    /// The two smallest, if there are as many.
+    pub fn smallest_two(&self) -> Option<[f64; 2]> {
+        let mut smallest = self.0.iter().flat_map(|&(radius, count)| std::iter::repeat_n(radius, count.min(2)));
+        Some([smallest.next()?, smallest.next()?])
+    }
+
+    /// The smallest; infinite without particles.
+    pub fn smallest(&self) -> f64 {
+        self.0.first().map_or(f64::INFINITY, |(radius, _)| *radius)
+    }
+
+    /// The largest.
+    pub fn largest(&self) -> f64 {
+        self.0.last().map_or(0.0, |(radius, _)| *radius)
+    }
+}
+
+/// The plan for a scene with particles of these radii. It is made as for one rank with one thread, so that the same
+/// scene is computed in the same way, and comes out the same, on any number of them.
+pub fn plan(model: &Model, radii: &Radii) -> Result<Plan, PlanError> {
+    Plan::choose(&problem(model, radii))
+}
+
+/// What [`plan`] plans.
+pub fn problem(model: &Model, radii: &Radii) -> Problem {
+    let costs = model.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
+    Problem {
+        edges: model.cell.edges(),
+        largest_strain: largest_strain(model),
+        radii: radii.0.clone(),
+        viscosity: model.viscosity,
+        multipoles: match model.hydrodynamics.multipoles {
+            Multipoles::Monopole => fcm::Multipoles::Monopole,
+            Multipoles::Dipole => fcm::Multipoles::Dipole,
+        },
+        rigid: true,
+        tolerance: model.hydrodynamics.tolerance,
+        threads: 1,
+        ranks: 1,
+        costs: costs.unwrap_or_default(),
+        fixed: fixed(&model.hydrodynamics),
+    }
+}
+
+/// The largest strain that the box of a scene will have.
+pub fn largest_strain(model: &Model) -> f64 {
+    let edges = model.cell.edges();
+    let shears = matches!(model.flow, Flow::Shear { lees_edwards: true, .. });
+    if shears { 0.5 * edges.x / edges.y } else { 0.0 }
+}
+
+/// What the scene says of the plan. With lubrication the grid is in f64: the modes of a pair of gap `h` see differences
+/// of velocities over `sqrt(h)`, in which the noise of f32 would keep the solve from its end at gaps below 1e-5.
+fn fixed(chosen: &Hydrodynamics) -> Fixed {
+    let method = match chosen.method {
+        Evaluation::Auto => None,
+        Evaluation::Direct => Some(MethodName::Direct),
+        Evaluation::Split => Some(MethodName::Split),
+    };
+    let iteration_tolerance = chosen.iteration_tolerance;
+    let precision = chosen.lubrication.then_some(Precision::Double);
+    Fixed { method, precision, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
+}

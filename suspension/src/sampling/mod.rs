@@ -1,0 +1,237 @@
+//! Statistics of a suspension, in the course of a run or from its trajectory.
+
+mod memory;
+mod paths;
+mod tables;
+
+use crate::dynamics::ANGULAR_VELOCITY;
+use crate::integrator::VELOCITY;
+use crate::model::{Axis, Flow, Model, Multipoles, Species, Statistics as Wanted};
+use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
+pub use memory::{bytes, sample_bytes, state_bytes};
+use paths::Paths;
+use solver::BackgroundFlow;
+use statistics::{
+    Angle, Blocks, Columns, Fluctuations, Histogram, Lagrangian, PairDistribution, Profile, State, Store,
+};
+
+/// The columns that a sample needs.
+pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
+
+/// Everything that is averaged. All particles of a sample have to be on one rank, in the order of their ids, so that
+/// results do not depend on the number of ranks.
+pub struct Statistics {
+    about: About,
+    /// First time, last time, and samples.
+    times: [f64; 3],
+    velocities: Vec<Vectors>,
+    angular_velocities: Vec<Vectors>,
+    paths: Paths,
+    lagrangian: Lagrangian,
+    pairs: PairDistribution,
+    profile: Profile,
+    segregation: Blocks,
+}
+
+/// What the samples have in common.
+struct About {
+    names: Vec<String>,
+    /// Radius and volume fraction of each species.
+    species: Vec<(f64, f64)>,
+    flow: BackgroundFlow,
+    rigid: bool,
+    axis: usize,
+    columns: Columns,
+    wanted: Wanted,
+}
+
+/// The moments of a vector of the particles of a species, and the densities of its components about the mean at each
+/// time, in a unit in which fourth powers are within range.
+struct Vectors {
+    unit: f64,
+    moments: Fluctuations,
+    densities: [Histogram; 3],
+}
+
+/// Numbers up to this, and down to one over it, are averaged as they come.
+const ORDINARY: f64 = 1e36;
+
+impl Vectors {
+    /// Nothing so far, for vectors whose size is about this.
+    fn about(size: f64) -> Self {
+        let is_ordinary = (1.0 / ORDINARY..ORDINARY).contains(&size);
+        let unit = if is_ordinary { 1.0 } else { power_of_two(size) };
+        Self { unit, moments: Fluctuations::default(), densities: std::array::from_fn(|_| Histogram::default()) }
+    }
+
+    fn add(&mut self, vectors: impl Iterator<Item = Vector> + Clone) {
+        let over = 1.0 / self.unit;
+        let vectors = vectors.map(|vector| vector * over);
+        let mean = vectors.clone().sum::<Vector>() / vectors.clone().count().max(1) as f64;
+        for vector in vectors.clone() {
+            for (density, value) in self.densities.iter_mut().zip((vector - mean).to_array()) {
+                density.add(value);
+            }
+        }
+        self.moments.add(vectors);
+    }
+}
+
+/// The largest distance of pairs, in largest radii, unless the scene says it or the box is smaller.
+const DISTANCE: f64 = 8.0;
+/// Width of the columns of segregation, in largest radii.
+const COLUMN_WIDTH: f64 = 4.0;
+
+impl Statistics {
+    /// Nothing so far, for a scene whose particles are given in the order of their ids.
+    pub fn new(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
+        let about = About::of(model, wanted, particles);
+        let speed = speed(model);
+        let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
+        let largest = particles.radii.iter().copied().fold(0.0, f64::max);
+        let distance = wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element());
+        let angle = if about.flow == BackgroundFlow::NONE { Angle::Cosine(about.axis) } else { Angle::Azimuth };
+        Self {
+            times: [f64::NAN, f64::NAN, 0.0],
+            velocities: each(speed),
+            angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
+            paths: Paths::default(),
+            lagrangian: Lagrangian::new(&particles.species),
+            pairs: PairDistribution::new(distance, angle, &particles.species, model.cell.volume()),
+            profile: Profile::new(&model.cell, about.axis, about.names.len()),
+            segregation: Blocks::default(),
+            about,
+        }
+    }
+
+    /// Takes a sample of all particles, with the columns [`COLUMNS`], unless it is too early for it.
+    pub fn sample(&mut self, time: f64, cell: &PeriodicBox, particles: &Particles) {
+        if time < self.about.wanted.from {
+            return;
+        }
+        let flow = self.about.flow;
+        let velocities = column(particles, VELOCITY).iter().zip(&particles.positions);
+        let velocities: Vec<Vector> = velocities.map(|(&v, &x)| v - flow.velocity(x)).collect();
+        each_species(&mut self.velocities, &particles.species, &velocities);
+        if self.about.rigid {
+            let turning = column(particles, ANGULAR_VELOCITY).iter().map(|&w| w - flow.angular_velocity());
+            each_species(&mut self.angular_velocities, &particles.species, &turning.collect::<Vec<_>>());
+        }
+        let motions = self.paths.follow(time, (cell, particles), &velocities, flow);
+        self.lagrangian.add(time, &motions);
+        self.pairs.add(cell, &particles.positions, &particles.species);
+        self.profile.add(&particles.positions, &particles.radii, &particles.species);
+        self.segregation.add(counted(&self.about.columns, particles).intensity());
+        let [first, _, samples] = self.times;
+        self.times = [if samples == 0.0 { time } else { first }, time, samples + 1.0];
+    }
+}
+
+impl About {
+    fn of(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
+        let flow = match model.flow {
+            Flow::Shear { rate, .. } => BackgroundFlow::shear(rate),
+            _ => BackgroundFlow::NONE,
+        };
+        let fraction = |index: usize| {
+            let own = particles.species.iter().zip(&particles.radii).filter(|(s, _)| **s as usize == index);
+            own.map(|(_, a)| 4.0 / 3.0 * std::f64::consts::PI * a.powi(3)).sum::<f64>() / model.cell.volume()
+        };
+        Self {
+            names: model.species.iter().map(|s| s.name.clone()).collect(),
+            species: model.species.iter().enumerate().map(|(index, s)| (s.radius, fraction(index))).collect(),
+            flow,
+            rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
+            axis: wanted.axis.map_or_else(|| default_axis(model), index),
+            columns: columns(model),
+            wanted,
+        }
+    }
+}
+
+/// Columns in which to look for the segregation of a scene's species: along the axis of its statistics.
+pub fn columns(model: &Model) -> Columns {
+    let (axis, width) = axis_and_width(model);
+    Columns::new(&model.cell, axis, width, model.species.len())
+}
+
+/// What such columns take, and as many again that are counted in.
+pub fn column_bytes(model: &Model) -> Bytes {
+    let (axis, width) = axis_and_width(model);
+    let columns = Columns::bytes(&model.cell, axis, width, model.species.len());
+    columns.then(columns.freed())
+}
+
+fn axis_and_width(model: &Model) -> (usize, f64) {
+    let axis = model.statistics.and_then(|wanted| wanted.axis).map_or_else(|| default_axis(model), index);
+    (axis, COLUMN_WIDTH * model.species.iter().map(|s| s.radius).fold(0.0, f64::max))
+}
+
+/// The particles of this rank counted in columns that are empty.
+pub fn counted(empty: &Columns, particles: &Particles) -> Columns {
+    let mut columns = empty.clone();
+    for (&position, &species) in particles.positions.iter().zip(&particles.species) {
+        columns.add(position, species);
+    }
+    columns
+}
+
+/// The axis along which forces act most; without forces, that of the gradient.
+fn default_axis(model: &Model) -> usize {
+    let forces = model.species.iter().map(|s| s.force_on(s.radius, model.gravity).abs());
+    let sum: Vector = forces.sum();
+    if sum == Vector::ZERO { 1 } else { (0..3).max_by(|&a, &b| sum[a].total_cmp(&sum[b])).expect("three axes") }
+}
+
+/// About how fast spheres move in a scene relative to the flow: the fastest that a force on one, the repulsion of two or
+/// the shear across one makes it.
+fn speed(model: &Model) -> f64 {
+    let rate = if let Flow::Shear { rate, .. } = model.flow { rate.abs() } else { 0.0 };
+    let of = |s: &Species| {
+        let repulsion = model.repulsion.map_or(0.0, |r| r.strength * s.radius.powi(r.radius_power.into()));
+        let force = s.force_on(s.radius, model.gravity).abs().max_element().max(repulsion);
+        let torque = s.torque.abs().max_element() / s.radius;
+        (force.max(torque) / (model.viscosity * s.radius)).max(rate * s.radius)
+    };
+    model.species.iter().map(of).fold(0.0, f64::max)
+}
+
+fn index(axis: Axis) -> usize {
+    match axis {
+        Axis::X => 0,
+        Axis::Y => 1,
+        Axis::Z => 2,
+    }
+}
+
+fn column<'a>(particles: &'a Particles, name: &str) -> &'a [Vector] {
+    particles.columns.iter().find(|c| c.name == name).map(|c| bytemuck::cast_slice(&c.values)).unwrap_or_default()
+}
+
+fn each_species(sums: &mut [Vectors], species: &[u32], vectors: &[Vector]) {
+    for (index, sum) in sums.iter_mut().enumerate() {
+        sum.add(species.iter().zip(vectors).filter(|(s, _)| **s as usize == index).map(|(_, &v)| v));
+    }
+}
+
+impl State for Statistics {
+    fn visit(&mut self, store: &mut dyn Store) {
+        for number in &mut self.times {
+            store.number(number);
+        }
+        for vectors in self.velocities.iter_mut().chain(&mut self.angular_velocities) {
+            vectors.moments.visit(store);
+            for density in &mut vectors.densities {
+                density.visit(store);
+            }
+        }
+        let parts: [&mut dyn State; 5] =
+            [&mut self.paths, &mut self.lagrangian, &mut self.pairs, &mut self.profile, &mut self.segregation];
+        for part in parts {
+            part.visit(store);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,179 @@
+//! What statistics come to, as tables.
+
+use super::{Statistics, Vectors};
+use simulation::Table;
+use solver::BackgroundFlow;
+use statistics::{Diffusivity, Estimate, StretchedExponential, global_coefficient, mean_coefficient};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
+/// All particles, as a species.
+const ALL: &str = "all";
+
+impl Statistics {
+    /// All tables; none before the first sample.
+    pub fn tables(&self) -> Vec<Table> {
+        if self.times[2] == 0.0 {
+            return Vec::new();
+        }
+        vec![
+            self.summary(),
+            densities("velocity_density", &self.about.names, &self.velocities),
+            densities("angular_velocity_density", &self.about.names, &self.angular_velocities),
+            self.lags(),
+            self.pairs(),
+            self.pairs_by_angle(),
+            self.concentration(),
+        ]
+    }
+
+    /// The numbers that sum a run up, with their errors.
+    pub fn summary(&self) -> Table {
+        let columns = [("value", ""), ("error", ""), ("converged", "")];
+        let mut summary = Summary(Table::new("summary", &["quantity", "species", "unit"], &columns));
+        let [first, last, samples] = self.times.map(|mean| Estimate { mean, error: 0.0, converged: true });
+        summary.add(("first_time", ALL, "time"), first);
+        summary.add(("last_time", ALL, "time"), last);
+        summary.add(("samples", ALL, ""), samples);
+        for (name, (&(radius, fraction), vectors)) in
+            self.about.names.iter().zip(self.about.species.iter().zip(&self.velocities))
+        {
+            let exact = |mean| Estimate { mean, error: 0.0, converged: true };
+            summary.add(("radius", name, "length"), exact(radius));
+            summary.add(("volume_fraction", name, ""), exact(fraction));
+            summary.add_moments(name, ["mean_velocity", "T"], ["length/time", "length^2/time^2"], vectors);
+        }
+        for (name, vectors) in self.about.names.iter().zip(&self.angular_velocities).filter(|_| self.about.rigid) {
+            summary.add_moments(name, ["mean_angular_velocity", "w"], ["1/time", "1/time^2"], vectors);
+        }
+        self.add_diffusivities(&mut summary);
+        if self.about.names.len() > 1 {
+            summary.add(("segregation", ALL, ""), self.segregation.estimate());
+        }
+        summary.0
+    }
+
+    fn add_diffusivities(&self, summary: &mut Summary) {
+        let span = self.times[1] - self.times[0];
+        let window = [self.about.wanted.diffusive_from.unwrap_or(0.25 * span), 0.5 * span];
+        let unit = "length^2/time";
+        let mut by_species = Vec::new();
+        for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
+            let species = (name != ALL).then_some(index);
+            let found = Diffusivity::of(&self.lagrangian, species, window);
+            for (axis, letter) in AXES.iter().enumerate() {
+                summary.add((&format!("D_integral_{letter}"), name, unit), found.by_integral[axis]);
+                summary.add((&format!("D_slope_{letter}"), name, unit), found.by_slope[axis]);
+            }
+            by_species.push(found.by_slope[1]);
+        }
+        if let (Some(all), true) = (by_species.pop(), self.about.flow != BackgroundFlow::NONE) {
+            self.add_bidisperse(summary, all, &by_species);
+        }
+    }
+
+    /// Eqs. (18) and (19) along the gradient.
+    fn add_bidisperse(&self, summary: &mut Summary, all: Estimate, by_species: &[Estimate]) {
+        let (species, rate) = (&self.about.species, self.about.flow.shear_rate());
+        let scaled = by_species.iter().zip(species).map(|(d, (a, _))| d.mean / (a * a * rate.abs()));
+        let own: Vec<f64> = scaled.collect();
+        let global = |d: f64| global_coefficient(d, species, rate);
+        let mean = |d: f64| mean_coefficient(global(d), species, &own);
+        let scaled = |by: &dyn Fn(f64) -> f64| Estimate { mean: by(all.mean), error: by(all.error), ..all };
+        summary.add(("D_global_y", ALL, ""), scaled(&global));
+        summary.add(("D_mean_y", ALL, ""), scaled(&mean));
+    }
+
+    fn lags(&self) -> Table {
+        let mut columns = vec![("time".to_owned(), "time")];
+        for (name, unit) in
+            [("correlation", "length^2/time^2"), ("displacement", "length^2"), ("integral", "length^2/time")]
+        {
+            columns.extend(AXES.map(|axis| (format!("{name}_{axis}"), unit)));
+        }
+        let mut table = Table { columns, ..Table::new("lags", &["species"], &[]) };
+        for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
+            for lag in self.lagrangian.lags((name != ALL).then_some(index)) {
+                let vectors = [lag.correlation, lag.displacement, lag.integral].map(|v| v.to_array());
+                let numbers: Vec<f64> = std::iter::once(lag.time).chain(vectors.concat()).collect();
+                table.add(&[name], &numbers);
+            }
+        }
+        table
+    }
+
+    fn pairs(&self) -> Table {
+        let mut table = Table::new("pairs", &["first", "second"], &[("distance", "length"), ("g", "")]);
+        for [a, b] in self.pairs.species_pairs() {
+            for (r, g) in self.pairs.radial([a, b]) {
+                table.add(&[&self.about.names[a], &self.about.names[b]], &[r, g]);
+            }
+        }
+        table
+    }
+
+    fn pairs_by_angle(&self) -> Table {
+        let angle = if self.about.flow == BackgroundFlow::NONE { "cosine" } else { "azimuth" };
+        let columns = [("distance", "length"), (angle, ""), ("g", "")];
+        let mut table = Table::new("pairs_by_angle", &["first", "second"], &columns);
+        for [a, b] in self.pairs.species_pairs() {
+            for (r, angle, g) in self.pairs.angular([a, b]) {
+                table.add(&[&self.about.names[a], &self.about.names[b]], &[r, angle, g]);
+            }
+        }
+        table
+    }
+
+    fn concentration(&self) -> Table {
+        let columns = [(AXES[self.about.axis], "length"), ("volume_fraction", "")];
+        let mut table = Table::new("concentration", &["species"], &columns);
+        for (index, name) in self.about.names.iter().enumerate() {
+            for (place, fraction) in self.profile.fractions(index) {
+                table.add(&[name], &[place, fraction]);
+            }
+        }
+        table
+    }
+}
+
+/// The table that sums up.
+struct Summary(Table);
+
+impl Summary {
+    fn add(&mut self, (quantity, species, unit): (&str, &str, &str), found: Estimate) {
+        let converged = f64::from(u8::from(found.converged));
+        self.0.add(&[quantity, species, unit], &[found.mean, found.error, converged]);
+    }
+
+    fn add_moments(&mut self, species: &str, [mean, tensor]: [&str; 2], units: [&str; 2], vectors: &Vectors) {
+        let times = |found: Estimate, unit| Estimate { mean: found.mean * unit, error: found.error * unit, ..found };
+        for (axis, found) in AXES.iter().zip(vectors.moments.mean()) {
+            self.add((&format!("{mean}_{axis}"), species, units[0]), times(found, vectors.unit));
+        }
+        for (component, found) in COMPONENTS.iter().zip(vectors.moments.components()) {
+            self.add((&format!("{tensor}_{component}"), species, units[1]), times(found, vectors.unit.powi(2)));
+        }
+        for (axis, density) in AXES.iter().zip(&vectors.densities) {
+            if let Some(fit) = StretchedExponential::fitted(density) {
+                let exact = |mean| Estimate { mean, error: f64::NAN, converged: true };
+                self.add((&format!("{tensor}_{axis}_tail_exponent"), species, ""), exact(fit.exponent));
+                self.add((&format!("{tensor}_{axis}_tail_scale"), species, ""), exact(fit.scale));
+            }
+        }
+    }
+}
+
+/// Densities of fluctuations over their standard deviation, beside the stretched exponential that fits best.
+fn densities(name: &'static str, species: &[String], vectors: &[Vectors]) -> Table {
+    let columns = [("deviations", ""), ("density", ""), ("stretched_exponential", "")];
+    let mut table = Table::new(name, &["species", "axis"], &columns);
+    for (species, vectors) in species.iter().zip(vectors) {
+        for (axis, density) in AXES.iter().zip(&vectors.densities) {
+            let Some(fit) = StretchedExponential::fitted(density) else { continue };
+            for (x, p) in density.normalised() {
+                table.add(&[species, axis], &[x, p, fit.density(x)]);
+            }
+        }
+    }
+    table
+}

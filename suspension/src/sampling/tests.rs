@@ -1,0 +1,115 @@
+use super::*;
+use crate::Suspension;
+use crate::model::Parameters;
+use domain::Comm;
+use simulation::Table;
+
+fn model() -> Model {
+    let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
+    let species = vec![Species::new("small", 1.0, 20), Species::new("large", 1.5, 6)];
+    let flow = Flow::Shear { rate: 0.5, lees_edwards: true };
+    let usual = Parameters::new(cell, 1.0, species, (0.05, 6));
+    Model::new(Parameters { seed: 3, flow, statistics: Some(Wanted::ALL), ..usual }).unwrap()
+}
+
+/// Particles that move with the flow and besides with a velocity of their own, at a time, in the box as it is then.
+fn drifting(model: &Model, time: f64) -> (PeriodicBox, Particles) {
+    let cell = PeriodicBox::sheared(model.cell.edges(), 0.5 * time).unwrap();
+    let turns = ((0.5 * time - cell.strain()).round()) as i32;
+    let mut particles = Particles::default();
+    for id in 0..26_u64 {
+        let random = |k| domain::Random::new(k, id).point();
+        let (start, own) = (random(1) * 12.0, random(2) - Vector::splat(0.5));
+        // x' = rate y + u, y' = v, z' = w
+        let carried = 0.5 * (start.y * time + 0.5 * own.y * time * time);
+        let place = start + own * time + Vector::X * carried;
+        particles.push(id, place, if id < 20 { 1.0 } else { 1.5 }, u32::from(id >= 20));
+        particles.vectors(VELOCITY)[id as usize] = own;
+    }
+    particles.wrap(&cell);
+    assert!(turns >= 0);
+    for row in 0..26 {
+        let flow = Vector::X * 0.5 * particles.positions[row].y;
+        particles.vectors(VELOCITY)[row] += flow;
+    }
+    particles.vectors(ANGULAR_VELOCITY).fill(Vector::new(0.1, 0.0, -0.25));
+    (cell, particles)
+}
+
+/// Without their flow they move straight on, also through the sides of the box and past its turning back.
+#[test]
+fn displacements_leave_the_flow_out() {
+    let model = &model();
+    let mut statistics = Statistics::new(model, Wanted::ALL, &drifting(model, 0.0).1);
+    for step in 0..60 {
+        let time = 0.25 * f64::from(step);
+        let (cell, particles) = drifting(model, time);
+        statistics.sample(time, &cell, &particles);
+    }
+    for lag in statistics.lagrangian.lags(None) {
+        let expected = lag.correlation * lag.time.powi(2);
+        assert!((lag.displacement - expected).length() < 1e-9 * (1.0 + expected.length()), "{lag:?}");
+    }
+    let summary = statistics.summary();
+    let value = |quantity: &str, species: &str| {
+        let row = summary.rows.iter().find(|(words, _)| words[0] == quantity && words[1] == species);
+        row.unwrap_or_else(|| panic!("{quantity} of {species}")).1[0]
+    };
+    assert!((value("mean_angular_velocity_x", "large") - 0.1).abs() < 1e-14, "the flow turns spheres about z");
+    assert!(value("mean_angular_velocity_z", "large").abs() < 1e-14 && value("w_zz", "small").abs() < 1e-14);
+    assert!((value("samples", "all") - 60.0).abs() < 1e-14 && value("T_yy", "small") > 0.05);
+    assert!(value("volume_fraction", "large") > 0.04);
+}
+
+/// All at once, or stored half-way and taken up by another.
+#[test]
+fn an_interruption_changes_nothing() {
+    let model = &model();
+    let new = || Statistics::new(model, Wanted::ALL, &drifting(model, 0.0).1);
+    let (mut whole, mut parts) = (new(), new());
+    for step in 0..20 {
+        let time = 0.25 * f64::from(step);
+        let (cell, particles) = drifting(model, time);
+        whole.sample(time, &cell, &particles);
+        if step == 11 {
+            let bytes = parts.save();
+            parts = new();
+            assert!(parts.load(&bytes));
+        }
+        parts.sample(time, &cell, &particles);
+    }
+    assert_eq!(whole.save(), parts.save());
+    let text = |s: &Statistics| s.tables().iter().map(Table::to_csv).collect::<String>();
+    assert_eq!(text(&whole), text(&parts));
+    assert!(!new().load(&whole.save()[8..]));
+}
+
+#[test]
+fn ranks_agree() {
+    let model = &model();
+    let sampled = |ranks: usize| {
+        let all = Comm::threads(ranks, |comm| {
+            let mut suspension = Suspension::start(model, &comm).unwrap();
+            let mut statistics: Option<Statistics> = None;
+            for _ in 0..3 {
+                suspension.step().unwrap();
+                let all = suspension.gathered(Some(&COLUMNS));
+                if comm.is_first() {
+                    let wanted = model.statistics.unwrap();
+                    let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &all));
+                    statistics.sample(suspension.clock().time(), suspension.cell(), &all);
+                }
+            }
+            statistics.map(|s| s.summary())
+        });
+        all.into_iter().next().unwrap().unwrap()
+    };
+    let alone = sampled(1);
+    for together in [3, 13].map(sampled) {
+        for ((words, numbers), (_, others)) in alone.rows.iter().zip(&together.rows) {
+            // Stresslets are within the iteration's tolerance of each other.
+            let difference = (numbers[0] - others[0]).abs();
+            assert!(difference < 1e-3 * numbers[0].abs().max(0.1) || numbers[0].is_nan(), "{words:?}");
+        }
+    }
+}

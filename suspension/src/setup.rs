@@ -1,0 +1,122 @@
+//! A scene made ready: particles in place, the plan for the fluid, and who owns what.
+
+use crate::error::StartError;
+use crate::gap::Gap;
+use crate::initial;
+use crate::memory::{self, Ranks};
+use crate::model::{Flow, Model};
+use crate::moving_box::MovingBox;
+use crate::near::smallest_gap;
+use crate::plan::{Radii, plan};
+use domain::{Comm, Failure, Particles, Partition, Placed};
+use fcm::{Plan, PlanError};
+use simulation::Clock;
+use solver::BackgroundFlow;
+
+/// What a run and its outline have in common.
+pub struct Setup {
+    /// This rank's particles.
+    pub particles: Particles,
+    /// Radii of all particles.
+    pub radii: Radii,
+    /// How the fluid is computed.
+    pub plan: Plan,
+    /// Which rank owns what.
+    pub partition: Partition,
+    /// The background flow.
+    pub flow: BackgroundFlow,
+    /// The box.
+    pub moving: MovingBox,
+}
+
+impl Setup {
+    /// A scene at time zero, if there is memory to run it. Collective.
+    pub fn start(model: &Model, placed: Option<Placed>, comm: &Comm) -> Result<Self, StartError> {
+        let planned = Planned::of_model(model)?;
+        planned.iter().try_for_each(|planned| planned.check_room(model, comm))?;
+        Self::placed(model, placed, planned, comm)
+    }
+
+    /// A scene at time zero, planned before if it counts its particles itself. Collective.
+    pub fn placed(
+        model: &Model,
+        placed: Option<Placed>,
+        planned: Option<Planned>,
+        comm: &Comm,
+    ) -> Result<Self, StartError> {
+        let particles = if comm.is_first() { initial::particles(model, placed) } else { Ok(Particles::default()) };
+        let particles = comm.agree(particles)?;
+        let setup = match planned {
+            Some(planned) => Self::of(model, (planned, particles), (comm, 0))?,
+            None => Self::at(model, particles, (comm, 0)).map_err(|error| StartError::Brought(Box::new(error)))?,
+        };
+        let Gap { length: gap, radius } = setup.gap();
+        // Touching spheres may touch, up to the round-off of a box's length.
+        if gap > -1e-12 * model.cell.edges().max_element() {
+            Ok(setup)
+        } else {
+            Err(StartError::Overlap(Gap { length: -gap, radius }))
+        }
+    }
+
+    /// A scene after `step` steps, with all particles on the first rank, if there is memory to run it. Collective.
+    pub fn at(model: &Model, particles: Particles, (comm, step): (&Comm, u64)) -> Result<Self, StartError> {
+        let planned = comm.agree(Planned::new(model, Radii::shared(&particles, comm)))?;
+        planned.check_room(model, comm)?;
+        Self::of(model, (planned, particles), (comm, step))
+    }
+
+    fn of(
+        model: &Model,
+        (Planned { radii, plan }, mut particles): (Planned, Particles),
+        (comm, step): (&Comm, u64),
+    ) -> Result<Self, StartError> {
+        let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+        let (flow, box_rate) = match model.flow {
+            Flow::Shear { rate, lees_edwards } => (BackgroundFlow::shear(rate), if lees_edwards { rate } else { 0.0 }),
+            _ => (BackgroundFlow::NONE, 0.0),
+        };
+        let time = Clock::at(step, model.time_step).time();
+        let moving = MovingBox::at(time, model.cell, flow.gradient(), box_rate);
+        if model.fields {
+            let planned = plan.on_the_grid_alone(moving.largest_strain());
+            comm.agree(planned).map_err(StartError::Fields)?;
+        }
+        particles.wrap(moving.cell());
+        particles.migrate(&partition, moving.cell());
+        Ok(Self { particles, radii, plan, partition, flow, moving })
+    }
+
+    /// The smallest gap between the surfaces of two particles. Collective.
+    pub fn gap(&self) -> Gap {
+        let length = smallest_gap(&self.particles, self.moving.cell(), &self.partition);
+        Gap { length, radius: self.radii.smallest() }
+    }
+}
+
+/// The radii of a scene's particles, and how the fluid is computed.
+pub struct Planned {
+    /// Radii of all particles.
+    pub radii: Radii,
+    /// How the fluid is computed.
+    pub plan: Plan,
+}
+
+impl Planned {
+    fn new(model: &Model, radii: Radii) -> Result<Self, PlanError> {
+        Ok(Self { plan: plan(model, &radii)?, radii })
+    }
+
+    /// What a scene says of itself before any particle is placed; nothing where a file has the particles.
+    pub fn of_model(model: &Model) -> Result<Option<Self>, PlanError> {
+        Radii::of_model(model).map(|radii| Self::new(model, radii)).transpose()
+    }
+
+    /// Refuses a run for which the ranks present have no memory. Collective.
+    fn check_room(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
+        let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
+        let need = memory::need(model, (&self.radii, &self.plan), ranks, comm.rank());
+        let remedy = || memory::remedy(model, &self.radii);
+        comm.agree(comm.check_room(need).map_err(|error| format!("{error}; {}", remedy())))
+    }
+}

@@ -1,0 +1,62 @@
+//! The stress that particles add to that of the fluid.
+
+use crate::dynamics::STRESSLET;
+use crate::warm_start::STRESSLET_FAR;
+use bytemuck::cast_slice;
+use domain::{Comm, Particles, Tensor, Traceless};
+
+/// The stress of the particles of one species, averaged over the box, by origin. With `S_n` the stresslet of a particle
+/// in the far field, `L_n` what lubrication adds to it, `F_ij` the repulsion that particle `i` feels from `j`, and `V`
+/// the volume of the box (Batchelor, J. Fluid Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111,
+/// 1988),
+///
+/// ```text
+/// stresslet  = sum_n S_n / V
+/// lubrication = sum_n L_n / V
+/// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
+/// ```
+///
+/// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
+/// Stresslets have no trace: of the pressure of the particles only the part of repulsion is defined. Forces from
+/// outside, such as weight, have no part in it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ParticleStress {
+    /// Of the far field's stresslets.
+    pub stresslet: Tensor,
+    /// Of lubrication's stresslets.
+    pub lubrication: Tensor,
+    /// Of the repulsion barrier.
+    pub repulsion: Tensor,
+}
+
+impl ParticleStress {
+    /// All origins together.
+    pub fn total(&self) -> Tensor {
+        self.stresslet + self.lubrication + self.repulsion
+    }
+
+    /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume;
+    /// `repulsion` has each particle's share of the first moments of repulsion, or nothing. Collective.
+    pub fn by_species(
+        particles: &Particles,
+        repulsion: &[Tensor],
+        (species, volume): (usize, f64),
+        comm: &Comm,
+    ) -> Vec<Self> {
+        let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
+        let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
+        let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
+        let mut sums = vec![[Tensor::ZERO; 3]; species];
+        for (row, &kind) in particles.species.iter().enumerate() {
+            let [stresslet, lubrication, barrier] = &mut sums[kind as usize];
+            if let (Some(&whole), Some(&far)) = (whole.get(row), far.get(row)) {
+                *stresslet += far.tensor();
+                *lubrication += (whole - far).tensor();
+            }
+            *barrier += repulsion.get(row).copied().unwrap_or(Tensor::ZERO);
+        }
+        comm.sum(bytemuck::cast_slice_mut(&mut sums));
+        let stress = |[stresslet, lubrication, repulsion]: [Tensor; 3]| Self { stresslet, lubrication, repulsion };
+        sums.into_iter().map(|sums| stress(sums.map(|sum| sum * (1.0 / volume)))).collect()
+    }
+}

@@ -1,0 +1,202 @@
+//! A suspension of spheres in Stokes flow.
+
+use crate::dynamics::{Dynamics, Moment, Outcome, StepError};
+use crate::error::StartError;
+use crate::integrator::VELOCITY;
+use crate::integrator::{self, AdamsBashforth};
+use crate::model::{Integrator, Model};
+use crate::setup::Setup;
+use crate::stress::ParticleStress;
+use crate::{adaptive, brought, initial, near};
+use domain::{Comm, Interrupt, Particles, PeriodicBox, Placed, Vector};
+use fcm::PlanError;
+use simulation::{Clock, State};
+
+/// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
+/// velocities and stresslets that belong to their positions.
+pub struct Suspension {
+    particles: Particles,
+    dynamics: Dynamics,
+    clock: Clock,
+    integrator: Integrator,
+    outcome: Outcome,
+    /// Evaluations of the mobility in the last step.
+    evaluations: u64,
+    caution: Option<&'static str>,
+    comm: Comm,
+}
+
+const OTHER_PLAN: &str = "the fluid is computed in another way than before, so the run goes on, but not bit for bit";
+
+/// What is worth knowing of a suspension besides its particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReport {
+    /// Iterations of the last solve.
+    pub iterations: usize,
+    /// Its relative residual.
+    pub residual: f64,
+    /// Evaluations of the mobility in the last step, in all of its solves.
+    pub evaluations: u64,
+    /// Divergence of the flow of the last evaluation relative to what it could be: near round-off.
+    pub divergence: f64,
+    /// Smallest gap between the surfaces of two particles.
+    pub smallest_gap: f64,
+}
+
+impl Suspension {
+    /// A model at time zero. Collective.
+    pub fn start(model: &Model, comm: &Comm) -> Result<Self, StartError> {
+        Self::start_with(model, None, comm)
+    }
+
+    /// A model at time zero, whose spheres are where the first rank brings them if it says [`Start::Brought`].
+    /// Collective.
+    ///
+    /// [`Start::Brought`]: crate::Start::Brought
+    pub fn start_with(model: &Model, placed: Option<Placed>, comm: &Comm) -> Result<Self, StartError> {
+        let (mut dynamics, mut particles) = Dynamics::new(model, Setup::start(model, placed, comm)?)?;
+        let clock = Clock::at(0, model.time_step);
+        let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0))?;
+        let (integrator, evaluations) = (model.integrator, dynamics.evaluations());
+        Ok(Self { particles, dynamics, clock, integrator, outcome, evaluations, caution: None, comm: comm.clone() })
+    }
+
+    /// A model in a state, which the first rank brings. Collective.
+    pub fn resume(model: &Model, state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
+        let mut step = state.iter().map(|state| state.step).collect();
+        comm.broadcast(&mut step);
+        let then = state.as_ref().map(|state| state.plan.clone());
+        let mut particles = state.map(|state| state.particles).unwrap_or_default();
+        comm.agree(brought::check(&particles, model.species.len(), model.hydrodynamics.lubrication))?;
+        initial::share_columns(&mut particles, comm);
+        let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
+        let clock = Clock::at(step[0], model.time_step);
+        let (integrator, outcome, comm) = (model.integrator, Outcome::default(), comm.clone());
+        let mut resumed = Self { particles, dynamics, clock, integrator, outcome, evaluations: 0, caution: None, comm };
+        if then.is_some_and(|plan| !fcm::is_same_way(&plan, &resumed.plan())) {
+            resumed.caution = Some(OTHER_PLAN);
+        }
+        Ok(resumed)
+    }
+
+    /// What the user should know of the way in which the run goes on, on the first rank.
+    pub fn caution(&self) -> Option<&'static str> {
+        self.caution
+    }
+
+    /// Looks at this interrupt at each evaluation of the mobility from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.dynamics.listen(interrupt);
+    }
+
+    /// Takes one step. `Err` on every rank or on none. An interrupted step is not taken: all is as it was before it,
+    /// to the last bit.
+    pub fn step(&mut self) -> Result<(), StepError> {
+        let (particles, moving) = (self.particles.clone(), self.dynamics.moving_box().clone());
+        let taken = self.take_step();
+        if let Err(StepError::Interrupted(_)) = taken {
+            self.particles = particles;
+            self.dynamics.go_back(moving);
+        }
+        taken
+    }
+
+    fn take_step(&mut self) -> Result<(), StepError> {
+        let Self { particles, dynamics, clock, outcome, integrator, .. } = self;
+        let before = dynamics.evaluations();
+        *outcome = match integrator {
+            Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
+            Integrator::AdamsBashforth { order } => {
+                fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
+            }
+        };
+        self.evaluations = dynamics.evaluations() - before;
+        self.clock.tick();
+        Ok(())
+    }
+
+    /// The time.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// The ranks.
+    pub fn comm(&self) -> &Comm {
+        &self.comm
+    }
+
+    /// The box as it is.
+    pub fn cell(&self) -> &PeriodicBox {
+        self.dynamics.cell()
+    }
+
+    /// The particles of this rank.
+    pub fn particles(&self) -> &Particles {
+        &self.particles
+    }
+
+    /// How the fluid is computed, in words.
+    pub fn plan(&mut self) -> String {
+        self.dynamics.plan()
+    }
+
+    /// All particles in the order of their ids, on the first rank, with all their columns or those named. Collective.
+    pub fn gathered(&self, columns: Option<&[&str]>) -> Particles {
+        let wanted = |name: &str| columns.is_none_or(|names| names.contains(&name));
+        self.particles.gathered_with(self.dynamics.partition(), wanted)
+    }
+
+    /// The state, on the first rank. Collective.
+    pub fn state(&mut self) -> State {
+        let plan = self.plan();
+        let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.gathered(None));
+        State { step, strain, plan, particles, statistics: Vec::new() }
+    }
+
+    /// The velocities of this rank's particles relative to the background flow where they are.
+    pub fn velocities_in_flow(&self) -> Vec<Vector> {
+        let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
+        let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
+        let flow = self.dynamics.flow();
+        velocities.iter().zip(&self.particles.positions).map(|(&v, &x)| v - flow.velocity(x)).collect()
+    }
+
+    /// The stress of the particles of each of so many species. Collective.
+    pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
+        let repulsion = self.dynamics.repulsion_moments(&self.particles);
+        ParticleStress::by_species(&self.particles, &repulsion, (species, self.cell().volume()), &self.comm)
+    }
+
+    /// What is worth knowing of the suspension as it is. Collective.
+    pub fn report(&mut self) -> StepReport {
+        StepReport {
+            iterations: self.outcome.iterations,
+            residual: self.outcome.residual,
+            evaluations: self.evaluations,
+            divergence: self.dynamics.divergence(),
+            smallest_gap: near::smallest_gap(&self.particles, self.cell(), self.dynamics.partition()),
+        }
+    }
+
+    /// The velocity of the fluid relative to the background flow on the grid, with its numbers of points, on the first
+    /// rank: in the order `[z][y][x]`, x fastest. An error where no grid can carry it. Collective.
+    pub fn velocity_field(&mut self) -> Result<([usize; 3], Vec<Vector>), PlanError> {
+        self.dynamics.velocity_field(&self.particles)
+    }
+}
+
+/// One step of the method of fixed steps.
+fn fixed_step(
+    particles: &mut Particles,
+    clock: &Clock,
+    method: AdamsBashforth,
+    dynamics: &mut Dynamics,
+) -> Result<Outcome, StepError> {
+    let mut outcome = Outcome::default();
+    dynamics.remember(particles);
+    integrator::advance(particles, clock, method, |particles, fraction| {
+        outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction))?;
+        Ok::<(), StepError>(())
+    })?;
+    Ok(outcome)
+}

@@ -1,0 +1,153 @@
+//! Where the search for stresslets and lubrication starts: at what they would be if they went on as in the last steps.
+
+use crate::dynamics::STRESSLET;
+use crate::extrapolation;
+use crate::hydrodynamics::{Guess, Solved};
+use domain::{Particles, Traceless, Vector};
+use fcm::Loads;
+
+/// With lubrication: the stresslets of the far field, the forces and torques of lubrication on it, and the motions
+/// relative to the background flow.
+pub const STRESSLET_FAR: &str = "far stresslet";
+const FORCE: &str = "lubrication force";
+const TORQUE: &str = "lubrication torque";
+const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
+
+/// Values at the start of this many last steps extrapolate by a polynomial of a degree one less.
+const PAST: usize = 3;
+
+/// What is kept of former solutions, as columns of the particles.
+pub struct WarmStart {
+    lubrication: bool,
+}
+
+impl WarmStart {
+    /// For particles with lubrication, or without.
+    pub fn new(lubrication: bool) -> Self {
+        Self { lubrication }
+    }
+
+    /// The column of the far field's stresslets.
+    fn stresslet(&self) -> &'static str {
+        if self.lubrication { STRESSLET_FAR } else { STRESSLET }
+    }
+
+    /// The columns that a search starts from, with their widths.
+    fn columns(&self) -> Vec<(&'static str, usize)> {
+        let motions = MOTION.iter().filter(|_| self.lubrication).map(|&name| (name, 3));
+        std::iter::once((self.stresslet(), 5)).chain(motions).collect()
+    }
+
+    /// Numbers of a particle in all columns that are kept for it, besides what users of a solution see.
+    pub fn numbers(&self) -> usize {
+        let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
+        let present = if self.lubrication { 5 + 3 * (2 + MOTION.len()) } else { 0 };
+        past + present
+    }
+
+    /// The columns that are kept for a search, with their widths.
+    pub fn kept(&self) -> impl Iterator<Item = (String, usize)> {
+        let past = self.columns().into_iter().flat_map(|(name, width)| (1..=PAST).map(move |k| (past(name, k), width)));
+        let torques = [FORCE, TORQUE].map(|name| (name.to_owned(), 3));
+        past.chain(self.columns().into_iter().map(|(name, width)| (name.to_owned(), width))).chain(torques)
+    }
+
+    /// Makes the values of now, at the start of a step, the last past ones.
+    pub fn remember(&self, particles: &mut Particles) {
+        for (name, width) in self.columns() {
+            for k in (0..PAST).rev() {
+                let from = if k == 0 { name.to_owned() } else { past(name, k) };
+                let values = std::mem::take(&mut particles.column(&from, width).values);
+                particles.column(&past(name, k + 1), width).values.copy_from_slice(&values);
+                particles.column(&from, width).values = values;
+            }
+        }
+    }
+
+    /// What a solution keeps for later, besides what its users see.
+    pub fn record(&self, particles: &mut Particles, loads: &Loads, solved: &Solved) {
+        if !self.lubrication {
+            return;
+        }
+        particles.column(STRESSLET_FAR, 5).values.copy_from_slice(bytemuck::cast_slice(&solved.far.stresslets));
+        let difference = |far: &[Vector], given: &[Vector], i: usize| {
+            far.get(i).copied().unwrap_or_default() - given.get(i).copied().unwrap_or_default()
+        };
+        for (name, far, given) in
+            [(FORCE, &solved.far.forces, &loads.forces), (TORQUE, &solved.far.torques, &loads.torques)]
+        {
+            particles.vectors(name).iter_mut().enumerate().for_each(|(i, value)| *value = difference(far, given, i));
+        }
+        for (name, motions) in MOTION.iter().zip([&solved.motion.velocities, &solved.motion.angular_velocities]) {
+            particles.vectors(name).copy_from_slice(motions);
+        }
+    }
+
+    /// Adds to the loads on the particles what the fluid feels of them besides: stresslets and lubrication.
+    pub fn add_to(&self, loads: &mut Loads, particles: &Particles) {
+        let values = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| &c.values[..]);
+        loads.stresslets = values(self.stresslet()).map(|v| bytemuck::cast_slice(v).to_vec()).unwrap_or_default();
+        for (name, list) in [(FORCE, &mut loads.forces), (TORQUE, &mut loads.torques)] {
+            if let Some(values) = values(name) {
+                list.resize(particles.len(), Vector::ZERO);
+                list.iter_mut().zip(bytemuck::cast_slice::<f64, Vector>(values)).for_each(|(sum, &v)| *sum += v);
+            }
+        }
+    }
+
+    /// What the solution should be near at a time `ahead` of that of the last values that were remembered, by the
+    /// polynomial through those; `ages` says how old they were then, the last ones 0. Nothing if nothing was
+    /// remembered: no motion would be a bad guess with lubrication, since spheres that stand still in a strain press
+    /// their neighbours hard.
+    pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
+        if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
+            return Guess::default();
+        }
+        let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
+        let mut at = |name: &str, width: usize| -> Vec<f64> {
+            let mut sum = vec![0.0; width * particles.len()];
+            for k in 0..times.len() {
+                let weight = extrapolation::weight(&times, k, ahead);
+                let past = &particles.column(&past(name, k + 1), width).values;
+                sum.iter_mut().zip(past).for_each(|(sum, value)| *sum += weight * value);
+            }
+            sum
+        };
+        let stresslets: Vec<Traceless> = bytemuck::cast_slice(&at(self.stresslet(), 5)).to_vec();
+        if !self.lubrication {
+            return Guess { stresslets_far: stresslets, ..Guess::default() };
+        }
+        let [velocities, angular_velocities] = MOTION.map(|name| bytemuck::cast_slice(&at(name, 3)).to_vec());
+        Guess { stresslets_far: stresslets, velocities, angular_velocities }
+    }
+}
+
+/// The column of the values of another at the start of the `k`th step back.
+fn past(name: &str, k: usize) -> String {
+    format!("past {name} {k}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_in_time_is_followed_exactly() {
+        let parabola = |t: f64| Traceless([1.0 + t, 2.0 - t * t, 0.3 * t, t * (t - 1.0), -1.0]);
+        let warm_start = WarmStart::new(false);
+        let mut particles = Particles::default();
+        particles.push(0, Vector::ZERO, 1.0, 0);
+        assert_eq!(warm_start.guess(&mut particles, &[0.0], 1.0), Guess::default(), "nothing is known");
+        for step in 0..6 {
+            particles.column(STRESSLET, 5).values.copy_from_slice(&parabola(f64::from(step)).0);
+            warm_start.remember(&mut particles);
+        }
+        for fraction in [0.5, 1.0] {
+            let found = warm_start.guess(&mut particles, &[0.0, 1.0, 2.0], fraction).stresslets_far[0];
+            let difference = found - parabola(5.0 + fraction);
+            assert!(difference.0.iter().all(|c| c.abs() < 1e-13), "{difference:?}");
+        }
+        let first = warm_start.guess(&mut particles, &[0.0], 1.0).stresslets_far[0];
+        assert_eq!(first, parabola(5.0), "with nothing known but the last value, that");
+    }
+}

@@ -1,0 +1,12 @@
+//! Models from the text of scenes.
+
+use io::{Kind, Scene};
+use suspension::Model;
+
+/// The model of a scene of spheres, with keys set.
+pub fn model_of(text: &str, overrides: &[&str]) -> Model {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    let scene = Scene::parse(text, "scene.toml", &overrides).unwrap();
+    let Kind::Suspension(scene) = scene.kind() else { panic!("a suspension") };
+    scene.model.clone()
+}
