@@ -60,7 +60,15 @@ fn particles_that_make_no_sense_are_refused() {
     let error = Disks::flowing(Parameters::default(), &particles).unwrap_err();
     assert_eq!(error.to_string(), "particles.position is [1, 1] of two disks; it needs a place of its own for each");
     let model = Model::new(Parameters::default()).unwrap();
-    let (_, progress) = Disks::random(&model).store();
+    let (mut stored, progress) = Disks::random(&model).store();
+    for (number, value) in [(1, 1e300), (6, f64::NAN), (5, -500.0)] {
+        let list = stored.columns.iter_mut().find(|column| column.name == "list").unwrap();
+        let before = std::mem::replace(&mut list.values[number], value);
+        let error = Disks::resume(&model, &stored, &progress).unwrap_err();
+        assert!(error.to_string().ends_with("a place in the box, and the disk near it"), "{error}");
+        stored.columns.iter_mut().find(|column| column.name == "list").unwrap().values[number] = before;
+    }
+    assert!(Disks::resume(&model, &stored, &progress).is_ok());
     let error = Disks::resume(&model, &particles, &progress).unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -118,6 +118,7 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     let times_name = times.name();
+    [steps, times].into_iter().try_for_each(|dataset| sized::check(dataset))?;
     let (steps, times): (Vec<u64>, Vec<f64>) = (steps.read_raw()?, times.read_raw()?);
     let count = steps.len();
     let Some(last) = count.checked_sub(1) else { return Ok(None) };

@@ -92,6 +92,9 @@ pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Parti
     }
 }
 
+/// The gap that is looked for first at least, over the edges of the box, so that the search is short whatever the sizes.
+const LEAST_MARGIN: f64 = 1e-9;
+
 /// The smallest gap of the particles of some sizes and those that are not larger, or `known` if that is smaller.
 /// Collective.
 fn smallest_gap_of(
@@ -108,7 +111,7 @@ fn smallest_gap_of(
     let (positions, radii): (Vec<Vector>, Vec<f64>) = rows.iter().map(pick).unzip();
     // No two centres are farther apart than this, so the search ends.
     let farthest = cell.edges().element_sum();
-    let (mut margin, mut smallest) = (0.2 * largest, known);
+    let (mut margin, mut smallest) = ((0.2 * largest).max(LEAST_MARGIN * farthest), known);
     loop {
         let cutoff = (2.0 * largest + margin).min(farthest);
         let exchange = Exchange::plan(partition, cell, &positions, [cutoff; 2]);
@@ -162,6 +165,15 @@ mod tests {
             // 0 and the image of 1 across the y boundary are 2 apart; nothing else is near.
             assert_eq!(forces, [Vector::new(0.0, -1.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::ZERO]);
         }
+    }
+
+    #[test]
+    fn the_search_ends_for_spheres_of_no_size_to_speak_of() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        let mut particles = three();
+        particles.radii = vec![1.0, f64::from_bits(1), f64::from_bits(1)];
+        let partition = Partition::new(&Comm::alone(), [8, 8]);
+        assert_eq!(smallest_gap(&particles, &cell, &partition), 1.0);
     }
 
     /// Spheres of sizes over four decades, on any number of ranks, against all pairs of all images.

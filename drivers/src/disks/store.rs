@@ -5,7 +5,7 @@ use super::list::List;
 use super::state::{Body, Identity, Motion, State};
 use super::{Disks, Model, Progress};
 use crate::parameter::{ParameterError, refused, require};
-use domain::{Particles, Vector};
+use domain::{Particles, PeriodicBox, Vector};
 use glam::DVec2;
 
 /// The columns besides velocity: `dt^k x^(k) / k!` for k = 2, 3, 4, and what fixes the list of neighbours: row, place,
@@ -46,13 +46,22 @@ impl Disks {
     /// Goes on from a stored state. The parameters may differ from those of the stored run where that makes sense.
     pub fn resume(model: &Model, particles: &Particles, progress: &Progress) -> Result<Self, ParameterError> {
         let law = model.law(progress.stage);
-        let mut state = State::stored(particles, model)?;
+        let mut state = State::stored(particles, model, &model.cell(law.strain(progress.list_made)))?;
         state.obey(&law, model);
         let mut list = List::remake(&state, model, &law, progress.list_made);
         list.mark_touching(&state, &law, progress.step);
         let (model, stage, step) = (model.clone(), progress.stage, progress.step);
         Ok(Self { model, stage, law, step, state, list, tally: progress.tally, lost: false })
     }
+}
+
+/// The place from which drift is counted is in the box, up to round-off, and the disk near it.
+fn check_place(motion: &Motion, cell: &PeriodicBox) -> Result<(), ParameterError> {
+    let (edges, reference) = (cell.edges().truncate(), motion.reference);
+    let inside = DVec2::new(reference.x - cell.strain() * reference.y, reference.y) / edges;
+    let is_inside = inside.min_element() > -0.01 && inside.max_element() < 1.01;
+    let is_near = (motion.body.place - reference).abs().max_element() < edges.min_element();
+    require(is_inside && is_near, LIST.0, &reference, "a place in the box, and the disk near it")
 }
 
 fn gear_row(motion: &Motion) -> [f64; GEAR.1] {
@@ -97,7 +106,7 @@ impl State {
         Ok(Self::new(identities(particles, model), &motions))
     }
 
-    fn stored(particles: &Particles, model: &Model) -> Result<Self, ParameterError> {
+    fn stored(particles: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Self, ParameterError> {
         let needed = |column: (&'static str, usize)| {
             let missing = "missing from the particles";
             rows_of(particles, column)
@@ -107,6 +116,7 @@ impl State {
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_by(|&a, &b| list[a][0].total_cmp(&list[b][0]));
         let motions: Vec<Motion> = order.iter().map(|&row| motion_of(gear[row], list[row])).collect();
+        motions.iter().try_for_each(|motion| check_place(motion, cell))?;
         Ok(Self::new(identities(&particles.selected(&order), model), &motions))
     }
 }

@@ -70,7 +70,8 @@ fn misused(ended: &Ended) -> Result<(), String> {
     let said = ended.stderr.split("\nUsage:").next().unwrap_or_default();
     let is_argument = |word: &str| word.starts_with('<') && word.contains('>');
     let names = said.split_whitespace().any(|word| is_option(word) || is_argument(word))
-        || said.split('\'').nth(1).is_some_and(|quoted| !quoted.is_empty());
+        || said.split('\'').nth(1).is_some_and(|quoted| !quoted.is_empty())
+        || ["unrecognized subcommand", "unexpected argument"].iter().any(|what| said.contains(what));
     match (said.starts_with("error: "), names) {
         (true, true) => Ok(()),
         (false, _) => Err("it refused its command line without an error".to_owned()),

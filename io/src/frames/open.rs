@@ -2,7 +2,7 @@
 
 use super::element::{Stored, group, reserve, write_number};
 use super::{Damage, Element, Kind, Sums, Values};
-use crate::{text, whole};
+use crate::{sized, text, whole};
 use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
 use std::path::Path;
@@ -62,6 +62,7 @@ impl Open {
 
     /// The steps of the frames, in order.
     pub(super) fn steps_written(&self) -> hdf5::Result<Vec<u64>> {
+        sized::check(&self.steps)?;
         self.steps.read_raw()
     }
 
