@@ -69,6 +69,9 @@ fn particles_that_make_no_sense_are_refused() {
         stored.columns.iter_mut().find(|column| column.name == "list").unwrap().values[number] = before;
     }
     assert!(Disks::resume(&model, &stored, &progress).is_ok());
+    stored.radii[0] = -1.0;
+    let error = Disks::resume(&model, &stored, &progress).unwrap_err();
+    assert_eq!(error.to_string(), "radius is -1; it needs a radius that the scene has");
     let error = Disks::resume(&model, &particles, &progress).unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -14,7 +14,9 @@ pub struct Gap {
 
 impl Display for Gap {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:.3} ({:.3} of the smallest radius)", Number(self.length), Number(self.length / self.radius))
+        let in_radii = self.length / self.radius;
+        write!(f, "{:.3}", Number(self.length))?;
+        if in_radii.is_finite() { write!(f, " ({:.3} of the smallest radius)", Number(in_radii)) } else { Ok(()) }
     }
 }
 
@@ -26,5 +28,6 @@ mod tests {
     fn small_gaps_are_shown_in_radii_too() {
         let gap = Gap { length: 5.2e-8, radius: 5e-6 };
         assert_eq!(gap.to_string(), "5.2e-8 (0.0104 of the smallest radius)");
+        assert_eq!(Gap { length: 3.0, radius: 1e-310 }.to_string(), "3");
     }
 }

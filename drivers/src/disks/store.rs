@@ -46,7 +46,7 @@ impl Disks {
     /// Goes on from a stored state. The parameters may differ from those of the stored run where that makes sense.
     pub fn resume(model: &Model, particles: &Particles, progress: &Progress) -> Result<Self, ParameterError> {
         let law = model.law(progress.stage);
-        let mut state = State::stored(particles, model, &model.cell(law.strain(progress.list_made)))?;
+        let mut state = State::stored(particles, model, (&model.cell(law.strain(progress.list_made)), law.dt))?;
         state.obey(&law, model);
         let mut list = List::remake(&state, model, &law, progress.list_made);
         list.mark_touching(&state, &law, progress.step);
@@ -62,6 +62,15 @@ fn check_place(motion: &Motion, cell: &PeriodicBox) -> Result<(), ParameterError
     let is_inside = inside.min_element() > -0.01 && inside.max_element() < 1.01;
     let is_near = (motion.body.place - reference).abs().max_element() < edges.min_element();
     require(is_inside && is_near, LIST.0, &reference, "a place in the box, and the disk near it")
+}
+
+/// In a step a disk does not go farther than the box.
+fn check_motion(motion: &Motion, cell: &PeriodicBox, dt: f64) -> Result<(), ParameterError> {
+    let (shortest, [a, b, c], velocity) = (cell.edges().truncate().min_element(), motion.higher, motion.body.velocity);
+    let is_less = |way: DVec2| way.abs().max_element() < shortest && way.is_finite();
+    require(is_less(velocity * dt), LIST.0, &velocity, "a velocity with which a step is shorter than the box")?;
+    let farthest = [a, b, c].into_iter().find(|&way| !is_less(way));
+    require(farthest.is_none(), GEAR.0, &farthest.unwrap_or_default(), "ways of a step that are shorter than the box")
 }
 
 fn gear_row(motion: &Motion) -> [f64; GEAR.1] {
@@ -106,7 +115,10 @@ impl State {
         Ok(Self::new(identities(particles, model), &motions))
     }
 
-    fn stored(particles: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Self, ParameterError> {
+    fn stored(particles: &Particles, model: &Model, (cell, dt): (&PeriodicBox, f64)) -> Result<Self, ParameterError> {
+        let sizes = model.smallest()..=model.largest();
+        let other = particles.radii.iter().find(|radius| !sizes.contains(radius));
+        require(other.is_none(), "radius", other.unwrap_or(&0.0), "a radius that the scene has")?;
         let needed = |column: (&'static str, usize)| {
             let missing = "missing from the particles";
             rows_of(particles, column)
@@ -116,7 +128,9 @@ impl State {
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_by(|&a, &b| list[a][0].total_cmp(&list[b][0]));
         let motions: Vec<Motion> = order.iter().map(|&row| motion_of(gear[row], list[row])).collect();
-        motions.iter().try_for_each(|motion| check_place(motion, cell))?;
+        motions
+            .iter()
+            .try_for_each(|motion| check_place(motion, cell).and_then(|()| check_motion(motion, cell, dt)))?;
         Ok(Self::new(identities(&particles.selected(&order), model), &motions))
     }
 }

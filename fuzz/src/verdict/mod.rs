@@ -64,7 +64,7 @@ fn refused(ended: &Ended, names: &Names) -> Result<End, String> {
 
 /// What is said of a command line names an option or an argument, or quotes a word; without one it is the help.
 fn misused(ended: &Ended) -> Result<(), String> {
-    if ended.arguments.is_empty() && ended.stderr.contains("\nUsage:") {
+    if ended.arguments.iter().all(|word| word == "--") && ended.stderr.contains("\nUsage:") {
         return Ok(());
     }
     let said = ended.stderr.split("\nUsage:").next().unwrap_or_default();

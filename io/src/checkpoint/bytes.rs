@@ -77,6 +77,9 @@ pub(super) fn state(bytes: &[u8]) -> Result<State, String> {
     if !particles.positions.iter().all(|position| position.is_finite()) {
         return Err("it has a position that is not finite".into());
     }
+    if !particles.radii.iter().all(|&radius| radius > 0.0 && radius.is_finite()) {
+        return Err("it has a radius that is not a finite number above 0".into());
+    }
     let (step, strain, plan) = (header.step, f64::from_bits(header.strain), header.plan);
     Ok(State { step, strain, plan, particles, statistics: rest.take(header.statistics)? })
 }
