@@ -1,5 +1,5 @@
 """Changes the program in one place after another, at random, and counts the changes that its tests notice. Each is tested
-by the tests of its own crate. Results are kept, so that an interrupted sample goes on where it was."""
+by the tests of its own crate. Verdicts are kept in the repository, so that a sample goes on where it was, anywhere."""
 
 import argparse
 import collections
@@ -12,35 +12,28 @@ from mutations import all_mutations, known_as_equal, sampled
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDER = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "mutants"
+VERDICTS = ROOT / "validation" / "data" / "mutants.jsonl"
 
 OUTCOMES = ("noticed", "timed out", "missed", "changes nothing", "unviable", "not yet tested")
 
-# Between blocks the crates change places, which costs a build of all of them.
-BLOCK = 50
-
-# Those that others are built on come last: changed ones have the others built again.
-ORDER = ("fcm-solve", "io", "drivers", "statistics", "fcm", "lubrication", "solver", "domain")
+# Those that others are built on come first: these are built once, after them.
+ORDER = ("domain", "solver", "lubrication", "statistics", "fcm", "drivers", "simulation", "suspension", "io", "fcm-solve")
 
 
 class Kept:
-    """Results by mutation, each in a line of a file."""
+    """Verdicts by mutation, in a file of a line for each in the order of their keys."""
 
     def __init__(self, path):
         self.path = path
-        path.parent.mkdir(parents=True, exist_ok=True)
         lines = path.read_text().splitlines() if path.exists() else []
         self.outcomes = dict(json.loads(line) for line in lines)
 
     def keep(self, mutation, outcome):
         self.outcomes[mutation.key] = outcome
-        with open(self.path, "a") as file:
-            file.write(json.dumps([mutation.key, outcome]) + "\n")
-
-
-def in_blocks(mutations):
-    """In their order, but crate by crate within each block."""
-    for first in range(0, len(mutations), BLOCK):
-        yield from sorted(mutations[first : first + BLOCK], key=lambda one: ORDER.index(one.crate))
+        lines = [json.dumps(kept) + "\n" for kept in sorted(self.outcomes.items())]
+        new = self.path.with_suffix(".tmp")
+        new.write_text("".join(lines))
+        new.replace(self.path)
 
 
 def outcome_of(mutation, kept, equal):
@@ -54,7 +47,7 @@ def table(sample, kept, equal):
     row = lambda cells: "| " + " | ".join(map(str, cells)) + " |"
     yield row(["crate", *OUTCOMES])
     yield row(["---"] * (1 + len(OUTCOMES)))
-    for crate in reversed(ORDER):
+    for crate in ORDER:
         yield row([crate, *(counts[crate, outcome] for outcome in OUTCOMES)])
     total = {outcome: sum(counts[crate, outcome] for crate in ORDER) for outcome in OUTCOMES}
     yield row(["all", *total.values()])
@@ -63,7 +56,7 @@ def table(sample, kept, equal):
         yield f"\nnoticed {noticed} of {noticed + missed} that change anything: {noticed / (noticed + missed):.1%}"
     for one in sample:
         if outcome_of(one, kept, equal) == "missed":
-            yield f"missed {one.place}: {one.key.split(': ', 1)[1]}"
+            yield f"missed {one.place}: {one.key}"
 
 
 def main():
@@ -79,15 +72,18 @@ def main():
         sample = [one for one in mutations if asked.only in f"{one.place}: {one.key}"]
     else:
         sample = sampled(mutations, asked.seed)[: asked.sample]
-    kept, equal = Kept(FOLDER / "results.jsonl"), known_as_equal(ROOT)
+    kept, equal = Kept(VERDICTS), known_as_equal(ROOT)
     print(f"{len(sample)} changes of {len(mutations)}")
     if not asked.table:
-        copy = Copy(ROOT, FOLDER)
-        for number, mutation in enumerate(in_blocks(sample), 1):
+        copy, left = Copy(ROOT, FOLDER), collections.defaultdict(list)
+        for mutation in sample:
             found = outcome_of(mutation, kept, equal)
             if found == "not yet tested" or (asked.again and found == "missed"):
-                kept.keep(mutation, copy.outcome(mutation))
-                print(f"{number} {kept.outcomes[mutation.key]}: {mutation.place}: {mutation.key}", flush=True)
+                left[mutation.crate].append(mutation)
+        for crate in filter(left.get, ORDER):
+            for mutation, outcome in copy.outcomes(crate, left[crate]):
+                kept.keep(mutation, outcome)
+                print(f"{outcome}: {mutation.place}: {mutation.key}", flush=True)
     print("\n".join(table(sample, kept, equal)))
 
 

@@ -1,35 +1,17 @@
-"""Tests of the program with a change made to it, in a copy of its sources."""
+"""Tests of the program with changes made to it, in a copy of its sources."""
 
-import math
-import os
 import shutil
-import signal
 import subprocess
-import time
-import xml.etree.ElementTree
 
-# A test's first failure ends the run, and the fastest tests come first.
-PROFILE = """
-[profile.mutants]
-fail-fast = { max-fail = 1, terminate = "immediate" }
-slow-timeout = { period = "30s", terminate-after = 6 }
-junit.path = "junit.xml"
-"""
-
-# Seconds that a build may take, and tests at least.
-BUILD, TESTS = 1200, 60
-
-# Tests that take so many times as long as they should have hung.
-HUNG = 8
+from crate_tests import CrateTests
+from planting import plant, switch
 
 
 class Copy:
-    """The sources beside the project, and what is known of their tests."""
+    """The sources beside the project."""
 
     def __init__(self, root, folder):
         self.root, self.tree, self.build = root, folder / "tree", folder / "build"
-        # Seconds of each test, by crate; empty for a crate whose tests were not yet run unchanged.
-        self.seconds = {}
         self.synchronise()
 
     def synchronise(self):
@@ -41,66 +23,47 @@ class Copy:
             if source.is_file() and not (copy.is_file() and copy.read_bytes() == source.read_bytes()):
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(source, copy)
-        (self.tree / ".config" / "nextest.toml").write_text(PROFILE)
+        for copy in self.tree.rglob("*"):
+            if copy.is_file() and not (self.root / copy.relative_to(self.tree)).is_file():
+                copy.unlink()
 
-    def measure(self, crate):
-        """Runs a crate's tests unchanged, notes how long each takes and puts the fast ones first."""
-        report = self.build / "nextest" / "mutants" / "junit.xml"
-        self.seconds[crate] = {}
-        for arguments in self.stages(crate):
-            report.unlink(missing_ok=True)
-            outcome = self.nextest(crate, arguments)
-            if outcome != "missed":
-                raise SystemExit(f"the tests of {crate} don't pass even unchanged ({outcome})")
-            if report.exists():
-                cases = xml.etree.ElementTree.parse(report).iter("testcase")
-                self.seconds[crate] |= {case.get("name"): float(case.get("time")) for case in cases}
-        slow = {name: seconds for all in self.seconds.values() for name, seconds in all.items() if seconds > 0.1}
-        rank = lambda seconds: max(-100, -round(20 * math.log10(seconds / 0.1)) - 1)
-        override = "[[profile.mutants.overrides]]\nfilter = 'test(={})'\npriority = {}\n"
-        overrides = [override.format(name, rank(seconds)) for name, seconds in slow.items()]
-        (self.tree / ".config" / "nextest.toml").write_text(PROFILE + "\n" + "\n".join(overrides))
-
-    def stages(self, crate):
-        """Arguments that choose a crate's tests: those inside it, then those beside it, which cost a build of their own."""
-        inside = ["--lib"] if (self.tree / crate / "src" / "lib.rs").exists() else ["--bins"]
-        beside = [["--test", "*"]] if (self.tree / crate / "tests").exists() else []
-        return [inside, *beside]
-
-    def outcome(self, mutation):
-        """What the tests make of a change: noticed, missed, unviable (it does not compile) or timed out."""
-        if mutation.crate not in self.seconds:
-            self.measure(mutation.crate)
-        path = self.tree / mutation.file
-        source = path.read_text()
-        path.write_text(mutation.apply(source))
+    def outcomes(self, crate, mutations):
+        """Each change of a crate with what the tests make of it: noticed, missed, unviable (it does not compile) or timed
+        out. As many as can be are built into the crate at once; the others one by one."""
+        root = f"{crate}/src/lib.rs" if (self.tree / crate / "src" / "lib.rs").exists() else f"{crate}/src/main.rs"
+        sources = {file: (self.tree / file).read_text() for file in {root} | {one.file for one in mutations}}
+        tests = CrateTests(crate, self.tree, self.build)
         try:
-            outcomes = (self.nextest(mutation.crate, arguments) for arguments in self.stages(mutation.crate))
-            return next((outcome for outcome in outcomes if outcome != "missed"), "missed")
+            changes = dict(enumerate(mutations, 1))
+            functions = self.build_planted(tests, (root, sources), changes)
+            tests.measure()
+            for number, function in functions.items():
+                yield changes[number], tests.verdict(lambda stage: tests.tested(stage, number, function))
+            for number, mutation in changes.items():
+                if number not in functions:
+                    self.write(sources | {mutation.file: mutation.apply(sources[mutation.file])})
+                    yield mutation, tests.verdict(tests.built_and_tested)
         finally:
-            path.write_text(source)
+            self.write(sources)
 
-    def nextest(self, crate, arguments):
-        command = ["cargo", "nextest", "run", "--cargo-quiet", "--profile", "mutants", "--package", crate, *arguments]
-        built = self.run([*command, "--no-run"], BUILD)
-        if built != 0:
-            return "unviable" if built else "timed out"
-        patience = max(TESTS, HUNG * sum(self.seconds.get(crate, {}).values())) if self.seconds.get(crate) else BUILD
-        return {0: "missed", None: "timed out"}.get(self.run(command, patience), "noticed")
+    def build_planted(self, tests, source, changes):
+        """Builds a crate with those changes in it that compile as branches, and returns the functions of these."""
+        root, sources = source
+        while changes:
+            planted = plant(sources, changes)
+            functions = {number: function for one in planted.values() for number, function in one.functions.items()}
+            texts = sources | {file: one.text for file, one in planted.items()}
+            self.write(texts | {root: texts[root] + switch(changes)})
+            wrong = tests.errors()
+            if not wrong:
+                return functions
+            guilty = set().union(*(planted[file].lines[line] for file, line in wrong if file in planted))
+            changes = {number: changes[number] for number in functions.keys() - guilty} if guilty else {}
+        self.write(sources)
+        return {}
 
-    def run(self, command, patience):
-        """The exit code of a command, or none if it had to be ended."""
-        settings = {"CARGO_TARGET_DIR": str(self.build), "CARGO_PROFILE_TEST_DEBUG": "0", "INSTA_UPDATE": "no"}
-        started = time.monotonic()
-        with open(self.build.parent / "log", "w") as log:
-            process = subprocess.Popen(
-                command, cwd=self.tree, env=os.environ | settings, stdout=log, stderr=log, start_new_session=True
-            )
-            try:
-                return process.wait(patience - (time.monotonic() - started))
-            except subprocess.TimeoutExpired:
-                return None
-            finally:
-                if process.poll() is None:
-                    os.killpg(process.pid, signal.SIGKILL)
-                    process.wait()
+    def write(self, sources):
+        """Writes sources; those that are as they were keep their time."""
+        for file, text in sources.items():
+            if (self.tree / file).read_text() != text:
+                (self.tree / file).write_text(text)

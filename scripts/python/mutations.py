@@ -12,7 +12,8 @@ import tomllib
 class Mutation:
     """One change of one place."""
 
-    # What is changed and how, with the line of source that it is in: the same after edits elsewhere.
+    # What is changed and how, with the line of source that it is in: the same after edits elsewhere, and in a file
+    # that has moved.
     key: str
     crate: str
     file: str
@@ -20,16 +21,26 @@ class Mutation:
     start: tuple
     end: tuple
     replacement: str
+    # The same of the function that it is in, if it is in one.
+    function: tuple | None
 
     @property
     def place(self):
         return f"{self.file}:{self.start[0]}"
 
+    @staticmethod
+    def offset(text, edge):
+        """Where in a source a line and column are."""
+        line, column = edge
+        return sum(map(len, text.splitlines(keepends=True)[: line - 1])) + column - 1
+
     def apply(self, text):
         """The source with the change made."""
-        lines = text.splitlines(keepends=True)
-        at = lambda line, column: sum(map(len, lines[: line - 1])) + column - 1
-        return text[: at(*self.start)] + self.replacement + text[at(*self.end) :]
+        return text[: self.offset(text, self.start)] + self.replacement + text[self.offset(text, self.end) :]
+
+
+def edges(span):
+    return tuple((span[edge]["line"], span[edge]["column"]) for edge in ("start", "end"))
 
 
 def all_mutations(root):
@@ -38,15 +49,15 @@ def all_mutations(root):
     listed = json.loads(subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout)
     seen, sources = collections.Counter(), {}
     for one in listed:
-        file, (start, end) = one["file"], (one["span"][edge] for edge in ("start", "end"))
+        file, (start, end) = one["file"], edges(one["span"])
         if file not in sources:
             sources[file] = (root / file).read_text().splitlines()
         change = one["name"].split(": ", 1)[1]
-        key = f"{file}: {change}: {sources[file][start['line'] - 1].strip()}"
+        key = f"{change}: {sources[file][start[0] - 1].strip()}"
         seen[key] += 1
         key += f" ({seen[key]})" if seen[key] > 1 else ""
-        places = [(edge["line"], edge["column"]) for edge in (start, end)]
-        yield Mutation(key, one["package"], file, *places, one["replacement"])
+        function = edges(one["function"]["span"]) if one["function"] else None
+        yield Mutation(key, one["package"], file, start, end, one["replacement"], function)
 
 
 def sampled(mutations, seed):
