@@ -132,7 +132,7 @@ mod tests {
                 let exchange = Exchange::plan(&partition, &cell, &particles.positions, reach);
                 let mut positions = particles.positions.clone();
                 exchange.extend(&mut positions);
-                assert_eq!(positions.len(), exchange.present());
+                assert_eq!((exchange.owned(), exchange.present()), (particles.len(), positions.len()));
                 let mine = Pencil::of(&partition, &cell, comm.rank());
                 assert!(positions.iter().all(|&p| mine.is_within(reach, p)));
                 let mut counts = vec![1.0; positions.len()];

@@ -222,6 +222,27 @@ mod tests {
     }
 
     #[test]
+    fn vectors_are_a_column_of_three_numbers_each() {
+        let mut particles = scattered(2);
+        assert_eq!(particles.vectors("velocity"), [Vector::ZERO, Vector::ONE]);
+        particles.vectors("force")[1] = Vector::new(1.0, 2.0, 3.0);
+        assert_eq!(*particles.column("force", 3).values, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn stores_whose_columns_do_not_fit_are_refused() {
+        let whole = scattered(3);
+        assert_eq!(whole.check(), Ok(()));
+        let mut short = whole.clone();
+        short.column("velocity", 3).values.pop();
+        let error = ColumnError { name: "velocity".to_owned(), found: 8, width: 3, particles: 3 };
+        assert_eq!(short.check(), Err(error));
+        let mut without_radii = whole;
+        without_radii.radii.clear();
+        assert_eq!(without_radii.check().unwrap_err().name, "radii");
+    }
+
+    #[test]
     fn migration_keeps_every_row_whole_and_home() {
         let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
         let alone = scattered(60);

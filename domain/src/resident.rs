@@ -38,3 +38,21 @@ impl Process {
         PROGRAM + launched + writes + ALLOCATOR * allocated
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_takes_more_than_it_allocates() {
+        let [alone, first, other] = [Process::ALONE, Process::of(0, 2), Process::of(1, 2)];
+        assert_eq!(Process::of(0, 1), alone);
+        for process in [alone, first, other] {
+            let part = process.resident(1e9) - process.resident(0.0);
+            assert!((1e9..1.5e9).contains(&part), "{part}");
+        }
+        let programs = [alone, first, other].map(|process| process.resident(0.0) as usize);
+        let expected = [PROGRAM + WRITES, PROGRAM + LAUNCHED + WRITES, PROGRAM + LAUNCHED];
+        assert_eq!(programs, expected.map(|bytes| bytes as usize));
+    }
+}

@@ -86,6 +86,14 @@ mod tests {
     }
 
     #[test]
+    fn components_add_and_subtract() {
+        let (a, b) = (Traceless([1.0, 2.0, -3.0, 0.5, 4.0]), Traceless([0.5, -2.0, 1.0, 0.25, 8.0]));
+        assert_eq!(a + b, Traceless([1.5, 0.0, -2.0, 0.75, 12.0]));
+        assert_eq!((a + b) - b, a);
+        assert_eq!(a + -a, Traceless::default());
+    }
+
+    #[test]
     fn part_of_a_tensor_drops_trace_and_rotation() {
         let a = Traceless([1.0, 2.0, -3.0, 0.5, 4.0]);
         let rotation = Tensor::from_cols_array(&[0.0, 1.0, 2.0, -1.0, 0.0, 3.0, -2.0, -3.0, 0.0]);

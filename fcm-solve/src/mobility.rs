@@ -156,3 +156,18 @@ fn write(args: &Args, answer: &Answer) -> anyhow::Result<()> {
         None => streams::print_here(&answer.to_json()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_has_room_for_the_text_of_a_case() {
+        let list = ["[0.3333333333333333, 0.3333333333333333, 0.3333333333333333]"; 20].join(", ");
+        let text = format!(
+            r#"{{"box": [9, 9, 9], "viscosity": 1, "radii": 1, "positions": [{list}], "forces": [{list}], "torques": [{list}]}}"#
+        );
+        let room = text_bytes(&Case::from_json(&text)).kept / text.len() as f64;
+        assert!((1.0..10.0).contains(&room), "{room} times the text");
+    }
+}

@@ -98,3 +98,34 @@ fn runs_without_an_end_are_refused() {
         assert!(error.contains(key), "{error}");
     }
 }
+
+/// Of the scenes that come with the program: 502 grains of 0.787 mm in 8 mm x 4 mm x 8 mm, and steps by the disks' or
+/// grains' number over the speed of a core.
+#[test]
+fn outlines_of_grains_are_those_of_their_scenes() {
+    let [cell, disks] = [include_str!("../../scenes/shear-cell.toml"), include_str!("../../scenes/disk-sweep.toml")];
+    let continuum = include_str!("../../scenes/shear-cell-continuum.toml");
+    let contains = |outline: &str, lines: &[&str]| {
+        for line in lines {
+            assert!(outline.contains(&format!("{line}\n")), "{outline}");
+        }
+    };
+    let grains = "grains     502, solid fraction 0.5005\ntop        fixed\ncollisions at their exact times\n\
+                  steps      30, until time 0.03; measured from time 0.01";
+    let exact = said(cell, &["check", "-"], 0);
+    contains(&exact, &[grains]);
+    assert!(!exact.contains("cost"), "hits can't be foretold: {exact}");
+    let stepped = ["check", "-", "--set", "collisions=time-stepped", "--set", "time.collision_step=5e-7"];
+    contains(&said(cell, &stepped, 0), &["collisions on a time step of 5e-7", "cost       about 1.2 s of one core"]);
+    let free = ["check", "-", "--set", "top={kind='free',pressure=300.0,mass_per_area=0.2}"];
+    contains(&said(cell, &free, 0), &["top        free under its load"]);
+    let lines = [
+        "disks      1460, radii 0.875 to 3.5, 60.01% of the area",
+        "lengths    viscous length 0.1911, estimated mean free path 0.3087",
+        "steps      13334, until time 2000.1 and strain 20.001",
+        "sweep      4 runs: 2 seeds, 2 viscosities, 1 rates, 1 area fractions, each to strain 20.001",
+        "cost       about 3.1 s of one core",
+    ];
+    contains(&said(disks, &["check", "-"], 0), &lines);
+    contains(&said(continuum, &["check", "-"], 0), &["problems   3, radial distribution of SinclairJackson"]);
+}

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Suspension, error, tensors, vectors};
-use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
+use domain::{Comm, Number, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
     Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Motion, Multipoles, Plan, PlanError, Precision, Problem,
 };
@@ -254,7 +254,10 @@ fn hopeless_plans_say_what_makes_them_so() {
     let direct = Some(MethodName::Direct);
     assert!(of(&[(1.0, 2)], 2e4, direct).contains("the box is 20000 of the smallest radii long along x; leave hydro"));
     assert!(of(&[(1.0, 1), (0.01, 10_000)], 10.0, direct).contains("the largest radius is 100 times the smallest"));
-    let why = of(&[(1.0, 1), (0.001, 10_000_000)], 10.0, None);
-    assert!(why.contains("others each within the cutoff"));
+    let many = [(1.0, 1), (0.001, 10_000_000)];
+    let why = of(&many, 10.0, None);
+    let problem = Problem { radii: many.to_vec(), ..Suspension::single(10.0).problem(1e-3) };
+    let within = Number(Plan::choose(&problem).unwrap().method.cutoff().powi(3) * 4.19 * 1e4);
+    assert!(why.contains(&format!("particles with {within:.2} others each within the cutoff")), "{why}");
     assert!(!["e-1 ", "e0 ", "e1 "].iter().any(|power| why.contains(power)), "{why}");
 }

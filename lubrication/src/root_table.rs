@@ -84,6 +84,15 @@ mod tests {
     }
 
     #[test]
+    fn bytes_are_those_of_its_pieces() {
+        for ratio in [1.0, 2.0] {
+            let table = RootTable::with_ratio(ratio).unwrap();
+            let piece = size_of_val(&table.pieces[0]) + size_of::<Samples<LANES>>();
+            assert_eq!(RootTable::bytes(ratio) as usize, table.pieces.len() * piece);
+        }
+    }
+
+    #[test]
     fn interpolates_between_the_nodes() {
         for ratio in [1.0, 2.0] {
             let exact = TwoSphere::with_ratio(ratio).unwrap();

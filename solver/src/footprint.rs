@@ -86,6 +86,8 @@ mod tests {
             let transform = Transform::<T>::new(points, &partition, 16);
             let place = Place::of(ranks, comm.rank(), [points[1], points[2]]);
             let footprint = Footprint::new(points, &place, 16);
+            let lines: usize = partition.owned().map(|lines| lines.len()).iter().product();
+            assert_eq!(footprint.points() as usize, points[0] * lines);
             let field: Field<T, Physical> = transform.field();
             let found = size_of_val(field.memory.values());
             let expected = footprint.field::<T>().kept;

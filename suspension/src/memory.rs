@@ -1,5 +1,8 @@
 //! The memory that a run takes on each rank at its peak, predicted from the scene and the plan.
 
+#[cfg(test)]
+mod tests;
+
 use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET};
 use crate::forces::barrier;
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};

@@ -130,6 +130,7 @@ fn past(name: &str, k: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fcm::Motion;
 
     #[test]
     fn a_parabola_in_time_is_followed_exactly() {
@@ -149,5 +150,24 @@ mod tests {
         }
         let first = warm_start.guess(&mut particles, &[0.0], 1.0).stresslets_far[0];
         assert_eq!(first, parabola(5.0), "with nothing known but the last value, that");
+    }
+
+    /// Of what the far field sees, the loads given are known anyway: lubrication is the rest.
+    #[test]
+    fn with_lubrication_its_loads_are_kept_apart_from_those_given() {
+        let vector = |x: f64| vec![Vector::new(x, 2.0 * x, -x)];
+        let given = Loads { forces: vector(1.0), ..Loads::default() };
+        let far = Loads { forces: vector(5.0), torques: vector(3.0), stresslets: vec![Traceless([1.0; 5])] };
+        let motion = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
+        let solved = Solved { motion, stresslets: Vec::new(), far: far.clone(), iterations: 1, residual: 0.0 };
+        let mut particles = Particles::default();
+        particles.push(0, Vector::ZERO, 1.0, 0);
+        let warm_start = WarmStart::new(true);
+        warm_start.record(&mut particles, &given, &solved);
+        let kept = [FORCE, TORQUE, MOTION[0], MOTION[1]].map(|name| particles.vectors(name).to_vec());
+        assert_eq!(kept, [4.0, 3.0, 7.0, 9.0].map(vector));
+        let mut loads = given.clone();
+        warm_start.add_to(&mut loads, &particles);
+        assert_eq!(loads, far);
     }
 }

@@ -229,8 +229,9 @@ fn last_change(fraction: f64, more: &[&str]) -> f64 {
     let is_warned_of = |model: &Model| !Observed::start(model, None, &Comm::alone()).unwrap().cautions().is_empty();
     let short = with(1e-3);
     assert!(!is_warned_of(&short));
-    let model = with(fraction * longest_step(&short).unwrap());
-    assert_eq!(is_warned_of(&model), fraction > 1.0);
+    let longest = longest_step(&short).unwrap();
+    assert_eq!([longest, longest.next_up()].map(|step| is_warned_of(&with(step))), [false, true]);
+    let model = with(fraction * longest);
     let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
     let mut gaps = [0.0; 2];
     for _ in 0..80 {

@@ -99,3 +99,20 @@ fn what_cannot_be_is_refused() {
     assert!(matches!(random_packing(&cell, &[1.0; 12], 0.0, 1), Err(PackingError::TooDense { .. })));
     assert_eq!(random_packing(&cell, &[], 0.0, 1), Ok(vec![]));
 }
+
+/// One by one, and dense.
+#[test]
+fn powers_of_two_of_lengths_are_powers_of_two_of_places() {
+    for fraction in [0.2_f64, 0.4] {
+        let packed = |unit: f64| {
+            let edge = unit * (50.0 * 4.0 / 3.0 * std::f64::consts::PI / fraction).cbrt();
+            let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
+            let places = random_packing(&cell, &[unit; 50], 0.01 * unit, 5).unwrap();
+            places.into_iter().map(|place| place / unit).collect::<Vec<_>>()
+        };
+        let expected = packed(1.0);
+        for power in [-40, -20, 20, 40] {
+            assert_eq!(packed(2_f64.powi(power)), expected, "2^{power} at {fraction}");
+        }
+    }
+}

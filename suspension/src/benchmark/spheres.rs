@@ -84,3 +84,21 @@ pub fn loads(particles: &Particles, kind: Kind) -> Loads {
     }
     loads
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loads_of_a_larger_sphere_are_larger() {
+        let of_radius = |radius: f64| {
+            let mut particles = Particles::default();
+            particles.push(7, Vector::ZERO, radius, 0);
+            loads(&particles, Kind::All)
+        };
+        let (one, two) = (of_radius(1.0), of_radius(2.0));
+        assert!(one.forces[0] != Vector::ZERO && one.torques[0] != Vector::ZERO);
+        assert_eq!((two.forces[0], two.torques[0]), (2.0 * one.forces[0], 4.0 * one.torques[0]));
+        assert_eq!(two.stresslets[0], one.stresslets[0] * 4.0);
+    }
+}

@@ -6,6 +6,8 @@ mod measured;
 mod profile;
 mod sample;
 mod stress;
+#[cfg(test)]
+mod tests;
 
 pub use balance::{Balance, Start};
 pub use map::DensityMap;

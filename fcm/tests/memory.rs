@@ -1,0 +1,48 @@
+//! What is predicted to be allocated against what is.
+
+mod common;
+#[path = "../../domain/tests/heap/mod.rs"]
+mod heap;
+
+use common::Suspension;
+use domain::{Comm, Crowd, Partition, PeriodicBox, Traceless, Vector};
+use fcm::{Fixed, Footprint, Hydrodynamics, MethodName, Plan, Problem};
+use heap::measured;
+
+const COUNT: usize = 3000;
+
+#[track_caller]
+fn near(share: f64, predicted: f64, found: f64) {
+    assert!((predicted / found - 1.0).abs() < share, "{predicted:.3e} predicted, {found:.3e} found");
+}
+
+/// One test: what others allocate would count.
+#[test]
+fn predictions_are_what_is_allocated() {
+    let cell = PeriodicBox::new(Vector::splat(47.0)).unwrap();
+    let suspension = Suspension::random(COUNT, 1.0, cell, 1);
+    let (particles, loads) = (suspension.particles(), suspension.loads(1));
+    for (method, tolerance) in [(MethodName::Direct, 1e-2), (MethodName::Split, 1e-3), (MethodName::Split, 1e-6)] {
+        let fixed = Fixed { method: Some(method), ..Fixed::default() };
+        let plan = Plan::choose(&Problem { rigid: true, fixed, ..suspension.problem(tolerance) }).unwrap();
+        let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+        let crowd = Crowd::new(plan.edges, &[(1.0, COUNT)], partition.place());
+        let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &crowd);
+        assert_eq!(footprint.radii(), plan.radii);
+        let (mut hydrodynamics, found) = measured(|| {
+            let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+            hydrodynamics.mobility().arrange(&cell, &particles);
+            hydrodynamics
+        });
+        near(0.1, footprint.mobility().kept, found.kept);
+        near(0.1, footprint.mobility().most, found.most);
+        let (_, found) =
+            measured(|| hydrodynamics.solve(&cell, &particles, &loads, Traceless::default(), &[]).unwrap());
+        near(0.2, footprint.solve().most, found.most);
+        let (_, found) = measured(|| hydrodynamics.mobility().velocity_field());
+        near(1e-3, footprint.velocity_field().kept, found.kept);
+        assert_eq!(footprint.points() as usize, plan.grid.iter().product());
+        let (_, found) = measured(|| hydrodynamics.mobility().divergence());
+        near(1e-3, footprint.divergence().most, found.most);
+    }
+}

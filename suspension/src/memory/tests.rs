@@ -1,0 +1,59 @@
+use super::*;
+use crate::model::{Evaluation, Hydrodynamics, Parameters, Statistics};
+use crate::plan::plan;
+use domain::PeriodicBox;
+
+/// So many settling spheres of radius 1 at a volume fraction.
+fn settling(count: u64, fraction: f64) -> Parameters {
+    let edge = (count as f64 * 4.0 / 3.0 * std::f64::consts::PI / fraction).cbrt();
+    let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
+    let spheres = Species { force: -18.85 * Vector::Z, ..Species::new("heavy", 1.0, count) };
+    Parameters { start: Start::Random { minimum_gap: 0.02 }, ..Parameters::new(cell, 1.0, vec![spheres], (0.001, 2)) }
+}
+
+/// What ranks of a thread each need, in MB.
+fn needed(parameters: Parameters, ranks: usize) -> Vec<f64> {
+    let model = Model::new(parameters).unwrap();
+    let radii = Radii::of_model(&model).unwrap();
+    let plan = plan(&model, &radii).unwrap();
+    let needs = needs(&model, (&radii, &plan), Ranks { count: ranks, threads: 1 });
+    needs.iter().map(|need| need.resident / 1e6).collect()
+}
+
+/// As they stand beside measured peaks in `docs/src/memory.md`.
+#[test]
+fn predictions_are_those_that_were_compared_with_peaks() {
+    let cases: [(_, _, &[f64]); 6] = [
+        (Evaluation::Split, false, &[383.0]),
+        (Evaluation::Split, false, &[274.0, 267.0]),
+        (Evaluation::Split, true, &[1290.0]),
+        (Evaluation::Split, true, &[758.0, 751.0]),
+        (Evaluation::Direct, true, &[2680.0]),
+        (Evaluation::Direct, false, &[1220.0, 1210.0]),
+    ];
+    for (method, lubrication, expected) in cases {
+        let hydrodynamics = Hydrodynamics { method, lubrication, ..Hydrodynamics::default() };
+        let found = needed(Parameters { hydrodynamics, ..settling(100_000, 0.12) }, expected.len());
+        let near = |(found, expected): (&f64, &f64)| (found / expected - 1.0).abs() < 0.005;
+        assert!(found.iter().zip(expected).all(near), "{method:?}: {found:?} MB, {expected:?} expected");
+    }
+}
+
+#[test]
+fn statistics_of_more_samples_take_more() {
+    let needed = |statistics, steps| needed(Parameters { steps, statistics, ..settling(10_000, 0.12) }, 2);
+    let none = needed(None, 2000);
+    let [few, many] = [20, 2000].map(|steps| needed(Some(Statistics::ALL), steps));
+    assert!(none[0] < few[0] && few[0] < many[0], "{none:?} {few:?} {many:?}");
+    assert!((few[1] - many[1]).abs() < 1e-9, "the first rank has them: {few:?} {many:?}");
+}
+
+/// Those have pairs, and what moves them.
+#[test]
+fn dense_spheres_take_more_to_be_placed() {
+    let placed = |fraction: f64| {
+        let model = Model::new(settling(100_000, fraction)).unwrap();
+        placing(&model, &Radii::of_model(&model).unwrap()).resident
+    };
+    assert!(placed(0.26) > placed(0.24));
+}
