@@ -1,4 +1,4 @@
-//! A suspension as the march and the recorder see it.
+//! A suspension as a simulation: what is observed and averaged of it in steps.
 
 use crate::averages::Averages;
 use crate::cautions::cautions;
