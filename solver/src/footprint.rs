@@ -103,6 +103,8 @@ mod tests {
         for ranks in [1, 2, 3, 4, 6, 7, 12] {
             fits::<f32>([96, 60, 42], ranks);
             fits::<f64>([32, 24, 36], ranks);
+            fits::<f32>([46, 106, 22], ranks);
+            fits::<f64>([2 * 97, 22, 2 * 59], ranks);
         }
     }
 }

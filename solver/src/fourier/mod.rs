@@ -1,10 +1,13 @@
 //! Fourier transforms of many lines at once: a vector's lanes hold the same element of neighbouring lines.
 
+mod any_length;
 mod butterfly;
 mod columns;
+mod gathered;
 mod rows;
 
-pub(crate) use columns::{At, Columns};
+pub(crate) use any_length::AnyLength;
+pub(crate) use columns::At;
 pub(crate) use rows::{Batch, Rows};
 
 use crate::Real;
@@ -37,6 +40,16 @@ fn root_of_unity<T: Real>(numerator: usize, denominator: usize) -> Complex<T> {
         _ => (-high.0, high.1),
     };
     Complex::new(T::from_f64(cosine), T::from_f64(-sine))
+}
+
+/// Whether a number is a product of some of the primes given.
+pub(crate) fn is_product_of(primes: &[usize], mut number: usize) -> bool {
+    for prime in primes {
+        while number > 0 && number.is_multiple_of(*prime) {
+            number /= prime;
+        }
+    }
+    number == 1
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Real transforms of rows, as many at once as a vector has lanes.
 
 use super::butterfly::Pair;
-use super::columns::{At, Columns};
-use super::{Direction, root_of_unity};
+use super::columns::At;
+use super::{AnyLength, Direction, root_of_unity};
 use crate::Real;
 use crate::simd::{Vector, Work, prefetch};
 use num_complex::Complex;
@@ -16,7 +16,7 @@ use num_complex::Complex;
 /// Pairs of values are transformed as complex numbers, `z_j = x_2j + i x_2j+1`, and
 /// `X_k = (Z_k + Z*_h-k)/2 - i/2 exp(-2 pi i k / n) (Z_k - Z*_h-k)` with `h = n/2`.
 pub(crate) struct Rows<T> {
-    half: Columns<T>,
+    half: AnyLength<T>,
     /// `-i/2 exp(-2 pi i k / n)`
     roots: Vec<Complex<T>>,
     halo: usize,
@@ -30,18 +30,20 @@ pub(crate) struct Batch<T> {
 }
 
 impl<T: Real> Rows<T> {
-    pub fn new(length: usize, halo: usize) -> Self {
+    /// Rows of twice the values that `half` transforms, with halos.
+    pub fn new(half: AnyLength<T>, halo: usize) -> Self {
+        let length = 2 * half.length();
         let root = |k: usize| {
             let w: Complex<T> = root_of_unity(k, length);
             let half = T::from_f64(0.5);
             Complex::new(w.im * half, -(w.re * half))
         };
-        Self { half: Columns::new(length / 2), roots: (0..length / 2).map(root).collect(), halo }
+        Self { roots: (0..length / 2).map(root).collect(), half, halo }
     }
 
     /// Reals that the buffers need to hold.
     pub fn room(&self) -> usize {
-        self.blocks() * T::LANES * 2 * T::LANES
+        (self.blocks() * T::LANES * 2 * T::LANES).max(self.half.room())
     }
 
     fn blocks(&self) -> usize {

@@ -1,3 +1,4 @@
+use super::columns::Columns;
 use super::*;
 use crate::memory::Memory;
 use std::f64::consts::TAU;
@@ -24,9 +25,12 @@ fn difference(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
 
 const LENGTHS: [usize; 21] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 14, 15, 16, 21, 32, 48, 64, 72, 105, 128, 256];
 
-/// The relative error of the columns' transform in the 2-norm, the largest of all lanes, from a place to another.
-fn column_error<T: Real>(length: usize, direction: Direction, in_place: bool) -> f64 {
-    let stride = 6 * T::LANES;
+/// Lengths and half-lengths with factors that no lane kernel has: single ones, products, and large primes.
+const OTHER_LENGTHS: [usize; 14] = [11, 13, 17, 22, 23, 26, 33, 34, 46, 53, 97, 106, 143, 194];
+
+/// Noise in each lane before its transform and after it, from a place to another.
+fn transformed<T: Real>(plan: &AnyLength<T>, direction: Direction, in_place: bool) -> Vec<[Vec<Complex<f64>>; 2]> {
+    let (length, stride) = (plan.length(), 6 * T::LANES);
     let element = |memory: &Memory<T>, i: usize, lane: usize| {
         let at = i * stride + lane;
         Complex::new(memory.values()[at].to_f64(), memory.values()[at + T::LANES].to_f64())
@@ -35,34 +39,63 @@ fn column_error<T: Real>(length: usize, direction: Direction, in_place: bool) ->
     from.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = T::from_f64(noise(i)));
     let before = from.clone();
     let mut to = Memory::<T>::zero(length * stride);
-    let mut buffers = [(); 2].map(|()| Memory::<T>::zero(length * 2 * T::LANES));
+    let mut buffers = [(); 2].map(|()| Memory::<T>::zero(plan.room()));
     let source = At { first: from.values_mut().as_mut_ptr(), stride };
     let target = if in_place { source } else { At { first: to.values_mut().as_mut_ptr(), stride } };
     let buffers = buffers.each_mut().map(|b| b.values_mut().as_mut_ptr());
-    unsafe { Columns::new(length).run(direction, source, target, buffers) };
+    unsafe { plan.run(direction, source, target, buffers) };
     let after = if in_place { from } else { to };
+    (0..T::LANES).map(|lane| [&before, &after].map(|m| (0..length).map(|i| element(m, i, lane)).collect())).collect()
+}
+
+/// The relative error of the columns' transform in the 2-norm, the largest of all lanes.
+fn column_error<T: Real>(plan: &AnyLength<T>, direction: Direction, in_place: bool) -> f64 {
     let sign = if direction == Direction::Forward { -1.0 } else { 1.0 };
-    let error = |lane| {
-        let [before, after] = [&before, &after].map(|m| (0..length).map(|i| element(m, i, lane)).collect::<Vec<_>>());
-        difference(&after, &slow(&before, sign))
-    };
-    (0..T::LANES).map(error).fold(0.0, f64::max)
+    let error = |[before, after]: [Vec<_>; 2]| difference(&after, &slow(&before, sign));
+    transformed(plan, direction, in_place).into_iter().map(error).fold(0.0, f64::max)
 }
 
 #[test]
 fn columns_are_the_sums_that_define_them() {
-    for length in LENGTHS {
+    for length in LENGTHS.into_iter().chain(OTHER_LENGTHS) {
         for direction in [Direction::Forward, Direction::Backward] {
             for in_place in [false, true] {
                 // Fast transforms err by a few roundings for each factor; the slow sum by more.
                 assert!(
-                    column_error::<f64>(length, direction, in_place) < 1e-15 * (2.0 + length as f64).sqrt(),
+                    column_error::<f64>(&AnyLength::new(length), direction, in_place)
+                        < 1e-15 * (2.0 + length as f64).sqrt(),
                     "{length}"
                 );
-                let error = column_error::<f32>(length, direction, in_place);
+                let error = column_error::<f32>(&AnyLength::new(length), direction, in_place);
                 assert!(error < 3e-7, "{length}: {error}");
             }
         }
+    }
+}
+
+/// The largest relative difference between the lane kernels and rustfft.
+fn from_rustfft<T: Real>(length: usize, direction: Direction) -> f64 {
+    let lanes = transformed::<T>(&AnyLength::Lanes(Columns::new(length)), direction, true);
+    let rustfft = transformed::<T>(&AnyLength::by_rustfft(length), direction, true);
+    lanes.iter().zip(&rustfft).map(|([_, a], [_, b])| difference(a, b)).fold(0.0, f64::max)
+}
+
+#[test]
+fn lane_kernels_agree_with_rustfft() {
+    for length in (1..=1024).filter(|&n| is_product_of(&[2, 3, 5, 7], n)) {
+        assert!(matches!(AnyLength::<f64>::new(length), AnyLength::Lanes(_)), "{length} has lane kernels");
+        for direction in [Direction::Forward, Direction::Backward] {
+            let errors = [from_rustfft::<f64>(length, direction), from_rustfft::<f32>(length, direction)];
+            // A few roundings of each.
+            assert!(errors[0] < 1e-15 && errors[1] < 5e-7, "{length}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn other_factors_are_for_rustfft() {
+    for length in OTHER_LENGTHS {
+        assert!(matches!(AnyLength::<f32>::new(length), AnyLength::Gathered(_)), "{length} has no lane kernels");
     }
 }
 
@@ -72,7 +105,7 @@ fn rows<T: Real>(length: usize, halo: usize) -> [Memory<T>; 3] {
     let mut memory = Memory::<T>::zero(T::LANES * stride);
     memory.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = T::from_f64(noise(i)));
     let before = memory.clone();
-    let plan = Rows::<T>::new(length, halo);
+    let plan = Rows::<T>::new(AnyLength::new(length / 2), halo);
     let mut buffers = [(); 3].map(|()| Memory::<T>::zero(plan.room()));
     let buffers = buffers.each_mut().map(|b| b.values_mut().as_mut_ptr());
     let batch = Batch { first: memory.values_mut().as_mut_ptr(), stride };
@@ -118,9 +151,9 @@ fn check_rows<T: Real>(length: usize, halo: usize, tolerance: f64) {
 
 #[test]
 fn rows_are_the_sums_that_define_them_with_halos_folded_and_filled() {
-    for (length, halo) in
-        [(2, 0), (4, 3), (6, 6), (8, 2), (10, 1), (14, 9), (18, 7), (36, 11), (64, 2), (96, 17), (100, 8)]
-    {
+    let fast = [(2, 0), (4, 3), (6, 6), (8, 2), (10, 1), (14, 9), (18, 7), (36, 11), (64, 2), (96, 17), (100, 8)];
+    let others = [(22, 0), (26, 20), (34, 5), (46, 8), (106, 11), (194, 16)];
+    for (length, halo) in fast.into_iter().chain(others) {
         check_rows::<f64>(length, halo, 3e-15);
         check_rows::<f32>(length, halo, 1e-6);
     }

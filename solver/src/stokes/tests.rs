@@ -161,6 +161,33 @@ fn ranks_agree_with_one_rank_to_the_bit() {
     }
 }
 
+/// The velocity of a wave without sources, times `mu k^2`, is its force again, on grids with factors 11 to 97.
+#[test]
+fn stokes_and_back_is_the_force_on_any_even_grid() {
+    for points in [[22, 26, 34], [46, 106, 2], [194, 22, 6]] {
+        let grid = Grid::new(points, PeriodicBox::sheared(Vector::new(3.0, 2.0, 2.5), 0.31).unwrap()).unwrap();
+        let k = grid.wavevector([points[0] / 2 - 1, points[1] - 3, 0]);
+        let force = |x: Vector| k.cross(Vector::new(0.2, 1.0, 0.5)).normalize() * (k.dot(x) + 0.4).cos();
+        let mut transform = Transform::<f64>::new(points, &Partition::new(&Comm::alone(), grid.lines()), 0);
+        let mut field = transform.field();
+        let all = || (0..points[1]).flat_map(|y| (0..points[2]).map(move |z| (y, z)));
+        for (x, (y, z)) in (0..points[0]).flat_map(|x| all().map(move |line| (x, line))) {
+            let value = force(grid.position([x, y, z])).to_array();
+            (0..3).for_each(|c| field.row_mut(c, y, z)[x] = value[c]);
+        }
+        transform.apply(&mut field, &Stokes::new(&grid, 0.7));
+        for (x, (y, z)) in (0..points[0]).flat_map(|x| all().map(move |line| (x, line))) {
+            let value = force(grid.position([x, y, z])).to_array();
+            // Roundings come back times the factor of the longest wave over that of this one.
+            let tolerance = 3e-15 * k.length_squared() / (std::f64::consts::TAU / 3.0).powi(2);
+            for c in 0..3 {
+                let found = field.row(c, y, z)[x] * 0.7 * k.length_squared();
+                assert!((found - value[c]).abs() < tolerance, "{points:?}: {found} {}", value[c]);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_rotation_of_axes_rotates_the_velocity() {
     // A cube's axes can be turned into each other: x -> y -> z -> x.

@@ -3,7 +3,7 @@
 mod exchange;
 mod share;
 
-use crate::fourier::Direction;
+use crate::fourier::{AnyLength, Direction};
 use crate::layout::Layout;
 use crate::memory::Memory;
 use crate::shared::Shared;
@@ -26,6 +26,9 @@ use share::{Share, Task};
 /// where they are needed, in memory that both reach. In the exchange along y the ranks share out blocks of 8 (`f64`) or
 /// 16 (`f32`) columns of `nx/2`: beyond as many ranks along y as there are blocks, some wait.
 ///
+/// Lengths with factors 2, 3, 5 and 7 alone are transformed by kernels that take as many lines at once as a vector has
+/// lanes; all others by rustfft, which takes several times as long.
+///
 /// Threads of the pool in which a method is called work side by side; results are the same bits for any number of
 /// threads and ranks.
 pub struct Transform<T> {
@@ -42,10 +45,20 @@ impl<T: Real> Transform<T> {
     /// # Panics
     /// If the partition shares out other lines than those of the grid.
     pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
+        Self::planned(points, partition, halo, AnyLength::new)
+    }
+
+    /// As [`Self::new`], but by rustfft for all lengths: what its own kernels are measured against.
+    #[doc(hidden)]
+    pub fn by_rustfft(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
+        Self::planned(points, partition, halo, AnyLength::by_rustfft)
+    }
+
+    fn planned(points: [usize; 3], partition: &Partition, halo: usize, plan: fn(usize) -> AnyLength<T>) -> Self {
         let layout = Layout::new::<T>(points, partition.place(), halo);
         let along_y = Exchange::along_y(&layout, partition);
         let along_z = Exchange::along_z(&layout, partition);
-        Self { share: Share::new(layout), along_y, along_z }
+        Self { share: Share::new(layout, plan), along_y, along_z }
     }
 
     /// Bytes of its own: whole columns, and room for each thread.

@@ -1,7 +1,7 @@
 //! What a rank transforms by itself: planes along x and y, and columns along z.
 
 use super::exchange::Packing;
-use crate::fourier::{At, Batch, Columns, Direction, Rows};
+use crate::fourier::{AnyLength, At, Batch, Direction, Rows};
 use crate::layout::Layout;
 use crate::memory::Memory;
 use crate::shared::Shared;
@@ -25,20 +25,22 @@ pub(super) enum Task<'a, T> {
 pub(super) struct Share<T> {
     layout: Layout,
     rows: Rows<T>,
-    along_y: Columns<T>,
-    along_z: Columns<T>,
+    along_y: AnyLength<T>,
+    along_z: AnyLength<T>,
     room: usize,
     desks: Vec<Mutex<Memory<T>>>,
 }
 
 impl<T: Real> Share<T> {
-    pub fn new(layout: Layout) -> Self {
+    /// Each direction is planned by `plan`.
+    pub fn new(layout: Layout, plan: fn(usize) -> AnyLength<T>) -> Self {
         let [nx, ny, nz] = layout.points;
-        let rows = Rows::new(nx, layout.halo);
-        let room = rows.room().max(2 * T::LANES * ny.max(nz));
+        let rows = Rows::new(plan(nx / 2), layout.halo);
+        let [along_y, along_z] = [ny, nz].map(plan);
+        let room = rows.room().max(along_y.room()).max(along_z.room());
         let desk = || Mutex::new(Memory::zero(5 * room + T::LANES * layout.physical.y));
         let desks = (0..rayon::current_num_threads()).map(|_| desk()).collect();
-        Self { rows, along_y: Columns::new(ny), along_z: Columns::new(nz), room, desks, layout }
+        Self { layout, rows, along_y, along_z, room, desks }
     }
 
     /// Bytes of the desks.

@@ -109,7 +109,7 @@ fn largest_error<T: Real>(found: &Modes<T>, exact: &Modes<f64>) -> f64 {
 
 #[test]
 fn coefficients_are_the_sums_that_define_them() {
-    for points in [[8, 6, 4], [4, 10, 14], [12, 2, 6], [2, 4, 2], [20, 6, 8]] {
+    for points in [[8, 6, 4], [4, 10, 14], [12, 2, 6], [2, 4, 2], [20, 6, 8], [22, 4, 6], [4, 26, 2], [2, 6, 34]] {
         let exact = slow(points, 2);
         let size = (points.iter().product::<usize>() as f64).sqrt();
         // A few roundings of sums that grow like the square root of the number of values.
@@ -122,7 +122,7 @@ fn coefficients_are_the_sums_that_define_them() {
 
 #[test]
 fn ranks_in_any_table_have_the_bits_of_one_rank() {
-    for points in [[36, 10, 12], [8, 6, 4], [70, 4, 18]] {
+    for points in [[36, 10, 12], [8, 6, 4], [70, 4, 18], [22, 26, 46], [106, 4, 22], [4, 34, 2]] {
         let one = on_ranks::<f64>(points, [1, 1], 3);
         for table in TABLES {
             assert!(on_ranks::<f64>(points, table, 3) == one, "{points:?} on {table:?} in double precision");
@@ -136,10 +136,15 @@ fn ranks_in_any_table_have_the_bits_of_one_rank() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
+    for points in [[48, 20, 18], [22, 34, 26]] {
+        same_with_threads(points);
+    }
+}
+
+fn same_with_threads(points: [usize; 3]) {
     let with_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let points = [48, 20, 18];
             let grid = Grid::new(points, PeriodicBox::new(Vector::new(3.0, 2.0, 1.0)).unwrap()).unwrap();
             let mut transform = Transform::<f64>::new(points, &Partition::new(&Comm::alone(), grid.lines()), 5);
             let mut field = transform.field();
@@ -153,7 +158,14 @@ fn threads_do_not_change_a_bit() {
 
 #[test]
 fn there_and_back_is_the_field_without_the_highest_mode_of_x() {
-    let points @ [nx, ny, nz] = [30, 12, 14];
+    there_and_back([30, 12, 14]);
+    there_and_back([22, 26, 34]);
+    there_and_back([106, 46, 6]);
+    there_and_back([6, 2, 194]);
+}
+
+fn there_and_back(points: [usize; 3]) {
+    let [nx, ny, nz] = points;
     let mut transform = Transform::<f64>::new(points, &Partition::new(&Comm::alone(), [ny, nz]), 4);
     let mut field = transform.field();
     fill(&mut field, false);

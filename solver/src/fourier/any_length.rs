@@ -1,0 +1,53 @@
+//! Complex transforms of columns of any length.
+
+use super::columns::{At, Columns};
+use super::gathered::Gathered;
+use super::{Direction, is_product_of};
+use crate::Real;
+
+/// A plan for columns of `n` elements: the lane kernels where all factors of `n` are theirs, and rustfft for the rest.
+pub(crate) enum AnyLength<T> {
+    Lanes(Columns<T>),
+    Gathered(Gathered<T>),
+}
+
+impl<T: Real> AnyLength<T> {
+    pub fn new(length: usize) -> Self {
+        if is_product_of(&[2, 3, 5, 7], length) { Self::Lanes(Columns::new(length)) } else { Self::by_rustfft(length) }
+    }
+
+    /// By rustfft, also where the lane kernels could.
+    pub fn by_rustfft(length: usize) -> Self {
+        Self::Gathered(Gathered::new(length))
+    }
+
+    pub fn length(&self) -> usize {
+        match self {
+            Self::Lanes(plan) => plan.length(),
+            Self::Gathered(plan) => plan.length(),
+        }
+    }
+
+    /// Reals that each buffer needs to hold.
+    pub fn room(&self) -> usize {
+        match self {
+            Self::Lanes(plan) => 2 * T::LANES * plan.length(),
+            Self::Gathered(plan) => plan.room(),
+        }
+    }
+
+    /// Transforms the columns at `from` into those at `to`, which may be the same.
+    ///
+    /// # Safety
+    /// The elements at `from` can be read, those at `to` written, and nobody else touches them meanwhile; each of the
+    /// two buffers has [`Self::room`].
+    pub unsafe fn run(&self, direction: Direction, from: At<T>, to: At<T>, buffers: [*mut T; 2]) {
+        // SAFETY: as promised.
+        unsafe {
+            match self {
+                Self::Lanes(plan) => plan.run(direction, from, to, buffers),
+                Self::Gathered(plan) => plan.run(direction, from, to, buffers),
+            }
+        }
+    }
+}
