@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::{bench, check, info, machine, mobility, new, resume, run, stats, streams, two_sphere};
+use crate::{bench, check, export, info, machine, mobility, new, resume, run, stats, streams, two_sphere};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
@@ -45,6 +45,8 @@ pub enum Command {
     Check(check::Args),
     /// Average over a run's trajectory: fluctuations, correlations, diffusivities, pair distributions.
     Stats(stats::Args),
+    /// Write a run's trajectory in a format of other programs: extended XYZ, GSD or VTP.
+    Export(export::Args),
     /// Evaluate velocities and stresslets once, for positions that you bring.
     Mobility(mobility::Args),
     /// Time the mobility and measure its error.
@@ -91,6 +93,7 @@ impl Command {
             Self::Resume(args) => return resume::run(args, comm),
             Self::Check(args) => check::run(args, comm)?,
             Self::Stats(args) => stats::run(args, comm)?,
+            Self::Export(args) => export::run(args, comm)?,
             Self::Mobility(args) => mobility::run(args, comm)?,
             Self::Bench(args) => bench::run(args, comm)?,
             Self::Calibrate => machine::calibrate(comm)?,

@@ -10,6 +10,7 @@ mod causes;
 mod check;
 mod commands;
 mod continuing;
+mod export;
 mod info;
 mod launch;
 mod machine;

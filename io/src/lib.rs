@@ -6,6 +6,7 @@ mod checksum;
 mod contents;
 mod durable;
 mod error;
+mod export;
 mod fields;
 mod frames;
 mod placed;
@@ -25,11 +26,12 @@ pub use checkpoint::Checkpoints;
 pub use contents::{Contents, FrameSpan};
 pub use durable::replace as replace_file;
 pub use error::FileError;
+pub use export::{Format, FrameRange, export};
 pub use fields::{drop_fields_after, write_field};
 pub use frames::Damage;
 pub use placed::read_placed;
 pub use provenance::Provenance;
-pub use recorded::Recorded;
+pub use recorded::{Recorded, Snapshot};
 pub use run::{
     Former, Listener, Recorder, RunError, RunFolder, WholeScene, check_room, outline, placed, provenance, resume, start,
 };

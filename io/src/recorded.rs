@@ -3,7 +3,9 @@
 use crate::frames::Sums;
 use crate::{FileError, checksum, sized, text};
 use domain::{Column, Particles, PeriodicBox, Vector};
+use hdf5::types::FixedAscii;
 use hdf5::{File, Group, H5Type, Hyperslab};
+use simulation::Frame;
 use std::path::{Path, PathBuf};
 
 /// A trajectory of this program, read frame by frame.
@@ -12,9 +14,20 @@ pub struct Recorded {
     group: Group,
     fixed: Particles,
     times: Vec<f64>,
+    steps: Vec<u64>,
     sums: Option<Sums>,
     scene: String,
     plan: String,
+}
+
+/// A frame at its step and time.
+pub struct Snapshot {
+    /// The step.
+    pub step: u64,
+    /// The time.
+    pub time: f64,
+    /// The box and the particles.
+    pub frame: Frame,
 }
 
 /// The columns of a frame that may be there, and their widths.
@@ -47,11 +60,12 @@ impl Recorded {
         };
         let mut times: Vec<f64> = sized::read(&group, "position/time")?;
         // Times are written before steps: there may be one more.
-        times.truncate(group.dataset("position/step")?.size());
+        let steps: Vec<u64> = sized::read(&group, "position/step")?;
+        times.truncate(steps.len());
         let parameters = file.group("parameters")?;
         let (scene, plan) = (text::read_dataset(&parameters, "scene")?, text::read_dataset(&parameters, "plan")?);
         let sums = Sums::open(&file)?;
-        Ok(Self { path: path.to_owned(), group, fixed, times, sums, scene, plan })
+        Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, scene, plan })
     }
 
     /// The scene of the run.
@@ -67,6 +81,19 @@ impl Recorded {
     /// The times of the frames.
     pub fn times(&self) -> &[f64] {
         &self.times
+    }
+
+    /// The species of the particles, in the order of their ids.
+    pub fn species(&self) -> &[u32] {
+        &self.fixed.species
+    }
+
+    /// A frame with its step and time. `Err` as from [`Self::frame`].
+    pub fn snapshot(&self, frame: usize) -> Result<Snapshot, FileError> {
+        let (cell, particles) = self.frame(frame)?;
+        let periodic = periodic(&self.group).map_err(|e| FileError::damaged(&self.path, &e))?;
+        let (step, time) = (self.steps[frame], self.times[frame]);
+        Ok(Snapshot { step, time, frame: Frame { particles, cell, periodic } })
     }
 
     /// A frame: the box, and all particles in the order of their ids with the columns that the file has. `Err` if it is
@@ -109,6 +136,13 @@ impl Recorded {
     }
 }
 
+/// Along which axes the box is periodic.
+fn periodic(group: &Group) -> hdf5::Result<[bool; 3]> {
+    let boundary = group.group("box")?.attr("boundary")?.read_raw::<FixedAscii<64>>()?;
+    let periodic: Vec<bool> = boundary.iter().map(|axis| axis.as_str() == "periodic").collect();
+    periodic.try_into().map_err(|axes: Vec<bool>| format!("its box has {} boundaries", axes.len()).into())
+}
+
 /// Refuses particles whose numbers mean nothing.
 fn numbers(particles: &Particles) -> Result<(), String> {
     if !particles.radii.iter().all(|&radius| radius > 0.0 && radius.is_finite()) {
@@ -127,7 +161,6 @@ fn numbers(particles: &Particles) -> Result<(), String> {
 mod tests {
     use super::*;
     use crate::{Provenance, Trajectory};
-    use simulation::Frame;
 
     /// A trajectory of one frame of one particle, after it was changed; what is said of its frame.
     fn changed(change: impl FnOnce(&File) -> hdf5::Result<()>) -> String {

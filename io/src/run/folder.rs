@@ -77,7 +77,7 @@ impl RunFolder {
         for name in FILES {
             remove(|| std::fs::remove_file(self.path.join(name)), &self.path.join(name))?;
         }
-        for name in ["fields", "statistics", "stats", "cases"] {
+        for name in ["fields", "statistics", "stats", "trajectory", "cases"] {
             remove(|| std::fs::remove_dir_all(self.path.join(name)), &self.path.join(name))?;
         }
         self.keep(scene)
@@ -92,8 +92,11 @@ impl RunFolder {
 const SCENE: &str = "scene.toml";
 
 /// Files that a run of any kind may leave here, besides its checkpoints.
-const FILES: [&str; 14] = [
+const FILES: [&str; 17] = [
     "trajectory.h5",
+    "trajectory.xyz",
+    "trajectory.gsd",
+    "trajectory.pvd",
     "observables.h5",
     "observables.csv",
     "fields.xdmf",

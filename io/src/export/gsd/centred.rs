@@ -1,0 +1,56 @@
+//! Positions in a box around the origin.
+
+use domain::{Particles, PeriodicBox, Vector};
+
+/// Positions that are from `-L/2` up to, but not at, `L/2` in the lattice coordinates of each axis, also after rounding
+/// to single precision, and the lattice steps to where each particle would be without periodicity.
+pub(super) struct Centred {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) images: Vec<[i32; 3]>,
+}
+
+impl Centred {
+    pub(super) fn new(cell: &PeriodicBox, particles: &Particles) -> Self {
+        let all = particles.positions.iter().zip(&particles.steps);
+        let (positions, images) = all.map(|(&position, &steps)| centred(cell, position, steps)).unzip();
+        Self { positions, images }
+    }
+}
+
+fn centred(cell: &PeriodicBox, position: Vector, mut steps: [i32; 3]) -> ([f64; 3], [i32; 3]) {
+    let edges = cell.edges();
+    let mut coordinates = (cell.lattice_coordinates(position) - 0.5 * edges).to_array();
+    for axis in 0..3 {
+        // Rounding to single precision can reach the far face.
+        if coordinates[axis] as f32 >= (0.5 * edges[axis]) as f32 {
+            coordinates[axis] -= edges[axis];
+            steps[axis] += 1;
+        }
+    }
+    let [x, y, z] = coordinates;
+    ([x + cell.strain() * y, y, z], steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_are_from_the_middle_of_the_tilted_box() {
+        let cell = PeriodicBox::sheared(Vector::new(8.0, 4.0, 2.0), 0.5).unwrap();
+        let middle = 0.5 * (cell.lattice([1, 0, 0]) + cell.lattice([0, 1, 0]) + cell.lattice([0, 0, 1]));
+        assert_eq!(centred(&cell, middle, [3, 0, 0]), ([0.0; 3], [3, 0, 0]));
+        assert_eq!(centred(&cell, Vector::ZERO, [0; 3]), ([-5.0, -2.0, -1.0], [0; 3]));
+        assert_eq!(centred(&cell, middle + Vector::Y, [0; 3]), ([0.0, 1.0, 0.0], [0; 3]));
+    }
+
+    #[test]
+    fn none_is_on_the_far_face_after_rounding() {
+        let cell = PeriodicBox::new(Vector::splat(8.0)).unwrap();
+        let below = 8.0 * (1.0 - f64::EPSILON);
+        assert_eq!(
+            centred(&cell, Vector::new(below, 1.0, below), [0; 3]),
+            ([0.0, -3.0, 0.0].map(|x| if x == 0.0 { below - 12.0 } else { x }), [1, 0, 1])
+        );
+    }
+}

@@ -1,0 +1,63 @@
+//! GSD files with the schema of HOOMD-blue (Glotzer group, <https://gsd.readthedocs.io>): version 2.0 of the format,
+//! 1.4 of the schema.
+
+mod centred;
+mod file;
+
+use crate::recorded::Snapshot;
+use centred::Centred;
+use domain::Particles;
+use file::{Chunk, GsdFile};
+use simulation::Frame;
+use std::io::{Result, Seek, Write};
+
+/// Writes frames of particles whose species have these names.
+pub(super) fn write(
+    out: &mut (impl Write + Seek),
+    species: &[String],
+    frames: &mut dyn Iterator<Item = Snapshot>,
+) -> Result<()> {
+    let mut file = GsdFile::begin(out)?;
+    for (number, snapshot) in frames.enumerate() {
+        let mut chunks = clock_and_box(&snapshot);
+        chunks.extend(moving(&snapshot.frame));
+        // What a later frame does not have is as in the first.
+        if number == 0 {
+            chunks.extend(fixed(&snapshot.frame.particles, species));
+        }
+        file.frame(&chunks)?;
+    }
+    file.end()
+}
+
+fn clock_and_box(Snapshot { step, time, frame }: &Snapshot) -> Vec<Chunk> {
+    let edges = frame.cell.edges();
+    let lengths_and_tilts = [edges.x, edges.y, edges.z, frame.cell.strain(), 0.0, 0.0];
+    vec![
+        Chunk::u64s("configuration/step", &[*step]),
+        Chunk::f32s("configuration/box", 1, &lengths_and_tilts),
+        Chunk::u32s("particles/N", &[frame.particles.len() as u32]),
+        Chunk::f64s("log/time", &[*time]),
+    ]
+}
+
+/// What no frame changes.
+fn fixed(particles: &Particles, species: &[String]) -> Vec<Chunk> {
+    let diameters: Vec<f64> = particles.radii.iter().map(|radius| 2.0 * radius).collect();
+    vec![
+        Chunk::names("particles/types", species),
+        Chunk::u32s("particles/typeid", &particles.species),
+        Chunk::f32s("particles/diameter", 1, &diameters),
+    ]
+}
+
+fn moving(Frame { particles, cell, .. }: &Frame) -> Vec<Chunk> {
+    let Centred { positions, images } = Centred::new(cell, particles);
+    let mut chunks =
+        vec![Chunk::f32s("particles/position", 3, positions.as_flattened()), Chunk::i32s("particles/image", &images)];
+    for column in &particles.columns {
+        let name = if column.name == "velocity" { "particles/" } else { "log/particles/" }.to_owned() + &column.name;
+        chunks.push(Chunk::f32s(&name, column.width, &column.values));
+    }
+    chunks
+}

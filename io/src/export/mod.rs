@@ -1,0 +1,66 @@
+//! Trajectories in the formats of other programs.
+
+mod gsd;
+mod range;
+#[cfg(test)]
+mod tests;
+mod vtp;
+mod xyz;
+
+pub use range::FrameRange;
+
+use crate::recorded::{Recorded, Snapshot};
+use crate::{FileError, Kind, Scene, durable};
+use std::io::BufWriter;
+use std::path::Path;
+
+/// A format of other programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Extended XYZ: text, all frames in a file.
+    Xyz,
+    /// GSD of HOOMD-blue: binary, single precision, all frames in a file.
+    Gsd,
+    /// `PolyData` of VTK, a file for each frame, and a `.pvd` file that lists them with their times.
+    Vtp,
+}
+
+impl Format {
+    /// What names of its files end in; of VTP that is the list.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Xyz => "xyz",
+            Self::Gsd => "gsd",
+            Self::Vtp => "pvd",
+        }
+    }
+}
+
+/// Writes frames of a trajectory to a file. It appears under its name when it is whole.
+pub fn export(
+    recorded: &Recorded,
+    frames: &mut dyn Iterator<Item = Snapshot>,
+    format: Format,
+    path: &Path,
+) -> Result<(), FileError> {
+    if path.exists() && !path.is_file() {
+        return Err(FileError::write(path, &"it is no file"));
+    }
+    match format {
+        Format::Xyz => durable::put(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
+        Format::Gsd => durable::put(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames)),
+        Format::Vtp => vtp::write(path, frames),
+    }
+}
+
+/// Names of the species: those of the scene, or their numbers.
+fn species(recorded: &Recorded) -> Vec<String> {
+    let count = recorded.species().iter().max().map_or(0, |last| *last as usize + 1);
+    let mut names: Vec<String> = (0..count).map(|number| number.to_string()).collect();
+    if let Ok(scene) = Scene::parse(recorded.scene(), "the scene of the run", &[])
+        && let Kind::Suspension(scene) = scene.kind()
+    {
+        names.iter_mut().zip(&scene.model.species).for_each(|(name, species)| name.clone_from(&species.name));
+    }
+    names
+}

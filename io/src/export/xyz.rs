@@ -1,0 +1,42 @@
+//! Extended XYZ: for each frame the number of particles, a line of keys, and a line for each particle.
+
+use crate::recorded::Snapshot;
+use domain::{Column, Particles};
+use simulation::Frame;
+use std::io::{Result, Write};
+
+pub(super) fn write(out: &mut impl Write, frames: &mut dyn Iterator<Item = Snapshot>) -> Result<()> {
+    for snapshot in frames {
+        frame(out, &snapshot)?;
+    }
+    out.flush()
+}
+
+/// Numbers are the shortest that read back as they were.
+fn frame(out: &mut impl Write, Snapshot { step, time, frame }: &Snapshot) -> Result<()> {
+    let Frame { particles, cell, periodic } = frame;
+    let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
+    let lattice = lattice.as_flattened().iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ");
+    let [x, y, z] = periodic.map(|yes| if yes { 'T' } else { 'F' });
+    writeln!(out, "{}", particles.len())?;
+    write!(out, "Lattice=\"{lattice}\" Properties={} ", properties(particles))?;
+    writeln!(out, "pbc=\"{x} {y} {z}\" Time={time:?} Step={step}")?;
+    (0..particles.len()).try_for_each(|row| line(out, particles, row))
+}
+
+/// OVITO knows velocities as `velo`.
+fn properties(particles: &Particles) -> String {
+    let name = |column: &Column| if column.name == "velocity" { "velo" } else { &column.name }.to_owned();
+    let columns = particles.columns.iter().map(|column| format!(":{}:R:{}", name(column), column.width));
+    "species:I:1:pos:R:3:radius:R:1:id:I:1".to_owned() + &columns.collect::<String>()
+}
+
+fn line(out: &mut impl Write, particles: &Particles, row: usize) -> Result<()> {
+    let [x, y, z] = particles.positions[row].to_array();
+    write!(out, "{} {x:?} {y:?} {z:?} {:?} ", particles.species[row], particles.radii[row])?;
+    write!(out, "{}", particles.ids[row])?;
+    let columns = particles.columns.iter();
+    let mut numbers = columns.flat_map(|column| &column.values[row * column.width..][..column.width]);
+    numbers.try_for_each(|number| write!(out, " {number:?}"))?;
+    writeln!(out)
+}
