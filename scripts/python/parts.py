@@ -28,19 +28,21 @@ def output(command, **environment):
 
 
 def transforms(target):
-    """Forward and backward transforms of a real field beside FFTW's, whose plans were measured."""
+    """Forward and backward transforms of a real field beside FFTW's, whose plans were measured, and rustfft's on the same pencils."""
     rows = [
-        "| points | threads | precision | FFTW | fcm-solve | ratio |",
-        "|---|---|---|---|---|---|",
+        "| points | threads | precision | FFTW | rustfft | fcm-solve | ratio to FFTW | ratio to rustfft |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for threads in (1, 2):
         for size in TRANSFORMS:
             theirs = output([target / "peers" / "fftw", 0.25, threads, size])
-            ours = output([target / "release" / "examples" / "fft_speed", "--seconds", 0.25, "--threads", threads, size])
+            speed = [target / "release" / "examples" / "fft_speed", "--seconds", 0.25, "--threads", threads, size]
+            ours, rustfft = output(speed), output([*speed, "--rustfft"])
             best = {line["precision"]: min(line["transform_ms"], line["three_ms"] / 3) for line in theirs}
-            for line in ours:
-                known, own = best[line["precision"]], line["transform_ms"]
-                cells = [f"{size}^3", threads, line["precision"], f"{known:.2f}", f"{own:.2f}", f"{own / known:.2f}"]
+            for line, rust in zip(ours, rustfft):
+                times = best[line["precision"]], rust["transform_ms"], line["transform_ms"]
+                ratios = times[2] / times[0], times[2] / times[1]
+                cells = [f"{size}^3", threads, line["precision"], *(f"{number:.2f}" for number in (*times, *ratios))]
                 rows.append("| " + " | ".join(map(str, cells)) + " |")
     return rows
 
@@ -165,7 +167,9 @@ def page(programs, target):
         "## Transforms",
         "",
         "Milliseconds for one real component forward and backward, medians; FFTW with measured plans, the fastest of in",
-        "place, out of place and three at a time (`scripts/peers/fftw.c`, `cargo run --release -p solver --example fft_speed`).",
+        "place, out of place and three at a time (`scripts/peers/fftw.c`, `cargo run --release -p solver --example fft_speed`);",
+        "rustfft in place of the lane kernels on the same pencils and threads, copies into its rows and back included",
+        "(`--rustfft`).",
         "",
         *transforms(target),
         "",
