@@ -27,7 +27,7 @@ use share::{Share, Task};
 /// 16 (`f32`) columns of `nx/2`: beyond as many ranks along y as there are blocks, some wait.
 ///
 /// Lengths with factors 2, 3, 5 and 7 alone are transformed by kernels that take as many lines at once as a vector has
-/// lanes; all others by rustfft, which takes several times as long.
+/// lanes; all others by rustfft, which takes longer.
 ///
 /// Threads of the pool in which a method is called work side by side; results are the same bits for any number of
 /// threads and ranks.
