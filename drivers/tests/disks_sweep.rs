@@ -102,7 +102,7 @@ fn runs_are_recorded_at_the_strains_asked_for() {
     for (case, records) in &runs {
         let strains: Vec<f64> = records.iter().map(|record| record.strain * case.rate.signum()).collect();
         let expected = [0.0, 0.25, 0.5, 0.75, 0.9];
-        assert_eq!(strains.len(), expected.len());
+        assert_eq!([strains.len(), sweep.records_each() as usize], [expected.len(); 2]);
         for (strain, expected) in strains.iter().zip(expected) {
             assert!((strain - expected).abs() < 1e-12, "{strain} for {expected}");
         }
