@@ -92,7 +92,8 @@ pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Parti
     }
 }
 
-/// The gap that is looked for first at least, over the edges of the box, so that the search is short whatever the sizes.
+/// The gap that is looked for first at least, over the shortest edge of the box, so that the search is short whatever the
+/// sizes.
 const LEAST_MARGIN: f64 = 1e-9;
 
 /// The smallest gap of the particles of some sizes and those that are not larger, or `known` if that is smaller.
@@ -110,8 +111,8 @@ fn smallest_gap_of(
     let pick = |r: &usize| (particles.positions[*r], particles.radii[*r]);
     let (positions, radii): (Vec<Vector>, Vec<f64>) = rows.iter().map(pick).unzip();
     // No two centres are farther apart than this, so the search ends.
-    let farthest = cell.edges().element_sum();
-    let (mut margin, mut smallest) = ((0.2 * largest).max(LEAST_MARGIN * farthest), known);
+    let (shortest, farthest) = (cell.edges().min_element(), cell.edges().element_sum());
+    let (mut margin, mut smallest) = ((0.2 * largest).max(LEAST_MARGIN * shortest), known);
     loop {
         let cutoff = (2.0 * largest + margin).min(farthest);
         let exchange = Exchange::plan(partition, cell, &positions, [cutoff; 2]);
