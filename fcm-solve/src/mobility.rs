@@ -48,12 +48,14 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let read = if comm.is_first() { read(&args.case).map(Some) } else { Ok(None) };
     let read = comm.agree(read)?;
     let case = Case::from_json(&comm.broadcast_text(&read.map_or_else(String::new, |case| case.to_json())));
-    answer_to(&case, args, comm).with_context(|| args.case.display().to_string())
+    let answer = answer_to(&case, args.tolerance, comm).with_context(|| args.case.display().to_string())?;
+    let written = answer.map_or(Ok(()), |answer| write(args, &answer));
+    Ok(comm.agree(written.map_err(|e| in_full(&e)))?)
 }
 
-/// Evaluates a case that was read, and writes the answer. Collective.
-fn answer_to(case: &Case, args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let parameters = parameters(case, (args.tolerance, machine::costs(comm)?))?;
+/// Evaluates a case that was read; the first rank has the answer. Collective.
+fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
+    let parameters = parameters(case, (tolerance, machine::costs(comm)?))?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?;
     let positions: Vec<Vector> = case.positions.iter().map(|&position| position.into()).collect();
     let overlaps = mobility.place(&positions)?;
@@ -65,13 +67,9 @@ fn answer_to(case: &Case, args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let start = Instant::now();
     let motions = mobility.apply(&loads(case), &background)?;
     let seconds = start.elapsed().as_secs_f64();
-    let written = if comm.is_first() {
-        let answer = answer(&motions, case, mobility.plan(), seconds);
-        finite(&answer).and_then(|()| write(args, &answer))
-    } else {
-        Ok(())
-    };
-    Ok(comm.agree(written.map_err(|e| in_full(&e)))?)
+    let answer = comm.is_first().then(|| answer(&motions, case, mobility.plan(), seconds));
+    comm.agree(answer.as_ref().map_or(Ok(()), finite).map_err(|e| in_full(&e)))?;
+    Ok(answer)
 }
 
 fn read(path: &Path) -> Result<Case, io::FileError> {

