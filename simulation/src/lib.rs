@@ -5,7 +5,6 @@ mod clock;
 mod frame;
 mod quantity;
 mod schedule;
-#[allow(clippy::module_inception)]
 mod simulation;
 mod state;
 mod table;

@@ -119,17 +119,18 @@ fn repulsion(raw: &raw::Repulsion) -> Repulsion {
 }
 
 fn hydrodynamics(raw: &raw::Hydrodynamics) -> Hydrodynamics {
+    let default = Hydrodynamics::default();
     Hydrodynamics {
-        multipoles: raw.multipoles.into(),
-        tolerance: raw.tolerance,
-        method: raw.method.into(),
+        multipoles: raw.multipoles.map_or(default.multipoles, Into::into),
+        tolerance: raw.tolerance.unwrap_or(default.tolerance),
+        method: raw.method.map_or(default.method, Into::into),
         grid: raw.grid,
         support: raw.support,
         iteration_tolerance: raw.iteration_tolerance,
         costs: raw.costs.map(|costs| [costs.stencils, costs.transforms, costs.pairs]),
-        lubrication: raw.lubrication,
+        lubrication: raw.lubrication.unwrap_or(default.lubrication),
         lubrication_cutoff: raw.lubrication_cutoff,
-        preconditioner: raw.preconditioner,
+        preconditioner: raw.preconditioner.unwrap_or(default.preconditioner),
     }
 }
 

@@ -107,19 +107,20 @@ pub(super) struct Repulsion {
     pub(super) calibrate: bool,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
+/// What is left out is as the suspension's own defaults have it.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Hydrodynamics {
-    pub(super) multipoles: Multipoles,
-    pub(super) tolerance: f64,
-    pub(super) method: Evaluation,
+    pub(super) multipoles: Option<Multipoles>,
+    pub(super) tolerance: Option<f64>,
+    pub(super) method: Option<Evaluation>,
     pub(super) grid: Option<[usize; 3]>,
     pub(super) support: Option<usize>,
     pub(super) iteration_tolerance: Option<f64>,
     pub(super) costs: Option<Costs>,
-    pub(super) lubrication: bool,
+    pub(super) lubrication: Option<bool>,
     pub(super) lubrication_cutoff: Option<f64>,
-    pub(super) preconditioner: bool,
+    pub(super) preconditioner: Option<bool>,
 }
 
 #[derive(Deserialize, Clone, Copy)]
@@ -128,23 +129,6 @@ pub(super) struct Costs {
     pub(super) stencils: f64,
     pub(super) transforms: f64,
     pub(super) pairs: f64,
-}
-
-impl Default for Hydrodynamics {
-    fn default() -> Self {
-        Self {
-            multipoles: Multipoles::Dipole,
-            tolerance: 1e-3,
-            method: Evaluation::Auto,
-            grid: None,
-            support: None,
-            iteration_tolerance: None,
-            costs: None,
-            lubrication: false,
-            lubrication_cutoff: None,
-            preconditioner: true,
-        }
-    }
 }
 
 /// Declares the names that a scene has for the values of a library's type.
