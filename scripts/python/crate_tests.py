@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import subprocess
+import tomllib
 import xml.etree.ElementTree
 
 # A test's first failure ends the run, and the fastest tests come first.
@@ -47,6 +48,11 @@ class CrateTests:
         self.crate, self.tree, self.build_folder = crate, tree, build
         # The tests that reach each function which has changes.
         self.reaching = collections.defaultdict(list)
+
+    @property
+    def package(self):
+        """The name that Cargo knows the crate by."""
+        return tomllib.loads((self.tree / self.crate / "Cargo.toml").read_text())["package"]["name"]
 
     def stages(self):
         """Arguments that choose tests: those inside the crate, then those beside it, which cost a build of their own."""
@@ -97,7 +103,7 @@ class CrateTests:
 
     def errors(self):
         """The files and lines of what does not compile."""
-        command = ["cargo", "test", "--no-run", "--message-format", "json", "--package", self.crate, *self.stages()[0]]
+        command = ["cargo", "test", "--no-run", "--message-format", "json", "--package", self.package, *self.stages()[0]]
         done = subprocess.run(command, cwd=self.tree, env=self.environment, capture_output=True, text=True)
         messages = (json.loads(line).get("message") for line in done.stdout.splitlines() if line.startswith("{"))
         errors = [one for one in messages if isinstance(one, dict) and one.get("level") == "error"]
@@ -106,7 +112,7 @@ class CrateTests:
         return found if found or done.returncode == 0 else [(None, 0)]
 
     def nextest(self, stage):
-        return ["cargo", "nextest", "run", "--cargo-quiet", "--profile", "mutants", "--package", self.crate, *stage]
+        return ["cargo", "nextest", "run", "--cargo-quiet", "--profile", "mutants", "--package", self.package, *stage]
 
     @property
     def environment(self):

@@ -167,7 +167,7 @@ def page(programs, target):
         "## Transforms",
         "",
         "Milliseconds for one real component forward and backward, medians; FFTW with measured plans, the fastest of in",
-        "place, out of place and three at a time (`scripts/peers/fftw.c`, `cargo run --release -p solver --example fft_speed`);",
+        "place, out of place and three at a time (`scripts/peers/fftw.c`, `cargo run --release -p fcm-solve-solver --example fft_speed`);",
         "rustfft in place of the lane kernels on the same pencils and threads, copies into its rows and back included",
         "(`--rustfft`).",
         "",
