@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::{bench, check, export, info, machine, mobility, new, resume, run, stats, streams, two_sphere};
+use crate::{bench, check, export, info, machine, manual, mobility, new, resume, run, stats, streams, two_sphere};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
@@ -59,6 +59,14 @@ pub enum Command {
     New(new::Args),
     /// Say what an HDF5 file of a run holds.
     Info(info::Args),
+    /// Print the JSON Schema of scenes, by which editors complete and check keys.
+    ///
+    /// fcm-solve schema > fcm-solve.schema.json, beside scenes that `fcm-solve new` printed: their first line names it.
+    Schema,
+    /// Print the manual page.
+    ///
+    /// To read it: fcm-solve man | man -l -
+    Man(manual::Pages),
     /// Print a script that completes commands in a shell.
     ///
     /// For bash: fcm-solve completions bash > ~/.local/share/bash-completion/completions/fcm-solve
@@ -100,11 +108,9 @@ impl Command {
             Self::TwoSphere(args) => two_sphere::run(args, comm)?,
             Self::New(args) => new::run(args, comm)?,
             Self::Info(args) => info::run(args, comm)?,
-            Self::Completions { shell } => {
-                let mut script = Vec::new();
-                clap_complete::generate(*shell, &mut Args::command(), "fcm-solve", &mut script);
-                streams::print(comm, &String::from_utf8_lossy(&script))?;
-            }
+            Self::Schema => streams::print(comm, &streams::json(&io::scene_schema()))?,
+            Self::Man(pages) => manual::pages(pages, comm)?,
+            Self::Completions { shell } => manual::completions(*shell, comm)?,
         }
         Ok(ExitCode::SUCCESS)
     }

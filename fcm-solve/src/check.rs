@@ -2,11 +2,10 @@
 
 use crate::machine::on_this_machine;
 use crate::scene_file::read;
-use crate::streams;
+use crate::streams::{self, json};
 use domain::Comm;
-use io::Kind;
 use std::path::PathBuf;
-use suspension::{Asked, Outline, Ranks};
+use suspension::{Asked, Ranks};
 
 /// Which scene.
 #[derive(clap::Args)]
@@ -22,18 +21,16 @@ pub struct Args {
     /// Ranks that share a machine [default: all of them]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "ranks")]
     ranks_per_machine: Option<u32>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 /// Checks the scene and prints how it would be computed. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let scene = on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
-    let outline = match scene.kind() {
-        Kind::Suspension(scene) => {
-            Outline::of(&scene.model, io::placed(scene, comm)?, asked(args, comm), comm)?.to_string()
-        }
-        other => io::outline(other),
-    };
-    streams::print(comm, &outline)
+    let outline = io::outline(scene.kind(), asked(args, comm), comm)?;
+    streams::print(comm, &if args.json { json(&outline.to_json()) } else { outline.to_string() })
 }
 
 /// The ranks to predict memory for; those that are not present have the threads that this machine would give them.

@@ -1,7 +1,7 @@
 //! `fcm-solve info`: what a result file holds.
 
 use crate::causes::in_full;
-use crate::streams;
+use crate::streams::{self, json};
 use anyhow::{anyhow, ensure};
 use domain::Comm;
 use io::Contents;
@@ -13,15 +13,22 @@ pub struct Args {
     /// An HDF5 file of a run
     file: PathBuf,
     /// Print the scene that the file comes from
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     scene: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 /// Describes the file.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let contents = if comm.is_first() { read(&args.file).map(Some) } else { Ok(None) };
     let contents = comm.agree(contents.map_err(|e| in_full(&e)))?;
-    let text = |contents: &Contents| if args.scene { contents.scene.clone() } else { contents.to_string() };
+    let text = |contents: &Contents| match (args.scene, args.json) {
+        (true, _) => contents.scene.clone(),
+        (_, true) => json(&serde_json::json!(contents)),
+        _ => contents.to_string(),
+    };
     streams::print(comm, &contents.as_ref().map(text).unwrap_or_default())?;
     let damage = contents.map(|contents| contents.damage.join("; ")).unwrap_or_default();
     ensure!(

@@ -14,6 +14,7 @@ mod export;
 mod info;
 mod launch;
 mod machine;
+mod manual;
 mod mobility;
 mod new;
 mod number;

@@ -2,7 +2,7 @@
 
 use crate::causes::in_full;
 use crate::number::{finite, positive};
-use crate::streams;
+use crate::streams::{self, json};
 use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, Need, Particles, Process};
 use io::{Kind, Recorded, Scene, provenance, write_tables};
@@ -32,6 +32,9 @@ pub struct Args {
     /// Folder of the tables [default: stats in the folder of the run]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 /// Reads the trajectory frame by frame on the first rank. Collective.
@@ -82,7 +85,10 @@ fn take(args: &Args) -> anyhow::Result<()> {
     ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
     let provenance = provenance(&scene, recorded.plan().to_owned(), &Comm::alone());
     write_tables(&out, "statistics", &provenance, &statistics.tables()).context("the statistics are lost")?;
-    streams::print_here(&format!("{}tables     {}\n", in_columns(&statistics.summary()), out.display()))
+    let summary = statistics.summary();
+    let words = || format!("{}tables     {}\n", in_columns(&summary), out.display());
+    let values = || json(&serde_json::json!({ "summary": summary.to_json(), "tables": out }));
+    streams::print_here(&if args.json { values() } else { words() })
 }
 
 /// Refuses particles of which no statistics can be made: without velocities, or of another scene.

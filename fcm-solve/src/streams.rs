@@ -3,6 +3,7 @@
 
 use anyhow::Context;
 use domain::Comm;
+use serde_json::Value;
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::sync::OnceLock;
@@ -24,6 +25,11 @@ pub fn print(comm: &Comm, text: &str) -> anyhow::Result<()> {
 pub fn print_here(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("can't write to the standard output")
+}
+
+/// A value as JSON for reading, with the end of its last line.
+pub fn json(value: &Value) -> String {
+    format!("{value:#}\n")
 }
 
 /// Adds a line to the log. A reader that is slow, or has gone, does not hold up the program.

@@ -4,12 +4,13 @@ use crate::frames::Sums;
 use crate::{FileError, checksum, sized, text};
 use domain::Number;
 use hdf5::{Dataset, File, Group};
+use serde::Serialize;
 use std::fmt::{Display, Formatter};
 use std::io::Read;
 use std::path::Path;
 
 /// What an HDF5 file of a run holds.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contents {
     /// The program that wrote it.
     pub program: String,
@@ -19,14 +20,25 @@ pub struct Contents {
     pub plan: String,
     /// Steps and times of the first and the last frame and the number of frames, where the file has frames.
     pub frames: Option<FrameSpan>,
-    /// Names and shapes of the datasets, with their physical dimensions.
-    pub datasets: Vec<String>,
+    /// The datasets.
+    pub datasets: Vec<DatasetShape>,
     /// What is not as it was written, by its checksums.
     pub damage: Vec<String>,
 }
 
+/// A dataset without its values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DatasetShape {
+    /// Its path in the file.
+    pub name: String,
+    /// Its extents.
+    pub shape: Vec<usize>,
+    /// The physical dimensions of its values.
+    pub dimensions: String,
+}
+
 /// The frames of a file.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FrameSpan {
     /// How many.
     pub count: usize,
@@ -132,10 +144,15 @@ fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     Ok(Some(FrameSpan { count, steps: [steps[0], steps[last]], times: [from, until] }))
 }
 
-fn describe(dataset: &Dataset) -> String {
-    let shape: Vec<String> = dataset.shape().iter().map(ToString::to_string).collect();
-    let dimensions = text::read_dimensions(dataset);
-    format!("{:<46} {:<16} {dimensions}", dataset.name(), shape.join(" x ")).trim_end().to_owned()
+fn describe(dataset: &Dataset) -> DatasetShape {
+    DatasetShape { name: dataset.name(), shape: dataset.shape(), dimensions: text::read_dimensions(dataset) }
+}
+
+impl Display for DatasetShape {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let shape: Vec<String> = self.shape.iter().map(ToString::to_string).collect();
+        write!(f, "{}", format!("{:<46} {:<16} {}", self.name, shape.join(" x "), self.dimensions).trim_end())
+    }
 }
 
 impl Display for Contents {

@@ -23,7 +23,7 @@ mod whole;
 
 pub use case::{Answer, Background, Case, OneOrAll, Terms};
 pub use checkpoint::Checkpoints;
-pub use contents::{Contents, FrameSpan};
+pub use contents::{Contents, DatasetShape, FrameSpan};
 pub use durable::replace as replace_file;
 pub use error::FileError;
 pub use export::{Format, FrameRange, export};
@@ -37,7 +37,7 @@ pub use run::{
 };
 pub use scene::{
     ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,
-    Time,
+    TEMPLATES, Template, Time, scene_schema,
 };
 pub use series::Series;
 pub use tables::{read_rows, write_tables};

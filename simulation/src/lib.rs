@@ -3,6 +3,7 @@
 
 mod clock;
 mod frame;
+mod outline;
 mod quantity;
 mod schedule;
 mod simulation;
@@ -12,6 +13,7 @@ mod velocity_field;
 
 pub use clock::Clock;
 pub use frame::Frame;
+pub use outline::Outline;
 pub use quantity::Quantity;
 pub use schedule::Schedule;
 pub use simulation::{Simulation, SimulationError};

@@ -1,6 +1,7 @@
 //! Tables of results.
 
 use domain::Bytes;
+use serde_json::Value;
 use std::fmt::Write as _;
 
 /// A table: some columns of words that say what a row is of, and columns of numbers.
@@ -41,6 +42,16 @@ impl Table {
         csv
     }
 
+    /// The rows as JSON: an object of all columns for each. Numbers that are not finite are null.
+    pub fn to_json(&self) -> Value {
+        let row = |(words, numbers): &(Vec<String>, Vec<f64>)| {
+            let words = self.labels.iter().zip(words).map(|(&name, word)| (name.to_owned(), word.as_str().into()));
+            let numbers = self.columns.iter().zip(numbers).map(|((name, _), &number)| (name.clone(), number.into()));
+            Value::Object(words.chain(numbers).collect())
+        };
+        self.rows.iter().map(row).collect()
+    }
+
     /// What a table of so many rows of numbers takes, each row a list of its own with what the allocator notes of it, and
     /// its text.
     pub fn bytes(rows: f64, columns: usize) -> Bytes {
@@ -66,4 +77,18 @@ pub struct TableSet {
 
 fn quoted(word: &str) -> String {
     if word.contains([',', '"', '\n']) { format!("\"{}\"", word.replace('"', "\"\"")) } else { word.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn rows_are_objects_in_json_and_lines_in_csv() {
+        let mut table = Table::new("summary", &["quantity"], &[("value", "length"), ("error", "length")]);
+        table.add(&["a, \"b\""], &[0.5, f64::NAN]);
+        assert_eq!(table.to_json(), json!([{"quantity": "a, \"b\"", "value": 0.5, "error": null}]));
+        assert_eq!(table.to_csv(), "quantity,value,error\n\"a, \"\"b\"\"\",0.5,NaN\n");
+    }
 }

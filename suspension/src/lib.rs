@@ -68,7 +68,7 @@ pub use model::{
     Parameters, Repulsion, Species, Start, Statistics as StatisticsWanted,
 };
 pub use observed::Observed;
-pub use outline::{Asked, Outline};
+pub use outline::{Asked, outline};
 pub use overlaps::Overlaps;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, Statistics, bytes as statistics_bytes, column_bytes, sample_bytes};
 pub use single::Single;

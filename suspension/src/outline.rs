@@ -5,31 +5,15 @@ use crate::error::StartError;
 use crate::gap::Gap;
 use crate::memory::{self, Ranks};
 use crate::model::Model;
-use crate::plan::problem;
+use crate::plan::{Radii, problem};
 use crate::setup::{Planned, Setup};
 use domain::{Comm, Need, Number, Placed, readable_bytes};
-use fcm::Plan;
-use std::fmt::{Display, Formatter};
+use fcm::{Method, Plan, Precision, Support};
+use serde_json::{Value, json};
+use simulation::Outline;
 
 /// Plans that are named beside the one that was chosen.
 const RUNNERS_UP: usize = 3;
-
-/// What a run would be made of and what it would cost.
-pub struct Outline {
-    particles: usize,
-    fraction: f64,
-    /// Whether there is memory to place the particles.
-    placed: bool,
-    /// None for a sphere alone, and for particles that are not placed.
-    gap: Option<Gap>,
-    steps: u64,
-    end: f64,
-    plan: Plan,
-    /// Other plans, the fastest first.
-    others: Vec<Plan>,
-    memory: Memory,
-    cautions: Vec<String>,
-}
 
 /// The ranks that a run is thought to have.
 #[derive(Debug, Clone, Copy)]
@@ -46,34 +30,78 @@ struct Memory {
     missing: Option<String>,
 }
 
-impl Outline {
-    /// The outline of a scene on ranks that need not be present. Collective.
-    pub fn of(model: &Model, placed: Option<Placed>, asked: Asked, comm: &Comm) -> Result<Self, StartError> {
-        let planned = Planned::of_model(model)?;
-        let fits = |planned: &Planned| comm.check_room(memory::placing(model, &planned.radii)).is_ok();
-        let (planned, placed, gap) = match planned {
-            Some(planned) if comm.any(!fits(&planned)) => (planned, false, None),
-            planned => {
-                let setup = Setup::placed(model, placed, planned, comm)?;
-                let gap = Some(setup.gap()).filter(|gap| gap.length.is_finite());
-                (Planned { radii: setup.radii, plan: setup.plan }, true, gap)
-            }
-        };
-        let mut others = Plan::ranked(&problem(model, &planned.radii))?;
-        others.retain(|plan| *plan != planned.plan);
-        Ok(Self {
-            particles: planned.radii.count(),
-            fraction: planned.radii.volume() / model.cell.volume(),
-            placed,
-            gap,
-            steps: model.steps,
-            end: model.end(),
-            memory: Memory::of(model, &planned, asked),
-            cautions: cautions(model, &planned.radii),
-            plan: planned.plan,
-            others,
-        })
+/// The outline of a scene on ranks that need not be present. Collective.
+pub fn outline(model: &Model, placed: Option<Placed>, asked: Asked, comm: &Comm) -> Result<Outline, StartError> {
+    let planned = Planned::of_model(model)?;
+    let fits = |planned: &Planned| comm.check_room(memory::placing(model, &planned.radii)).is_ok();
+    let (planned, gap) = match planned {
+        Some(planned) if comm.any(!fits(&planned)) => (planned, None),
+        planned => {
+            let setup = Setup::placed(model, placed, planned, comm)?;
+            let gap = setup.gap();
+            (Planned { radii: setup.radii, plan: setup.plan }, Some(gap))
+        }
+    };
+    let mut others = Plan::ranked(&problem(model, &planned.radii))?;
+    others.retain(|plan| *plan != planned.plan);
+    let outline = with_particles(Outline::default(), model, &planned.radii, gap.as_ref());
+    let outline = outline.lines(&planned.plan.describe()).value("plan", plan_values(&planned.plan));
+    let outline = outline
+        .line("steps", format_args!("{}, until time {:.6}", model.steps, Number(model.end())))
+        .value("steps", model.steps)
+        .value("end_time", model.end());
+    let memory = Memory::of(model, &planned, asked);
+    let outline = with_cost(memory.add_to(outline), &planned.plan, &others);
+    Ok(outline.warnings(memory.missing.into_iter().chain(cautions(model, &planned.radii))))
+}
+
+/// The particles, and their smallest gap if there is memory to place them: infinite for a sphere alone.
+fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&Gap>) -> Outline {
+    let fraction = radii.volume() / model.cell.volume();
+    let place = match gap {
+        None => ", not placed for want of memory".to_owned(),
+        Some(gap) if gap.length.is_finite() => format!(", smallest gap {gap}"),
+        Some(_) => String::new(),
+    };
+    let outline = outline
+        .line("particles", format_args!("{}, {:.4}% by volume{place}", radii.count(), Number(100.0 * fraction)))
+        .value("particles", radii.count())
+        .value("volume_fraction", fraction);
+    outline.value("smallest_gap", gap.map(|gap| gap.length))
+}
+
+/// What an evaluation takes, and the fastest of the other plans.
+fn with_cost(outline: Outline, plan: &Plan, others: &[Plan]) -> Outline {
+    let seconds = plan.predicted_seconds;
+    let text = format!("about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several");
+    let mut outline = outline.line("cost", text).value("seconds_per_evaluation", seconds);
+    let others = &others[..others.len().min(RUNNERS_UP)];
+    for (number, plan) in others.iter().enumerate() {
+        let label = if number == 0 { "instead" } else { "" };
+        outline = outline.line(label, format_args!("{:.2e} s: {}", plan.predicted_seconds, plan.in_short()));
     }
+    outline.value("other_plans", others.iter().map(plan_values).collect::<Vec<_>>())
+}
+
+/// A plan as named values.
+fn plan_values(plan: &Plan) -> Value {
+    let (method, width, cutoff) = match plan.method {
+        Method::Direct => ("direct", None, None),
+        Method::Split { width, cutoff } => ("split", Some(width), Some(cutoff)),
+    };
+    let Support { lanes, support, .. } = plan.support;
+    json!({
+        "method": method,
+        "width": width,
+        "cutoff": cutoff,
+        "precision": if plan.precision == Precision::Single { "f32" } else { "f64" },
+        "grid": plan.grid,
+        "support": [lanes, support, support],
+        "tolerance": plan.tolerance,
+        "expected_error": plan.predicted_error,
+        "iteration_tolerance": plan.iteration_tolerance,
+        "seconds_per_evaluation": plan.predicted_seconds,
+    })
 }
 
 impl Memory {
@@ -85,41 +113,19 @@ impl Memory {
         let remedy = memory::remedy(model, &planned.radii);
         Self { missing: missing.map(|error| format!("{error}, and `run` would refuse it here; {remedy}")), needs }
     }
-}
 
-impl Display for Memory {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+    fn add_to(&self, outline: Outline) -> Outline {
         let bytes = |need: &Need| readable_bytes(need.resident);
         let others = self.needs.iter().skip(1).max_by(|a, b| a.resident.total_cmp(&b.resident));
-        write!(f, "memory     about {} at most on ", self.needs.first().map(bytes).unwrap_or_default())?;
-        match others {
-            None => writeln!(f, "1 rank"),
+        let ranks = match others {
+            None => "1 rank".to_owned(),
             Some(others) => {
-                writeln!(f, "the first of {} ranks, {} on each of the others", self.needs.len(), bytes(others))
+                format!("the first of {} ranks, {} on each of the others", self.needs.len(), bytes(others))
             }
-        }
-    }
-}
-
-impl Display for Outline {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        write!(f, "particles  {}, {:.4}% by volume", self.particles, Number(100.0 * self.fraction))?;
-        self.gap.iter().try_for_each(|gap| write!(f, ", smallest gap {gap}"))?;
-        write!(f, "{}", if self.placed { "" } else { ", not placed for want of memory" })?;
-        writeln!(f)?;
-        write!(f, "{}", self.plan.describe())?;
-        writeln!(f, "steps      {}, until time {:.6}", self.steps, Number(self.end))?;
-        write!(f, "{}", self.memory)?;
-        let seconds = self.plan.predicted_seconds;
-        writeln!(
-            f,
-            "cost       about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several"
-        )?;
-        for (number, plan) in self.others.iter().take(RUNNERS_UP).enumerate() {
-            let label = if number == 0 { "instead" } else { "" };
-            writeln!(f, "{label:<10} {:.2e} s: {}", plan.predicted_seconds, plan.in_short())?;
-        }
-        let warnings = self.memory.missing.iter().chain(&self.cautions);
-        warnings.into_iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))
+        };
+        let first = self.needs.first().map(bytes).unwrap_or_default();
+        outline
+            .line("memory", format_args!("about {first} at most on {ranks}"))
+            .value("memory_bytes", self.needs.iter().map(|need| need.resident.ceil()).collect::<Vec<_>>())
     }
 }

@@ -3,7 +3,7 @@
 use super::{AveragedProfile, Disks, MeanStripe, Model, Progress, Record, Stage, estimated_free_path, viscous_length};
 use crate::StartError;
 use domain::{Bytes, Comm, Need, Number, Particles, Placed, Process};
-use simulation::{Clock, Frame, Quantity, Simulation, SimulationError, State, Table, TableSet};
+use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, Table, TableSet};
 use statistics::{State as Stored, Store};
 
 /// Disks that are moved by one call at most, times steps: a moment, after which a signal is heard.
@@ -79,7 +79,7 @@ impl DiskRun {
     fn of(disks: Disks, course: Course, profile: AveragedProfile, comm: &Comm) -> Self {
         debug_assert!(disks.stage() == Stage::Flow, "states are kept in the flow");
         let clock = Clock::at(disks.steps(), disks.model().parameters().time_step);
-        let plan = outline(disks.model(), course.steps);
+        let plan = outline(disks.model(), course.steps).text().to_owned();
         Self { disks, clock, profile, plan, comm: comm.clone() }
     }
 }
@@ -100,26 +100,26 @@ pub fn run_bytes(model: &Model, strips: usize) -> Bytes {
     model.bytes(strips).then(Frame::bytes(model.sizes().len() as f64, 3))
 }
 
-/// A system of disks in words.
-pub fn outline(model: &Model, steps: u64) -> String {
-    let (p, sizes) = (model.parameters(), model.sizes());
-    let end = steps as f64 * p.time_step;
-    let zeta = viscous_length(model);
+/// A system of disks in words and numbers.
+pub fn outline(model: &Model, steps: u64) -> Outline {
+    let (p, count) = (model.parameters(), model.sizes().len());
+    let (fraction, zeta) = (model.area_fraction(), viscous_length(model));
+    let (free_path, end) = (estimated_free_path(fraction), steps as f64 * p.time_step);
+    let strain = p.flow.rate(p.edges[1]).abs() * p.time_step * steps as f64;
     let viscous =
         if zeta.is_finite() { format!("viscous length {:.4}", Number(zeta)) } else { "no viscous length".into() };
-    let strain = p.flow.rate(p.edges[1]).abs() * p.time_step * steps as f64;
-    format!(
-        "disks      {}, radii {:.4} to {:.4}, {:.4}% of the area\n\
-         lengths    {viscous}, estimated mean free path {:.4}\n\
-         steps      {steps}, until time {:.6} and strain {:.6}\n",
-        sizes.len(),
-        Number(model.smallest()),
-        Number(model.largest()),
-        Number(100.0 * model.area_fraction()),
-        Number(estimated_free_path(model.area_fraction())),
-        Number(end),
-        Number(strain),
-    )
+    let [smallest, largest, percent] = [model.smallest(), model.largest(), 100.0 * fraction].map(Number);
+    Outline::default()
+        .line("disks", format_args!("{count}, radii {smallest:.4} to {largest:.4}, {percent:.4}% of the area"))
+        .line("lengths", format_args!("{viscous}, estimated mean free path {:.4}", Number(free_path)))
+        .line("steps", format_args!("{steps}, until time {:.6} and strain {:.6}", Number(end), Number(strain)))
+        .value("particles", count)
+        .value("area_fraction", fraction)
+        .value("viscous_length", zeta)
+        .value("mean_free_path", free_path)
+        .value("steps", steps)
+        .value("end_time", end)
+        .value("strain", strain)
 }
 
 /// The disks that somebody brings, moving with the liquid.

@@ -4,7 +4,7 @@ use super::tables::{WALLS, tables};
 use super::{Collisions, Grains, Model, Run, Sample, Sampling, Side};
 use crate::StartError;
 use domain::{Comm, Interrupt, Number, PeriodicBox, Vector};
-use simulation::{Clock, Frame, Quantity, Simulation, SimulationError, State, TableSet};
+use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, TableSet};
 
 /// What is done with a cell.
 #[derive(Debug, Clone, Copy)]
@@ -30,27 +30,30 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// The cell in words.
-    pub fn outline(&self) -> String {
-        let (p, model) = (self.model.parameters(), &self.model);
-        let volume = std::f64::consts::PI / 6.0 * p.diameter.powi(3);
-        let fraction = self.count as f64 * volume / model.edges().element_product();
+    /// The cell in words and numbers.
+    pub fn outline(&self) -> Outline {
+        let fraction = self.solid_fraction();
         let engine = match self.collisions {
             Collisions::EventDriven => "at their exact times".to_owned(),
             Collisions::TimeStepped { step } => format!("on a time step of {:.6}", Number(step)),
         };
-        format!(
-            "grains     {}, solid fraction {:.4}\n\
-             top        {}\n\
-             collisions {engine}\n\
-             steps      {}, until time {:.6}; measured from time {:.6}\n",
-            self.count,
-            Number(fraction),
-            if model.is_lid_free() { "free under its load" } else { "fixed" },
-            self.steps,
-            Number(self.steps as f64 * self.time_step),
-            Number(self.settle as f64 * self.time_step),
-        )
+        let [end, from] = [self.steps, self.settle].map(|steps| steps as f64 * self.time_step);
+        let steps = format!("{}, until time {:.6}; measured from time {:.6}", self.steps, Number(end), Number(from));
+        Outline::default()
+            .line("grains", format_args!("{}, solid fraction {:.4}", self.count, Number(fraction)))
+            .line("top", if self.model.is_lid_free() { "free under its load" } else { "fixed" })
+            .line("collisions", engine)
+            .line("steps", steps)
+            .value("particles", self.count)
+            .value("solid_fraction", fraction)
+            .value("steps", self.steps)
+            .value("end_time", end)
+            .value("measured_from", from)
+    }
+
+    fn solid_fraction(&self) -> f64 {
+        let volume = std::f64::consts::PI / 6.0 * self.model.parameters().diameter.powi(3);
+        self.count as f64 * volume / self.model.edges().element_product()
     }
 }
 
@@ -107,7 +110,7 @@ impl CellRun {
             clock: Clock::at(step, experiment.time_step),
             settle: experiment.settle,
             sample: None,
-            plan: experiment.outline(),
+            plan: experiment.outline().text().to_owned(),
             interrupt: Interrupt::NEVER,
             comm: comm.clone(),
         }

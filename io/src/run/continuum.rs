@@ -37,7 +37,7 @@ pub(super) fn solve(
             Err(reason) => unsolved.push(format!("{}: {}", title(problem), in_full(&reason))),
         }
     }
-    let provenance = provenance(scene, outline::continuum(problems), &Comm::alone());
+    let provenance = provenance(scene, outline::continuum(problems).text().to_owned(), &Comm::alone());
     write_tables(folder, SOLUTION, &provenance, &[summary, profile])?;
     if unsolved.is_empty() { Ok(()) } else { Err(RunError::Unsolved { unsolved, problems: problems.problems.len() }) }
 }

@@ -6,7 +6,7 @@ use domain::{Bytes, Comm, Need, Process, readable_bytes};
 use drivers::continuum::Problem;
 use drivers::disks::{Record, run_bytes};
 use drivers::shear_cell::Experiment;
-use simulation::{Frame, Table};
+use simulation::{Frame, Outline, Table};
 
 /// What a run of a scene needs at its peak.
 pub fn need(kind: &Kind) -> Need {
@@ -29,12 +29,14 @@ pub fn check_room(kind: &Kind, comm: &Comm) -> Result<(), RunError> {
     comm.check_room(need(kind)).map_err(|missing| RunError::Room { remedy: remedy(kind), missing })
 }
 
-/// The line of `check`, and a warning if there is not enough.
-pub fn outline(kind: &Kind) -> String {
+/// Adds what a scene takes to its outline, and a warning if there is not enough.
+pub fn add_to(outline: Outline, kind: &Kind) -> Outline {
     let need = need(kind);
-    let warning = Comm::check_room_of(&[need]).err();
-    let warning = warning.map_or_else(String::new, |error| format!("warning: {}: {error}\n", remedy(kind)));
-    format!("memory     about {} at most\n{warning}", readable_bytes(need.resident))
+    let missing = Comm::check_room_of(&[need]).err();
+    outline
+        .line("memory", format_args!("about {} at most", readable_bytes(need.resident)))
+        .value("memory_bytes", vec![need.resident.ceil()])
+        .warnings(missing.map(|error| format!("{}: {error}", remedy(kind))))
 }
 
 /// What a scene is, and what to change if it takes too much.

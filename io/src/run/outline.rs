@@ -1,47 +1,51 @@
 //! Scenes of grains in numbers, before they are run.
 
-use super::memory;
+use super::{RunError, memory, placed};
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
-use domain::Number;
-use drivers::disks::{Sweep, outline as disks};
+use domain::{Comm, Number};
+use drivers::disks::Sweep;
 use drivers::shear_cell::Collisions;
+use simulation::Outline;
+use suspension::Asked;
 
 /// Disks that one core moves by a step in a second: a measured order of magnitude.
 const DISK_STEPS: f64 = 2.5e7;
 /// Grains that one core moves by a step of time-stepped collisions in a second, likewise.
 const GRAIN_STEPS: f64 = 2.5e7;
 
-/// What a scene would be made of and cost.
-pub fn outline(kind: &Kind) -> String {
-    let scene = match kind {
-        Kind::GranularDisks(scene) => disks_and_cost(scene),
-        Kind::ShearCell(scene) => scene.experiment.outline() + &cell_cost(scene),
+/// What a scene would be made of and cost on ranks that need not be present. Collective.
+pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunError> {
+    let outline = match kind {
+        Kind::Suspension(scene) => {
+            return Ok(suspension::outline(&scene.model, placed(scene, comm)?, asked, comm)?.value("kind", kind.name()));
+        }
+        Kind::GranularDisks(scene) => of_disks(scene),
+        Kind::ShearCell(scene) => with_cost(scene.experiment.outline(), cell_seconds(scene)),
         Kind::Continuum(scene) => continuum(scene),
-        _ => return String::new(),
     };
-    scene + &memory::outline(kind)
+    Ok(memory::add_to(outline, kind).value("kind", kind.name()))
 }
 
-fn disks_and_cost(scene: &GranularDisksScene) -> String {
-    let count = scene.model.sizes().len() as f64;
-    let start = scene.start.as_ref().map_or_else(String::new, |path| {
-        format!("start      from {}, whose disks take the place of these\n", path.display())
-    });
+fn of_disks(scene: &GranularDisksScene) -> Outline {
+    let mut outline = drivers::disks::outline(&scene.model, scene.time.steps);
+    if let Some(path) = &scene.start {
+        outline = outline.line("start", format_args!("from {}, whose disks take the place of these", path.display()));
+    }
     let steps = match &scene.sweep {
         None => scene.time.steps as f64,
         Some(sweep) => {
+            outline = outline.line("sweep", cases(sweep)).value("runs", sweep.cases().len());
             let steps = |rate: f64| sweep.strain / (rate.abs() * sweep.base.time_step);
             sweep.cases().iter().map(|case| steps(case.rate)).sum()
         }
     };
-    let cost = cost(count * steps / DISK_STEPS);
-    disks(&scene.model, scene.time.steps) + &start + &scene.sweep.as_ref().map_or_else(String::new, cases) + &cost
+    with_cost(outline, Some(scene.model.sizes().len() as f64 * steps / DISK_STEPS))
 }
 
 /// The runs of a sweep.
 pub fn cases(sweep: &Sweep) -> String {
     format!(
-        "sweep      {} runs: {} seeds, {} viscosities, {} rates, {} area fractions, each to strain {:.6}\n",
+        "{} runs: {} seeds, {} viscosities, {} rates, {} area fractions, each to strain {:.6}",
         sweep.cases().len(),
         sweep.seeds.len(),
         sweep.viscosities.len(),
@@ -51,19 +55,25 @@ pub fn cases(sweep: &Sweep) -> String {
     )
 }
 
-fn cell_cost(scene: &ShearCellScene) -> String {
-    let Collisions::TimeStepped { step } = scene.experiment.collisions else { return String::new() };
-    let steps = scene.time.end() / step;
-    cost(scene.experiment.count as f64 * steps / GRAIN_STEPS)
+/// Seconds that a cell takes, if its collisions are stepped in time.
+fn cell_seconds(scene: &ShearCellScene) -> Option<f64> {
+    let Collisions::TimeStepped { step } = scene.experiment.collisions else { return None };
+    Some(scene.experiment.count as f64 * scene.time.end() / step / GRAIN_STEPS)
 }
 
-fn cost(seconds: f64) -> String {
-    format!("cost       about {:.2} s of one core\n", Number(seconds))
+fn with_cost(outline: Outline, seconds: Option<f64>) -> Outline {
+    let outline = match seconds {
+        Some(seconds) => outline.line("cost", format_args!("about {:.2} s of one core", Number(seconds))),
+        None => outline,
+    };
+    outline.value("seconds", seconds)
 }
 
 /// The problems of a continuum.
-pub fn continuum(scene: &ContinuumScene) -> String {
+pub fn continuum(scene: &ContinuumScene) -> Outline {
     let radial = scene.problems.first().map(|p| p.parameters().grains.radial);
     let name = radial.map(|radial| format!("{radial:?}")).unwrap_or_default();
-    format!("problems   {}, radial distribution of {name}\n", scene.problems.len())
+    Outline::default()
+        .line("problems", format_args!("{}, radial distribution of {name}", scene.problems.len()))
+        .value("problems", scene.problems.len())
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Makes the runs that are left to make, several at a time, and writes the averages. Runs that are made are kept.
 pub(super) fn sweep(sweep: &Sweep, scene: &Scene, folder: &Path, listener: &dyn Listener) -> Result<(), RunError> {
-    let plan = outline::cases(sweep);
+    let plan = format!("sweep      {}\n", outline::cases(sweep));
     listener.line(&format!("{plan}results    {}", folder.display()));
     let runs = sweep.run(&StoredCases::of(folder, sweep.cases().len(), listener)?)?;
     let branches = sweep.branches(&runs)?;

@@ -3,6 +3,7 @@
 use super::checks::positive;
 use super::error::Fault;
 use domain::Number;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use simulation::Schedule;
 use std::path::PathBuf;
@@ -113,12 +114,16 @@ pub(super) fn share(steps: u64, parts: u64) -> u64 {
 }
 
 /// The section `output` of scenes without a fluid.
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RawOutput {
+    /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
+    /// Steps between frames of the trajectory; 0 is never.
     pub(super) trajectory_every: Option<u64>,
+    /// Steps between rows of the time series; 0 is never.
     pub(super) observables_every: Option<u64>,
+    /// Steps between checkpoints; 0 is never but at start and end.
     pub(super) checkpoint_every: Option<u64>,
 }
 

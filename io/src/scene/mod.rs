@@ -8,9 +8,11 @@ mod granular_disks;
 mod names;
 mod overrides;
 mod places;
+mod schema;
 mod shear_cell;
 mod shear_cell_continuum;
 mod suspension;
+mod template;
 
 pub use self::suspension::SuspensionScene;
 pub use course::{Output, Time};
@@ -19,9 +21,11 @@ pub use error::SceneError;
 use error::{Explain, Fault};
 pub use granular_disks::GranularDisksScene;
 use places::Places;
+pub use schema::scene_schema;
 pub use shear_cell::ShearCellScene;
 pub use shear_cell_continuum::ContinuumScene;
 use std::path::Path;
+pub use template::{TEMPLATES, Template};
 
 /// A scene that has been checked: every number is in its range, and whatever the file left out has its default. Only
 /// [`Scene::read`] and [`Scene::parse`] make one.
@@ -122,6 +126,17 @@ impl Reading<'_> {
 }
 
 impl Kind {
+    /// Its name in scenes.
+    pub fn name(&self) -> &'static str {
+        let place = match self {
+            Self::Suspension(_) => 0,
+            Self::GranularDisks(_) => 1,
+            Self::ShearCell(_) => 2,
+            Self::Continuum(_) => 3,
+        };
+        KINDS[place]
+    }
+
     /// What is written, where and when. A continuum is written once, when it is solved.
     pub fn output(&self) -> Option<&Output> {
         match self {

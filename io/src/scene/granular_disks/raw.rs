@@ -2,54 +2,73 @@
 
 use crate::scene::course::RawOutput;
 use drivers::disks::{Gear, LengthUnit};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct Raw {
+    /// What the scene is of.
     #[serde(rename = "kind")]
     _kind: String,
+    /// A title for people.
     pub(super) title: Option<String>,
+    /// Where random numbers start: the same seed gives the same run.
     pub(super) seed: Option<u64>,
+    /// The periodic box.
     #[serde(rename = "box")]
     pub(super) cell: Box,
+    /// The liquid.
     pub(super) fluid: Fluid,
+    /// The background flow.
     pub(super) flow: Flow,
+    /// Kinds of disks; or particles.spread.
     #[serde(default)]
     pub(super) species: Vec<Species>,
+    /// The disks.
     pub(super) particles: Particles,
+    /// Contacts between disks.
     #[serde(default)]
     pub(super) contact: Contact,
+    /// How a random start is prepared, before step 0.
     #[serde(default)]
     pub(super) preparation: Preparation,
+    /// Time steps.
     pub(super) time: Time,
+    /// What is written, and when.
     #[serde(default)]
     pub(super) output: Output,
+    /// Instead of one run, one for each combination of the lists.
     pub(super) sweep: Option<Sweep>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Box {
+    /// Edges along the flow (x) and the gradient (y).
     pub(super) edges: [f64; 2],
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Fluid {
+    /// Viscosity in Stokes' drag 6 pi r viscosity.
     pub(super) viscosity: f64,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
+    /// The flow of the liquid.
     pub(super) kind: FlowKind,
+    /// Shear rate, for "shear".
     pub(super) rate: Option<f64>,
+    /// Largest velocity, for "poiseuille".
     pub(super) peak: Option<f64>,
 }
 
-#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum FlowKind {
     None,
@@ -57,33 +76,43 @@ pub(super) enum FlowKind {
     Poiseuille,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Species {
+    /// Radius, relative to those of the other species.
     pub(super) radius: f64,
+    /// Number, relative to those of the other species.
     pub(super) share: f64,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Particles {
+    /// Area of the disks over the box's.
     pub(super) area_fraction: Option<f64>,
+    /// Radii by a power law, instead of species.
     pub(super) spread: Option<Spread>,
+    /// Which radius is 1.
     pub(super) length_unit: Option<Unit>,
+    /// Mass is radius to this power: 2 for disks, 3 for spheres.
     pub(super) mass_exponent: Option<i32>,
+    /// Disks from a file, instead of `area_fraction`.
     pub(super) path: Option<PathBuf>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Spread {
+    /// Smallest radius.
     pub(super) smallest: f64,
+    /// Largest radius.
     pub(super) largest: f64,
+    /// Exponent of the density of radii.
     #[serde(default)]
     pub(super) exponent: f64,
 }
 
-#[derive(Deserialize, Clone, Copy)]
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Unit {
     Mean,
@@ -99,24 +128,31 @@ impl From<Unit> for LengthUnit {
     }
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Contact {
+    /// Restitution of a contact without flow.
     pub(super) restitution: Option<f64>,
+    /// Whether a contact that is about to end may not pull.
     pub(super) clip_attraction: bool,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Preparation {
+    /// Restitution while overlaps are taken out.
     pub(super) restitution: Option<f64>,
+    /// Time until which they are.
     pub(super) settled: Option<f64>,
+    /// Time until which contacts are elastic after that.
     pub(super) mixed: Option<f64>,
+    /// Integrator of the preparation.
     pub(super) integrator: Option<Integrator>,
+    /// Time step of the preparation.
     pub(super) time_step: Option<f64>,
 }
 
-#[derive(Deserialize, Clone, Copy)]
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
 pub(super) enum Integrator {
     #[serde(rename = "gear-four")]
     Four,
@@ -136,24 +172,35 @@ impl From<Integrator> for Gear {
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Time {
+    /// Time step.
     pub(super) step: Option<f64>,
+    /// How many steps; or duration, or strain.
     pub(super) steps: Option<u64>,
+    /// Time at the end; or steps, or strain.
     pub(super) duration: Option<f64>,
+    /// Strain at the end; or steps, or duration.
     pub(super) strain: Option<f64>,
+    /// Gear's predictor and corrector, of four or five values.
     pub(super) integrator: Option<Integrator>,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Output {
+    /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
+    /// Steps between frames of the trajectory; 0 is never.
     pub(super) trajectory_every: Option<u64>,
+    /// Steps between rows of the time series; 0 is never.
     pub(super) observables_every: Option<u64>,
+    /// Steps between checkpoints; 0 is never but at start and end.
     pub(super) checkpoint_every: Option<u64>,
+    /// Steps between energies and stresses, which rows of the time series average.
     pub(super) measure_every: Option<u64>,
+    /// Strips of the profiles across the flow.
     pub(super) profile_strips: Option<usize>,
 }
 
@@ -168,11 +215,15 @@ impl Output {
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Sweep {
+    /// Seeds.
     pub(super) seeds: Option<Vec<u64>>,
+    /// Viscosities.
     pub(super) viscosities: Option<Vec<f64>>,
+    /// Shear rates.
     pub(super) rates: Option<Vec<f64>>,
+    /// Area fractions.
     pub(super) area_fractions: Option<Vec<f64>>,
 }

@@ -1,59 +1,81 @@
 //! The file's keys, as serde finds them.
 
 use crate::scene::course::RawOutput;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct Raw {
+    /// What the scene is of.
     #[serde(rename = "kind")]
     _kind: String,
+    /// A title for people.
     pub(super) title: Option<String>,
+    /// Where random numbers start: the same seed gives the same run.
     #[serde(default)]
     pub(super) seed: u64,
+    /// Each hit at its time, or found on time steps.
     pub(super) collisions: Collisions,
+    /// The cell.
     pub(super) cell: Cell,
+    /// The top wall.
     #[serde(default)]
     pub(super) top: Top,
+    /// The grains.
     pub(super) grains: Grains,
+    /// The walls.
     pub(super) walls: Walls,
+    /// Looks at the cell.
     pub(super) time: Time,
+    /// What is averaged.
     #[serde(default)]
     pub(super) measure: Measure,
+    /// What is written, and when.
     #[serde(default)]
     pub(super) output: RawOutput,
 }
 
-#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Collisions {
     TimeStepped,
     EventDriven,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Cell {
+    /// Length along the flow (x), periodic.
     pub(super) length: f64,
+    /// Distance of bottom and top (y).
     pub(super) height: f64,
+    /// Distance of the side walls (z).
     pub(super) width: f64,
+    /// Speed of the bottom and side walls along x.
     pub(super) speed: f64,
+    /// Gravity along -y.
     #[serde(default)]
     pub(super) gravity: f64,
+    /// Circumference of the trough at mid-width; a straight one by default.
     pub(super) circumference: Option<f64>,
+    /// Whether the curved path also turns velocity along z into velocity along x.
     #[serde(default)]
     pub(super) coriolis: bool,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Top {
+    /// At the cell's height, or free under a load.
     pub(super) kind: TopKind,
+    /// Normal stress that loads a free top.
     pub(super) pressure: Option<f64>,
+    /// Mass of a free top over its area.
     pub(super) mass_per_area: Option<f64>,
 }
 
-#[derive(Deserialize, Clone, Copy, PartialEq, Default)]
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq, Default)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum TopKind {
     #[default]
@@ -61,31 +83,42 @@ pub(super) enum TopKind {
     Free,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Grains {
+    /// Diameter.
     pub(super) diameter: f64,
+    /// Density.
     pub(super) density: f64,
+    /// Volume of the grains over the cell's; or count.
     pub(super) solid_fraction: Option<f64>,
+    /// How many; or `solid_fraction`.
     pub(super) count: Option<u64>,
+    /// Restitution between grains.
     pub(super) restitution: f64,
+    /// Friction coefficient between grains.
     #[serde(default)]
     pub(super) friction: f64,
+    /// Standard deviation of the first velocities, component by component.
     pub(super) agitation: Option<f64>,
+    /// Two hits within this time are one contact, for "event-driven".
     pub(super) contact_time: Option<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Walls {
+    /// Restitution at walls.
     pub(super) restitution: f64,
+    /// Friction coefficient at walls.
     #[serde(default)]
     pub(super) friction: f64,
+    /// Coulomb's bound on each component, or on both together.
     #[serde(default)]
     pub(super) friction_law: FrictionLaw,
 }
 
-#[derive(Deserialize, Clone, Copy, Default)]
+#[derive(Deserialize, JsonSchema, Clone, Copy, Default)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum FrictionLaw {
     #[default]
@@ -93,21 +126,29 @@ pub(super) enum FrictionLaw {
     Cone,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Time {
+    /// Time from one look at the grains to the next.
     pub(super) step: f64,
+    /// How many looks; or duration.
     pub(super) steps: Option<u64>,
+    /// Time at the end; or steps.
     pub(super) duration: Option<f64>,
+    /// Time that is not measured at the start.
     #[serde(default)]
     pub(super) settle: f64,
+    /// Time step of collisions, for "time-stepped".
     pub(super) collision_step: Option<f64>,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Measure {
+    /// Time over which wall stresses are averaged; time.step by default.
     pub(super) window: Option<f64>,
+    /// Layers of the profiles across the gap.
     pub(super) layers: Option<usize>,
+    /// Pixels of the map across width and height.
     pub(super) pixels: Option<[usize; 2]>,
 }

@@ -1,77 +1,107 @@
 //! The file's keys, as serde finds them.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct Raw {
+    /// What the scene is of.
     #[serde(rename = "kind")]
     _kind: Option<String>,
+    /// A title for people.
     pub(super) title: Option<String>,
+    /// Where random numbers start: the same seed gives the same run.
     #[serde(default)]
     pub(super) seed: u64,
+    /// The periodic box.
     #[serde(rename = "box")]
     pub(super) cell: Box,
+    /// The fluid.
     pub(super) fluid: Fluid,
+    /// Kinds of spheres.
     pub(super) species: Vec<Species>,
+    /// Gravity.
     pub(super) gravity: Option<Gravity>,
+    /// Where the spheres start.
     #[serde(default)]
     pub(super) particles: Particles,
+    /// The background flow.
     pub(super) flow: Option<Flow>,
+    /// A short-range repulsion between near spheres; none without this section.
     pub(super) repulsion: Option<Repulsion>,
+    /// How the fluid is computed.
     #[serde(default)]
     pub(super) hydrodynamics: Hydrodynamics,
+    /// Time steps.
     pub(super) time: Time,
+    /// What is written, and when.
     #[serde(default)]
     pub(super) output: Output,
+    /// Averages over the run; none without this section.
     pub(super) statistics: Option<Statistics>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Box {
+    /// Edges along x, y and z.
     pub(super) edges: [f64; 3],
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Fluid {
+    /// Dynamic viscosity.
     pub(super) viscosity: f64,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Species {
+    /// Its name in the results.
     pub(super) name: Option<String>,
+    /// Radius of its spheres.
     pub(super) radius: f64,
+    /// How many; or `volume_fraction`.
     pub(super) count: Option<u64>,
+    /// Their volume over the box's; or count.
     pub(super) volume_fraction: Option<f64>,
+    /// Density above the fluid's; the weight is this times volume times gravity.
     pub(super) density_difference: Option<f64>,
+    /// Steady force on each sphere, besides its weight.
     #[serde(default)]
     pub(super) force: [f64; 3],
+    /// Steady torque on each sphere.
     #[serde(default)]
     pub(super) torque: [f64; 3],
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Gravity {
+    /// Acceleration of gravity along x, y and z.
     pub(super) acceleration: [f64; 3],
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Particles {
+    /// How the spheres are placed.
     #[serde(default)]
     pub(super) initial: Initial,
+    /// Least gap between surfaces at the start, for "random".
     pub(super) minimum_gap: Option<f64>,
+    /// Which lattice, for "lattice".
     pub(super) lattice: Option<Lattice>,
+    /// A .csv, .xyz or .h5 file, or the folder of a former run, for "file".
     pub(super) path: Option<PathBuf>,
+    /// Centres, species by species, for "positions".
     pub(super) positions: Option<Vec<[f64; 3]>>,
 }
 
-#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[derive(Deserialize, JsonSchema, Default, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Initial {
     #[default]
@@ -81,60 +111,80 @@ pub(super) enum Initial {
     Positions,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
+    /// The flow: none, or the shear u = rate y along x.
     pub(super) kind: FlowKind,
+    /// Shear rate.
     pub(super) rate: Option<f64>,
+    /// Whether the box shears with the flow (default), or stays straight.
     pub(super) lees_edwards: Option<bool>,
 }
 
-#[derive(Deserialize, Clone, Copy)]
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum FlowKind {
     None,
     Shear,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Repulsion {
+    /// Force at contact.
     pub(super) strength: f64,
+    /// Gap where it starts, in mean radii of the two spheres.
     pub(super) range: Option<f64>,
+    /// The strength grows with this power, 0, 1 or 2, of the harmonic mean radius of the two.
     #[serde(default)]
     pub(super) radius_power: u8,
+    /// Whether to look for the least strength that prevents overlap, from the one given.
     #[serde(default)]
     pub(super) calibrate: bool,
 }
 
 /// What is left out is as the suspension's own defaults have it.
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Hydrodynamics {
+    /// Terms of the expansion: forces alone, or torques and stresslets too.
     pub(super) multipoles: Option<Multipoles>,
+    /// Relative error of velocities, angular velocities and stresslets.
     pub(super) tolerance: Option<f64>,
+    /// How the far field is evaluated; the fastest by default.
     pub(super) method: Option<Evaluation>,
+    /// Grid points along x, y and z, even numbers; chosen from the tolerance by default.
     pub(super) grid: Option<[usize; 3]>,
+    /// Grid points across a stencil; chosen from the tolerance by default.
     pub(super) support: Option<usize>,
+    /// Relative residual of the stresslets; chosen from the tolerance by default.
     pub(super) iteration_tolerance: Option<f64>,
+    /// What parts of an evaluation cost on this machine, as `fcm-solve calibrate` measures.
     pub(super) costs: Option<Costs>,
+    /// Whether near pairs feel their exact lubrication.
     pub(super) lubrication: Option<bool>,
+    /// Gap where lubrication ends, in radii of the larger sphere; 2.5 by default.
     pub(super) lubrication_cutoff: Option<f64>,
+    /// Whether the solve with lubrication is preconditioned.
     pub(super) preconditioner: Option<bool>,
 }
 
-#[derive(Deserialize, Clone, Copy)]
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Costs {
+    /// Spreading and interpolating.
     pub(super) stencils: f64,
+    /// Fourier transforms.
     pub(super) transforms: f64,
+    /// Near pairs.
     pub(super) pairs: f64,
 }
 
 /// Declares the names that a scene has for the values of a library's type.
 macro_rules! names {
     ($raw:ident for $library:ty: $($name:ident)*) => {
-        #[derive(Deserialize, Clone, Copy)]
+        #[derive(Deserialize, JsonSchema, Clone, Copy)]
         #[serde(rename_all = "kebab-case")]
         pub(super) enum $raw {
             $($name,)*
@@ -155,20 +205,27 @@ names! { Evaluation for suspension::Evaluation: Auto Direct Split }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Axis for suspension::Axis: X Y Z }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Time {
+    /// Time step.
     pub(super) step: f64,
+    /// How many steps; or duration.
     pub(super) steps: Option<u64>,
+    /// Time at the end; or steps.
     pub(super) duration: Option<f64>,
+    /// Steps all alike, or each in as many parts as needed.
     #[serde(default)]
     pub(super) integrator: Integrator,
+    /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
+    /// Error of a part of a step in any position, over the radius, for "adaptive".
     pub(super) tolerance: Option<f64>,
+    /// Part of any gap that a part of a step may take away, for "adaptive".
     pub(super) gap_fraction: Option<f64>,
 }
 
-#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[derive(Deserialize, JsonSchema, Default, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Integrator {
     #[default]
@@ -176,23 +233,33 @@ pub(super) enum Integrator {
     Adaptive,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Output {
+    /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
+    /// Steps between frames of the trajectory; 0 is never.
     pub(super) trajectory_every: Option<u64>,
+    /// Steps between rows of the time series; 0 is never.
     pub(super) observables_every: Option<u64>,
+    /// Steps between checkpoints; 0 is never but at start and end.
     pub(super) checkpoint_every: Option<u64>,
+    /// Steps between velocity fields of the fluid on the grid; 0 is never.
     pub(super) fields_every: u64,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Statistics {
+    /// Steps between samples.
     pub(super) every: u64,
+    /// Time of the first sample.
     #[serde(default)]
     pub(super) from: f64,
+    /// Largest distance of pairs; 8 of the largest radius by default.
     pub(super) distance: Option<f64>,
+    /// Axis of concentration and segregation; that of the forces, or y, by default.
     pub(super) axis: Option<Axis>,
+    /// Time lag from which motion is diffusive; a quarter of the run by default.
     pub(super) diffusive_from: Option<f64>,
 }

@@ -1,0 +1,40 @@
+//! Manual pages and completions, from the command line itself.
+
+use crate::args::Args;
+use crate::streams;
+use anyhow::Context;
+use clap::CommandFactory;
+use clap_complete::Shell;
+use domain::Comm;
+use std::path::{Path, PathBuf};
+
+/// Which pages.
+#[derive(clap::Args)]
+pub struct Pages {
+    /// Write the pages of all commands into this folder, instead of the first one to the standard output
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Prints the manual page of the program, or writes those of all commands. Collective.
+pub fn pages(asked: &Pages, comm: &Comm) -> anyhow::Result<()> {
+    let Some(folder) = &asked.out else {
+        let mut page = Vec::new();
+        clap_mangen::Man::new(Args::command()).render(&mut page)?;
+        return streams::print(comm, &String::from_utf8_lossy(&page));
+    };
+    let written = if comm.is_first() { write(folder) } else { Ok(()) };
+    Ok(comm.agree(written.map_err(|error| format!("{error:#}")))?)
+}
+
+fn write(folder: &Path) -> anyhow::Result<()> {
+    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Args::command(), folder));
+    written.with_context(|| format!("can't write manual pages into {}", folder.display()))
+}
+
+/// Prints a script that completes commands in a shell. Collective.
+pub fn completions(shell: Shell, comm: &Comm) -> anyhow::Result<()> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Args::command(), "fcm-solve", &mut script);
+    streams::print(comm, &String::from_utf8_lossy(&script))
+}

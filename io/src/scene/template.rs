@@ -1,0 +1,55 @@
+//! The scenes that come with the program.
+
+/// A scene to start from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Template {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is of, in a line.
+    pub about: &'static str,
+    /// The scene.
+    pub text: &'static str,
+}
+
+/// A template from the file of that name among the scenes.
+macro_rules! template {
+    ($name:literal, $about:literal) => {
+        Template { name: $name, about: $about, text: include_str!(concat!("../../scenes/", $name, ".toml")) }
+    };
+}
+
+/// All of them.
+pub static TEMPLATES: [Template; 10] = [
+    template!("suspension", "Spheres of two kinds, with every key explained"),
+    template!("settling", "3,200 spheres that settle, at 12% by volume"),
+    template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
+    template!("pair-settling", "Two spheres that settle side by side"),
+    template!("shear", "Two sizes of spheres in a shear flow"),
+    template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
+    template!("disk-sweep", "Several seeds and viscosities of such disks"),
+    template!("poiseuille-disks", "Disks of many sizes in a Poiseuille flow"),
+    template!("shear-cell", "Grains in a shear cell, with every key explained"),
+    template!("shear-cell-continuum", "The kinetic theory of a shear cell, with every key explained"),
+];
+
+impl Template {
+    /// The template of that name, if there is one.
+    pub fn named(name: &str) -> Option<Self> {
+        TEMPLATES.iter().find(|template| template.name == name).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn every_template_is_a_scene() {
+        for template in TEMPLATES {
+            Scene::parse(template.text, template.name, &[]).unwrap();
+            assert_eq!(Template::named(template.name), Some(template));
+        }
+        assert_eq!(Template::named("sediment"), None);
+    }
+}
