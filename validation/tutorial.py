@@ -1,0 +1,66 @@
+"""The tutorial's question, answered: how fast do spheres settle at 5% by volume? The commands that it shows, with what they
+print, and the runs by which it judges time step, tolerance and box."""
+
+import csv
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+from support.page import BOOK, table, write_section
+from support.program import PROGRAM
+
+SCENE = BOOK / "tutorial.toml"
+FULL = "--full" in sys.argv
+# The runs: what is said of them, and the keys that differ from the scene's.
+RUNS = {
+    "the scene": {},
+    "half the step": {"time.step": 0.015, "statistics.every": 20},
+    "a tenth of the tolerance": {"hydrodynamics.tolerance": 1e-4},
+    "other random places": {"seed": 2},
+    "four times as many spheres": {"species[0].count": 1000, "box.edges": "[43.75, 43.75, 43.75]"},
+}
+
+
+def said(*words):
+    """What a command prints."""
+    return subprocess.run([PROGRAM, *map(str, words)], check=True, capture_output=True, text=True).stdout
+
+
+def settled(folder, keys):
+    """The mean velocity downwards of a run with some keys set, and its error."""
+    duration = {} if FULL else {"time.duration": 45, "statistics.from": 15}
+    sets = [word for key, value in (duration | keys).items() for word in ("--set", f"{key}={value}")]
+    said("run", SCENE, "--out", folder, *sets)
+    with open(folder / "statistics" / "summary.csv", newline="") as file:
+        row = next(row for row in csv.DictReader(file) if row["quantity"] == "mean_velocity_z")
+    return -float(row["value"]), float(row["error"])
+
+
+def edge(keys):
+    """The box's edge with some keys set."""
+    return float(re.search(r"[\d.]+", keys.get("box.edges", "27.56"))[0])
+
+
+def unbounded(found):
+    """The velocity in a box without end, by the line through two boxes over the inverse of their edges, and its error."""
+    (small, error), (large, other) = found["the scene"], found["four times as many spheres"]
+    near, far = 1 / edge(RUNS["the scene"]), 1 / edge(RUNS["four times as many spheres"])
+    weight = near / (near - far)
+    return small + (large - small) * weight, (((1 - weight) * error) ** 2 + (weight * other) ** 2) ** 0.5
+
+
+def main():
+    outline = said("check", SCENE)
+    with tempfile.TemporaryDirectory() as folder:
+        found = {name: settled(pathlib.Path(folder) / f"run{number}", keys) for number, (name, keys) in enumerate(RUNS.items())}
+    rows = [[name, f"{edge(RUNS[name]):g}", f"{value:.4f}", f"{error:.4f}"] for name, (value, error) in found.items()]
+    rows.append(["a box without end, by extrapolation", "", *(f"{number:.4f}" for number in unbounded(found))])
+    lines = ["```text", "$ fcm-solve check tutorial.toml", *outline.splitlines(), "```", ""]
+    lines += table(["run", "edge", "mean velocity downwards", "error"], rows)
+    write_section("tutorial.md", "tutorial", "What the commands print, and the table", lines)
+    print("\n".join(lines))
+
+
+main()
