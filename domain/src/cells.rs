@@ -72,8 +72,8 @@ impl Cells {
     /// Cells about as wide as the cutoff, or half of it where they would be crowded, and the particles in each.
     pub fn sort(cell: &PeriodicBox, positions: &[Vector], cutoff: f64) -> Self {
         let edges = cell.edges();
-        let crowd = positions.len() as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
-        let fineness = if crowd > CROWDED { 2.0 } else { 1.0 };
+        let expected = positions.len() as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
+        let fineness = if expected > CROWDED { 2.0 } else { 1.0 };
         // Within a distance d, the first lattice coordinate differs by up to d sqrt(1 + s^2).
         let widest = Vector::new(cutoff * (1.0 + cell.strain().powi(2)).sqrt(), cutoff, cutoff);
         let most = (positions.len() as f64).cbrt().ceil().max(1.0);

@@ -4,8 +4,8 @@
 mod bytes;
 mod cells;
 mod comm;
-mod crowd;
-mod exchange;
+mod expected_counts;
+mod halo;
 mod interrupt;
 mod memory;
 mod neighbours;
@@ -23,12 +23,12 @@ mod room;
 mod rows;
 mod traceless;
 mod units;
-mod vicinity;
+mod verlet_list;
 
 pub use bytes::{Bytes, GROWING, readable_bytes};
 pub use comm::{Comm, CommError, Failure, Launcher, Need, NoRoom, Window};
-pub use crowd::Crowd;
-pub use exchange::{Exchange, Reach};
+pub use expected_counts::ExpectedCounts;
+pub use halo::{Halo, Reach};
 pub use interrupt::{Interrupt, Interrupted};
 pub use memory::packing_bytes;
 pub use neighbours::{Neighbour, Neighbours};
@@ -45,7 +45,7 @@ pub use resident::Process;
 pub use room::{Room, Taken};
 pub use traceless::Traceless;
 pub use units::{Units, power_of_two};
-pub use vicinity::{Present, Vicinity};
+pub use verlet_list::{LocalAndGhosts, VerletList};
 
 /// A vector of three components in `f64`.
 pub type Vector = glam::DVec3;

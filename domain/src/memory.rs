@@ -1,6 +1,6 @@
 //! What particles, their images and their neighbour lists take.
 
-use crate::{Bytes, Exchange, GROWING, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, Vicinity};
+use crate::{Bytes, GROWING, Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
 
 /// The most numbers that a column of particles has in this project.
 const WIDEST: f64 = 6.0;
@@ -29,7 +29,7 @@ impl Particles {
     }
 }
 
-impl Exchange {
+impl Halo {
     /// The rows that a rank sends its images by, as many as it has images itself; and the lists that travel.
     pub fn bytes(owned: f64, present: f64) -> Bytes {
         Bytes::list::<u32>(present - owned).then(Bytes::list::<[f64; 9]>(2.0 * (present - owned)).freed())
@@ -63,7 +63,7 @@ impl Pairs {
     }
 }
 
-impl Vicinity {
+impl VerletList {
     /// Lists of the particles that a rank owns: all that are present, or near enough to become so, who have so many
     /// neighbours within the cutoff and so many within the reach of the lists, and the ids of all ranks' particles.
     pub fn bytes([owned, present, all]: [f64; 3], [near, reached]: [f64; 2]) -> Bytes {

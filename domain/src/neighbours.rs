@@ -1,4 +1,4 @@
-//! Who is near each particle.
+//! Neighbour lists: the particles within a cutoff of each.
 
 use crate::cells::{Around, Cells};
 use crate::{PeriodicBox, Vector};

@@ -1,4 +1,4 @@
-//! Near pairs.
+//! Pairs of particles within a cutoff.
 
 use crate::cells::{Around, Cells};
 use crate::{Neighbours, PeriodicBox, Vector};
@@ -99,7 +99,7 @@ fn is_kept(pair: &Pair, ids: &[u64], owned: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Comm, Exchange, Particles, Partition};
+    use crate::{Comm, Halo, Particles, Partition};
     use proptest::prelude::*;
 
     fn random(count: u64, cell: &PeriodicBox, seed: f64) -> Vec<Vector> {
@@ -194,10 +194,10 @@ mod tests {
                     particles.push(id as u64, p, 1.0, 0);
                 }
                 particles.migrate(&partition, &cell);
-                let exchange = Exchange::plan(&partition, &cell, &particles.positions, [cutoff; 2]);
+                let halo = Halo::plan(&partition, &cell, &particles.positions, [cutoff; 2]);
                 let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
-                exchange.extend(&mut positions);
-                exchange.extend(&mut ids);
+                halo.extend(&mut positions);
+                halo.extend(&mut ids);
                 let pairs = Pairs::find(&cell, &positions, &ids, particles.len(), cutoff);
                 distances(&pairs, &cell, &positions)
             });

@@ -3,8 +3,8 @@
 mod heap;
 
 use domain::{
-    Bytes, Comm, Crowd, Exchange, Neighbours, Pairs, Particles, Partition, PeriodicBox, Present, Random, Vector,
-    Vicinity, packing_bytes, random_packing,
+    Bytes, Comm, ExpectedCounts, Halo, LocalAndGhosts, Neighbours, Pairs, Particles, Partition, PeriodicBox, Random,
+    Vector, VerletList, packing_bytes, random_packing,
 };
 use heap::measured;
 
@@ -53,8 +53,8 @@ fn stores(all: &Particles) {
 
 fn lists(all: &Particles, cell: &PeriodicBox) {
     let (n, partition) = (COUNT as f64, Partition::new(&Comm::alone(), LINES));
-    let crowd = Crowd::new(cell.edges(), &[(0.5, COUNT)], partition.place());
-    let (near, reached) = (crowd.neighbours(CUTOFF), crowd.neighbours(CUTOFF * Vicinity::REACH));
+    let expected = ExpectedCounts::new(cell.edges(), &[(0.5, COUNT)], partition.place());
+    let (near, reached) = (expected.neighbours(CUTOFF), expected.neighbours(CUTOFF * VerletList::REACH));
     let (neighbours, found) = measured(|| Neighbours::find(cell, &all.positions, COUNT, CUTOFF));
     within(0.05, near, neighbours.count() as f64 / n);
     within(0.05, Neighbours::bytes(n, near).kept, found.kept);
@@ -62,14 +62,14 @@ fn lists(all: &Particles, cell: &PeriodicBox) {
     let (_, found) = measured(|| Pairs::find(cell, &all.positions, &all.ids, COUNT, CUTOFF));
     within(0.05, Pairs::bytes(n, n, near).kept, found.kept);
     within(0.15, Pairs::bytes(n, n, near).most, found.most);
-    let mut vicinity = Vicinity::new(CUTOFF, &partition);
+    let mut verlet_list = VerletList::new(CUTOFF, &partition);
     let ((), found) = measured(|| {
-        let present = Present { owned: COUNT, ids: &all.ids, positions: &all.positions };
+        let present = LocalAndGhosts { owned: COUNT, ids: &all.ids, positions: &all.positions };
         // The first time a search has no skin.
-        vicinity.update(cell, &present);
-        vicinity.update(cell, &present);
+        verlet_list.update(cell, &present);
+        verlet_list.update(cell, &present);
     });
-    let predicted = Vicinity::bytes([n; 3], [near, reached]);
+    let predicted = VerletList::bytes([n; 3], [near, reached]);
     within(0.15, predicted.kept, found.kept);
     within(0.15, predicted.most, found.most);
 }
@@ -85,7 +85,7 @@ fn images(all: &Particles, cell: &PeriodicBox) {
     });
     let extend = |comm: Comm| {
         let own = &shares[comm.rank()];
-        let exchange = Exchange::plan(&Partition::new(&comm, LINES), cell, own, [CUTOFF; 2]);
+        let exchange = Halo::plan(&Partition::new(&comm, LINES), cell, own, [CUTOFF; 2]);
         let mut values = Vec::with_capacity(exchange.present());
         values.resize(own.len(), [0.0; 9]);
         comm.barrier();
@@ -93,11 +93,10 @@ fn images(all: &Particles, cell: &PeriodicBox) {
         [own.len() as f64, values.len() as f64]
     };
     let (counts, found) = measured(|| Comm::threads(RANKS, extend));
-    let one = |&[owned, present]: &[f64; 2]| Bytes::list::<[f64; 9]>(present).then(Exchange::bytes(owned, present));
+    let one = |&[owned, present]: &[f64; 2]| Bytes::list::<[f64; 9]>(present).then(Halo::bytes(owned, present));
     within(0.25, counts.iter().map(|counts| one(counts).most).sum(), found.most);
     // The row of each image.
-    let rows =
-        |&[owned, present]: &[f64; 2]| within(1e-12, Exchange::bytes(owned, present).kept, 4.0 * (present - owned));
+    let rows = |&[owned, present]: &[f64; 2]| within(1e-12, Halo::bytes(owned, present).kept, 4.0 * (present - owned));
     counts.iter().for_each(rows);
 }
 

@@ -1,4 +1,4 @@
-//! Preconditioned conjugate gradients on unknowns shared out among ranks.
+//! The Krylov solver: preconditioned conjugate gradients on unknowns shared out among ranks.
 
 use domain::{Comm, Interrupt, Traceless};
 

@@ -5,7 +5,7 @@ use crate::near::{self, Near};
 use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
 use crate::stencil::Place as Stencil;
-use domain::{Bytes, Crowd, Exchange, GROWING, Place, Tensor, Traceless, Vector, Vicinity};
+use domain::{Bytes, ExpectedCounts, GROWING, Halo, Place, Tensor, Traceless, Vector, VerletList};
 use solver::Real;
 
 /// A plan as a rank carries it out that need not be there: what its [`crate::Mobility`] takes.
@@ -13,15 +13,15 @@ pub struct Footprint<'a> {
     plan: &'a Plan,
     place: Place,
     grid: solver::Footprint,
-    crowd: &'a Crowd,
+    expected: &'a ExpectedCounts,
     threads: usize,
 }
 
 impl<'a> Footprint<'a> {
-    /// Of a rank at a place with a crowd of particles, and of so many threads.
-    pub fn new(plan: &'a Plan, (place, threads): (&Place, usize), crowd: &'a Crowd) -> Self {
+    /// Of a rank at a place with so many particles to expect, and of so many threads.
+    pub fn new(plan: &'a Plan, (place, threads): (&Place, usize), expected: &'a ExpectedCounts) -> Self {
         let grid = solver::Footprint::new(plan.grid, place, plan.support.lanes);
-        Self { plan, place: place.clone(), grid, crowd, threads }
+        Self { plan, place: place.clone(), grid, expected, threads }
     }
 
     /// [`crate::Mobility`] with its particles in place, and what it takes to bring them there.
@@ -30,8 +30,8 @@ impl<'a> Footprint<'a> {
             Precision::Single => self.grid_in::<f32>(),
             Precision::Double => self.grid_in::<f64>(),
         };
-        let (owned, present) = (self.crowd.owned(), self.present());
-        let arrangement = Exchange::bytes(owned, present).then(Bytes::list::<(Vector, u32)>(present));
+        let (owned, present) = (self.expected.owned(), self.present());
+        let arrangement = Halo::bytes(owned, present).then(Bytes::list::<(Vector, u32)>(present));
         // Stencils as they are found, sorted, and those of before.
         let stencils = Bytes::list::<Stencil>(present).then(Bytes::list::<Stencil>(2.0 * present).freed());
         grid.then(arrangement).then(stencils).then(self.neighbours())
@@ -55,22 +55,22 @@ impl<'a> Footprint<'a> {
         if cutoff == 0.0 {
             return Bytes::default();
         }
-        let numbers = [cutoff, cutoff * Vicinity::REACH].map(|reach| self.crowd.neighbours(reach));
-        Vicinity::bytes([self.crowd.owned(), self.present(), self.crowd.total()], numbers)
+        let numbers = [cutoff, cutoff * VerletList::REACH].map(|reach| self.expected.neighbours(reach));
+        VerletList::bytes([self.expected.owned(), self.present(), self.expected.total()], numbers)
     }
 
     /// Particles and images that reach into the rank's pencil.
     fn present(&self) -> f64 {
         let spacing = self.plan.spacing();
         let stencil = 0.5 * self.plan.support.support as f64 * spacing.y.max(spacing.z);
-        self.crowd.present(stencil.max(self.plan.method.cutoff()))
+        self.expected.present(stencil.max(self.plan.method.cutoff()))
     }
 
     /// An evaluation, from loads to motions: loads of those present, in the grid's precision too, motions as they are
     /// found, as they are brought into order and home.
     pub fn evaluation(&self) -> Bytes {
         type Found = (Vector, Tensor);
-        let (owned, present) = (self.crowd.owned(), self.present());
+        let (owned, present) = (self.expected.owned(), self.present());
         let dipoles = self.plan.multipoles == Multipoles::Dipole;
         let loads = Bytes::list::<Vector>(present).then(Bytes::list::<Tensor>(if dipoles { present } else { 0.0 }));
         let in_precision = match self.plan.precision {
@@ -86,7 +86,7 @@ impl<'a> Footprint<'a> {
     }
 
     fn motion(&self) -> Bytes {
-        let owned = self.crowd.owned();
+        let owned = self.expected.owned();
         let velocities = Bytes::list::<Vector>(owned);
         match self.plan.multipoles {
             Multipoles::Monopole => velocities,
@@ -98,9 +98,9 @@ impl<'a> Footprint<'a> {
     /// two preconditioned residuals, direction and image, and an evaluation in which the last motion is still there.
     pub fn solve(&self) -> Bytes {
         if self.plan.multipoles == Multipoles::Monopole {
-            return Bytes::list::<Vector>(self.crowd.owned()).then(self.evaluation());
+            return Bytes::list::<Vector>(self.expected.owned()).then(self.evaluation());
         }
-        let owned = self.crowd.owned();
+        let owned = self.expected.owned();
         let given = Bytes::list::<(Vector, Vector, Traceless)>(owned);
         let unknowns = Bytes::list::<Traceless>(6.0 * owned).then(Bytes::list::<f64>(owned));
         let motions = self.motion().then(self.motion());

@@ -7,7 +7,7 @@ use crate::near::{Loaded, Near, NearField};
 use crate::plan::Plan;
 use crate::problem::Precision;
 use crate::work::{Clock, Work};
-use domain::{Exchange, Particles, Partition, PeriodicBox, Present, Tensor, Traceless, Units, Vector, Vicinity};
+use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList};
 use rayon::prelude::*;
 use solver::Real;
 
@@ -39,14 +39,14 @@ pub struct Mobility {
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
     arrangement: Arrangement,
-    vicinity: Vicinity,
+    verlet_list: VerletList,
     work: Work,
 }
 
 /// What depends on the positions alone, in units in which it is computed.
 struct Arrangement {
     cell: PeriodicBox,
-    exchange: Exchange,
+    halo: Halo,
     positions: Vec<Vector>,
     classes: Vec<u32>,
 }
@@ -63,11 +63,11 @@ impl Mobility {
         };
         let arrangement = Arrangement {
             cell,
-            exchange: Exchange::plan(partition, &cell, &[], [0.0; 2]),
+            halo: Halo::plan(partition, &cell, &[], [0.0; 2]),
             positions: Vec::new(),
             classes: Vec::new(),
         };
-        let vicinity = Vicinity::new(own.method.cutoff(), partition);
+        let verlet_list = VerletList::new(own.method.cutoff(), partition);
         Self {
             plan: plan.clone(),
             units,
@@ -75,7 +75,7 @@ impl Mobility {
             far,
             near,
             arrangement,
-            vicinity,
+            verlet_list,
             work: Work::default(),
         }
     }
@@ -101,20 +101,20 @@ impl Mobility {
         let spacing = [edges.y / self.plan.grid[1] as f64, edges.z / self.plan.grid[2] as f64];
         let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
         let reach = spacing.map(|h| (0.5 * self.plan.support.support as f64 * h).max(cutoff));
-        let exchange = Exchange::plan(&self.partition, cell, &present, reach);
+        let halo = Halo::plan(&self.partition, cell, &present, reach);
         let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
-        exchange.extend(&mut present);
-        exchange.extend(&mut classes);
+        halo.extend(&mut present);
+        halo.extend(&mut classes);
         clock.stop(&mut self.work.seconds.exchange);
         self.far.arrange(cell, &present);
         clock.stop(&mut self.work.seconds.spread);
         if self.near.is_some() {
             let mut ids = particles.ids.clone();
-            exchange.extend(&mut ids);
-            self.vicinity.update(cell, &Present { owned, ids: &ids, positions: &present });
-            self.work.searches = self.vicinity.searches();
+            halo.extend(&mut ids);
+            self.verlet_list.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &present });
+            self.work.searches = self.verlet_list.searches();
         }
-        self.arrangement = Arrangement { cell: *cell, exchange, positions: present, classes };
+        self.arrangement = Arrangement { cell: *cell, halo, positions: present, classes };
         clock.stop(&mut self.work.seconds.near);
     }
 
@@ -145,7 +145,7 @@ impl Mobility {
                 forces: &forces,
                 dipoles: &dipoles,
             };
-            let neighbours = self.vicinity.near();
+            let neighbours = self.verlet_list.neighbours();
             near.add(&loaded, neighbours, gradients, &mut motions);
             self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
@@ -173,15 +173,15 @@ impl Mobility {
         let mut forces = Vec::new();
         if forced {
             forces = loads.forces.iter().map(|&force| force * of_force).collect();
-            self.arrangement.exchange.extend(&mut forces);
+            self.arrangement.halo.extend(&mut forces);
         }
         let mut dipoles = Vec::new();
         if twisted || strained {
             let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
             let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
             let dipole = |i: usize| dipole(stresslet(i), torque(i)) * of_dipole;
-            dipoles = (0..self.arrangement.exchange.owned()).map(dipole).collect();
-            self.arrangement.exchange.extend(&mut dipoles);
+            dipoles = (0..self.arrangement.halo.owned()).map(dipole).collect();
+            self.arrangement.halo.extend(&mut dipoles);
         }
         (forces, dipoles)
     }
@@ -219,8 +219,8 @@ impl Arrangement {
     fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
         let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();
         let mut gradients: Vec<Tensor> = motions.iter().map(|m| m.1).collect();
-        self.exchange.collect(&mut velocities);
-        self.exchange.collect(&mut gradients);
+        self.halo.collect(&mut velocities);
+        self.halo.collect(&mut gradients);
         *motions = velocities.into_iter().zip(gradients).collect();
     }
 }

@@ -5,7 +5,7 @@ mod common;
 mod heap;
 
 use common::Suspension;
-use domain::{Comm, Crowd, Partition, PeriodicBox, Traceless, Vector};
+use domain::{Comm, ExpectedCounts, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Fixed, Footprint, Hydrodynamics, MethodName, Plan, Problem};
 use heap::measured;
 
@@ -26,8 +26,8 @@ fn predictions_are_what_is_allocated() {
         let fixed = Fixed { method: Some(method), ..Fixed::default() };
         let plan = Plan::choose(&Problem { rigid: true, fixed, ..suspension.problem(tolerance) }).unwrap();
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-        let crowd = Crowd::new(plan.edges, &[(1.0, COUNT)], partition.place());
-        let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &crowd);
+        let expected = ExpectedCounts::new(plan.edges, &[(1.0, COUNT)], partition.place());
+        let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
         assert_eq!(footprint.radii(), plan.radii);
         let (mut hydrodynamics, found) = measured(|| {
             let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);

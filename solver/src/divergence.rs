@@ -1,4 +1,4 @@
-//! How far a velocity field is from being free of sources.
+//! Relative divergence of a velocity field.
 
 use crate::{Field, Grid, Real, Spectral};
 use domain::{Comm, Vector};

@@ -1,4 +1,4 @@
-//! How far species have separated.
+//! Segregation of species.
 
 use domain::{Bytes, PeriodicBox, Vector};
 

@@ -1,6 +1,5 @@
 //! From positions to velocities.
 
-use crate::approach::Approach;
 use crate::error::StartError;
 use crate::fluid;
 use crate::forces::Forces;
@@ -9,6 +8,7 @@ use crate::hydrodynamics::{Guess, Hydrodynamics, Solved};
 use crate::integrator::VELOCITY;
 use crate::model::{Model, Multipoles};
 use crate::moving_box::MovingBox;
+use crate::relative_motion::RelativeMotion;
 use crate::setup::Setup;
 use crate::warm_start::WarmStart;
 use domain::{Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
@@ -225,8 +225,8 @@ impl Dynamics {
     }
 
     /// The relative motion of near pairs, with the velocities of the columns named. Collective.
-    pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> Approach<N> {
-        Approach::find(particles, &self.moving, &self.partition, columns)
+    pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> RelativeMotion<N> {
+        RelativeMotion::find(particles, &self.moving, &self.partition, columns)
     }
 
     /// From which gap to which lubrication acts, if it does.

@@ -22,7 +22,6 @@
 //! ```
 
 mod adaptive;
-mod approach;
 mod averages;
 pub mod benchmark;
 mod brought;
@@ -47,10 +46,11 @@ mod observed;
 mod outline;
 mod overlaps;
 mod plan;
+mod relative_motion;
 mod rheology;
 mod sampling;
 mod setup;
-mod single;
+mod single_evaluation;
 mod steadiness;
 mod stress;
 mod suspension;
@@ -71,7 +71,7 @@ pub use observed::Observed;
 pub use outline::{Asked, outline};
 pub use overlaps::Overlaps;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, Statistics, bytes as statistics_bytes, column_bytes, sample_bytes};
-pub use single::Single;
+pub use single_evaluation::SingleEvaluation;
 pub use steadiness::longest_step;
 pub use stress::ParticleStress;
 pub use suspension::{StepReport, Suspension};

@@ -11,7 +11,9 @@ use crate::model::{Integrator, Model, Multipoles, Species, Start};
 use crate::plan::{Radii, largest_strain};
 use crate::sampling;
 use crate::warm_start::WarmStart;
-use domain::{Bytes, Crowd, Need, Pairs, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes};
+use domain::{
+    Bytes, ExpectedCounts, Need, Pairs, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes,
+};
 use fcm::{Footprint, Plan};
 use lubrication::Range;
 use simulation::Frame;
@@ -42,9 +44,9 @@ pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec
 /// What a rank of a run needs at its peak.
 pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> Need {
     let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
-    let crowd = Crowd::new(plan.edges, radii.kinds(), &place);
-    let far = Footprint::new(plan, (&place, ranks.threads), &crowd);
-    let share = Share { model, far, crowd: &crowd, threads: ranks.threads, is_first: rank == 0 };
+    let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
+    let far = Footprint::new(plan, (&place, ranks.threads), &expected);
+    let share = Share { model, far, expected: &expected, threads: ranks.threads, is_first: rank == 0 };
     of_peak(share.peak(), &share.far, (rank, ranks.count))
 }
 
@@ -100,7 +102,7 @@ fn filled(model: &Model, gap: f64) -> f64 {
 struct Share<'a> {
     model: &'a Model,
     far: Footprint<'a>,
-    crowd: &'a Crowd,
+    expected: &'a ExpectedCounts,
     threads: usize,
     is_first: bool,
 }
@@ -108,7 +110,7 @@ struct Share<'a> {
 impl Share<'_> {
     /// From the start to the end.
     fn peak(&self) -> Bytes {
-        let particles = Particles::bytes(self.crowd.owned(), self.numbers());
+        let particles = Particles::bytes(self.expected.owned(), self.numbers());
         let stays = self.fluid().then(particles).then(self.estimators()).then(self.segregation());
         let passes =
             self.step().or(self.report()).or(self.frame()).or(self.sample()).or(self.checkpoint()).or(self.field());
@@ -116,8 +118,8 @@ impl Share<'_> {
     }
 
     fn start(&self) -> Bytes {
-        let placed = if self.is_first { placing_bytes(self.model, self.crowd.total()) } else { Bytes::default() };
-        let own = Particles::bytes(self.crowd.owned(), 0);
+        let placed = if self.is_first { placing_bytes(self.model, self.expected.total()) } else { Bytes::default() };
+        let own = Particles::bytes(self.expected.owned(), 0);
         placed.or(own.then(self.near(self.gap_search())).freed())
     }
 
@@ -148,29 +150,29 @@ impl Share<'_> {
 
     /// What the particles and the near pairs of others within a distance of them take while they are looked at.
     fn near(&self, distance: f64) -> Bytes {
-        let (owned, present) = (self.crowd.owned(), self.crowd.present(distance));
+        let (owned, present) = (self.expected.owned(), self.expected.present(distance));
         let copies = Bytes::list::<(Vector, f64, u64)>(present);
-        copies.then(Pairs::bytes(owned, present, self.crowd.neighbours(distance)))
+        copies.then(Pairs::bytes(owned, present, self.expected.neighbours(distance)))
     }
 
     fn gap_search(&self) -> f64 {
-        2.2 * self.crowd.largest_radius()
+        2.2 * self.expected.largest_radius()
     }
 
     /// A step, and the particles as they were before it, to which one that is interrupted goes back.
     fn step(&self) -> Bytes {
-        Particles::bytes(self.crowd.owned(), self.numbers()).then(self.evaluation()).freed()
+        Particles::bytes(self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
     }
 
     fn evaluation(&self) -> Bytes {
-        let owned = self.crowd.owned();
-        let largest = self.crowd.largest_radius();
+        let owned = self.expected.owned();
+        let largest = self.expected.largest_radius();
         let repulsion = barrier(self.model).ok().flatten().map(|barrier| barrier.reach([largest; 2]));
         let forces = repulsion.map_or_else(Bytes::default, |reach| self.near(reach).freed());
         let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
         let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
         let solve = match self.range() {
-            Some(range) => solve_bytes(&self.far, self.crowd, range).or(self.far.solve()),
+            Some(range) => solve_bytes(&self.far, self.expected, range).or(self.far.solve()),
             None => self.far.solve(),
         };
         let evaluation = Particles::migration_bytes(owned).freed().or(loads.then(guess).then(solve).freed());
@@ -180,8 +182,8 @@ impl Share<'_> {
     /// Steps of any length look at pairs up to a gap of a radius.
     fn approach(&self) -> Bytes {
         let Integrator::Adaptive(_) = self.model.integrator else { return Bytes::default() };
-        let distance = 3.0 * self.crowd.largest_radius();
-        let pairs = 0.5 * self.crowd.owned() * self.crowd.neighbours(distance);
+        let distance = 3.0 * self.expected.largest_radius();
+        let pairs = 0.5 * self.expected.owned() * self.expected.neighbours(distance);
         self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed()
     }
 
@@ -190,13 +192,13 @@ impl Share<'_> {
     }
 
     fn gathered(&self, numbers: usize) -> Bytes {
-        Particles::gathering_bytes(self.crowd.owned(), self.crowd.total(), numbers, self.is_first)
+        Particles::gathering_bytes(self.expected.owned(), self.expected.total(), numbers, self.is_first)
     }
 
     fn frame(&self) -> Bytes {
         let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
         let numbers: usize = widths.sum();
-        let buffers = if self.is_first { Frame::bytes(self.crowd.total(), numbers) } else { Bytes::default() };
+        let buffers = if self.is_first { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
         self.gathered(numbers).freed().then(buffers).freed()
     }
 
@@ -209,7 +211,7 @@ impl Share<'_> {
     fn estimators(&self) -> Bytes {
         match self.samples() {
             Some(samples) if self.is_first => {
-                sampling::bytes(self.crowd.total(), samples, (self.model.species.len(), self.threads))
+                sampling::bytes(self.expected.total(), samples, (self.model.species.len(), self.threads))
             }
             _ => Bytes::default(),
         }
@@ -227,12 +229,12 @@ impl Share<'_> {
         if self.samples().is_none() {
             return Bytes::default();
         }
-        let own = if self.is_first { sampling::sample_bytes(self.crowd.total()) } else { Bytes::default() };
+        let own = if self.is_first { sampling::sample_bytes(self.expected.total()) } else { Bytes::default() };
         self.gathered(6).then(own).freed()
     }
 
     fn checkpoint(&self) -> Bytes {
-        let total = self.crowd.total();
+        let total = self.expected.total();
         let state = self.samples().map_or(0.0, |samples| sampling::state_bytes(total, samples));
         let written = Particles::bytes(total, self.numbers()).then(Bytes::keep(state));
         let own = Bytes::keep(state).then(written);
@@ -246,8 +248,8 @@ impl Share<'_> {
         }
         let Some(plan) = self.far.plan_of_flow(largest_strain(self.model)) else { return Bytes::default() };
         let place = self.far.place_of(&plan);
-        let far = Footprint::new(&plan, (&place, self.threads), self.crowd);
-        let moved = Particles::bytes(self.crowd.owned(), 11);
+        let far = Footprint::new(&plan, (&place, self.threads), self.expected);
+        let moved = Particles::bytes(self.expected.owned(), 11);
         let all = if self.is_first { plan.grid.iter().map(|&n| n as f64).product() } else { 0.0 };
         let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
         // In a sheared box the places of the points are written too.

@@ -2,7 +2,7 @@
 
 use crate::hydrodynamics::{Guess, Hydrodynamics, Solved};
 use crate::overlaps::Overlaps;
-use crate::single::Single;
+use crate::single_evaluation::SingleEvaluation;
 use domain::{Bytes, Comm, Failure, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, PlanError, Problem, SolveError};
 use lubrication::{PairForceError, Range};
@@ -93,7 +93,8 @@ impl Mobility {
         let problem = problem(&parameters);
         let plan = Plan::choose(&problem).map_err(MobilityError::Plan)?;
         let (lubrication, radii) = (parameters.lubrication, problem.radii.clone());
-        Single { plan: &plan, radii, lubrication, numbers: NUMBERS, besides, remedy: REMEDY }.check_room(comm)?;
+        SingleEvaluation { plan: &plan, radii, lubrication, numbers: NUMBERS, besides, remedy: REMEDY }
+            .check_room(comm)?;
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics = comm.agree(Hydrodynamics::new(&plan, &partition, lubrication))?;
         Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions: Vec::new() })

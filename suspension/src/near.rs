@@ -1,12 +1,12 @@
 //! Particles near each other.
 
 use bytemuck::Pod;
-use domain::{Exchange, Neighbour, Neighbours, Pair, Pairs, Particles, Partition, PeriodicBox, Vector};
+use domain::{Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Partition, PeriodicBox, Vector};
 use std::ops::AddAssign;
 
 /// The pairs within a cutoff, with what is needed of the images that other ranks own.
 pub struct Near {
-    exchange: Exchange,
+    halo: Halo,
     cell: PeriodicBox,
     positions: Vec<Vector>,
     radii: Vec<f64>,
@@ -16,14 +16,14 @@ pub struct Near {
 impl Near {
     /// Finds the pairs whose centres are nearer than `cutoff`. Collective.
     pub fn find(particles: &Particles, cell: &PeriodicBox, partition: &Partition, cutoff: f64) -> Self {
-        let exchange = Exchange::plan(partition, cell, &particles.positions, [cutoff; 2]);
+        let halo = Halo::plan(partition, cell, &particles.positions, [cutoff; 2]);
         let (mut positions, mut radii, mut ids) =
             (particles.positions.clone(), particles.radii.clone(), particles.ids.clone());
-        exchange.extend(&mut positions);
-        exchange.extend(&mut radii);
-        exchange.extend(&mut ids);
+        halo.extend(&mut positions);
+        halo.extend(&mut radii);
+        halo.extend(&mut ids);
         let pairs = Pairs::find(cell, &positions, &ids, particles.len(), cutoff);
-        Self { exchange, cell: *cell, positions, radii, pairs }
+        Self { halo, cell: *cell, positions, radii, pairs }
     }
 
     /// For each particle that this rank owns, the sum over its pairs of what `of(separation, radii)` gives to the first
@@ -35,25 +35,25 @@ impl Near {
     /// For each particle that this rank owns, the sum of what its pairs give to the first and to the second of them;
     /// there is one item for each of [`Near::pairs`]. Collective.
     pub fn summed<T: Pod + AddAssign>(&self, of_pairs: impl Iterator<Item = [T; 2]>) -> Vec<T> {
-        let mut sums = vec![T::zeroed(); self.exchange.present()];
+        let mut sums = vec![T::zeroed(); self.halo.present()];
         for (pair, [first, second]) in self.pairs.list().iter().zip(of_pairs) {
             sums[pair.i as usize] += first;
             sums[pair.j as usize] += second;
         }
-        self.exchange.collect(&mut sums);
+        self.halo.collect(&mut sums);
         sums
     }
 
     /// Particles that this rank owns.
     pub fn owned(&self) -> usize {
-        self.exchange.owned()
+        self.halo.owned()
     }
 
     /// Of vectors that each particle of this rank has, for each pair that of the second less that of the first.
     /// Collective.
     pub fn differences(&self, values: &[Vector]) -> Vec<Vector> {
         let mut present = values.to_vec();
-        self.exchange.extend(&mut present);
+        self.halo.extend(&mut present);
         let difference = |pair: &Pair| present[pair.j as usize] - present[pair.i as usize];
         self.pairs.list().iter().map(difference).collect()
     }
@@ -115,10 +115,10 @@ fn smallest_gap_of(
     let (mut margin, mut smallest) = ((0.2 * largest).max(LEAST_MARGIN * shortest), known);
     loop {
         let cutoff = (2.0 * largest + margin).min(farthest);
-        let exchange = Exchange::plan(partition, cell, &positions, [cutoff; 2]);
+        let halo = Halo::plan(partition, cell, &positions, [cutoff; 2]);
         let (mut places, mut sizes) = (positions.clone(), radii.clone());
-        exchange.extend(&mut places);
-        exchange.extend(&mut sizes);
+        halo.extend(&mut places);
+        halo.extend(&mut sizes);
         let neighbours = Neighbours::find(cell, &places, first.len(), cutoff);
         let gap = |row: usize, other: &Neighbour| {
             let pair = Pair { i: row as u32, j: other.row, steps: other.steps };

@@ -1,4 +1,4 @@
-//! Where the search for stresslets and lubrication starts: at what they would be if they went on as in the last steps.
+//! Initial guess of the Krylov solve: stresslets and lubrication extrapolated from the last steps.
 
 use crate::dynamics::STRESSLET;
 use crate::extrapolation;

@@ -1,4 +1,4 @@
-//! Time series of what a run observes, as CSV for reading and as HDF5 for programs.
+//! Time series of the observables of a run, as CSV for reading and as HDF5 for programs.
 
 mod former;
 

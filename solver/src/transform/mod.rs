@@ -1,7 +1,7 @@
 //! The only way from one space to the other.
 
-mod exchange;
 mod share;
+mod transposition;
 
 use crate::fourier::{AnyLength, Direction};
 use crate::layout::Layout;
@@ -9,8 +9,8 @@ use crate::memory::Memory;
 use crate::shared::Shared;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
-use exchange::Exchange;
 use share::{Share, Task};
+use transposition::Transposition;
 
 /// The Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
 /// allocating.
@@ -33,8 +33,8 @@ use share::{Share, Task};
 /// threads and ranks.
 pub struct Transform<T> {
     share: Share<T>,
-    along_y: Option<Exchange<T>>,
-    along_z: Option<Exchange<T>>,
+    along_y: Option<Transposition<T>>,
+    along_z: Option<Transposition<T>>,
 }
 
 impl<T: Real> Transform<T> {
@@ -56,15 +56,15 @@ impl<T: Real> Transform<T> {
 
     fn planned(points: [usize; 3], partition: &Partition, halo: usize, plan: fn(usize) -> AnyLength<T>) -> Self {
         let layout = Layout::new::<T>(points, partition.place(), halo);
-        let along_y = Exchange::along_y(&layout, partition);
-        let along_z = Exchange::along_z(&layout, partition);
+        let along_y = Transposition::along_y(&layout, partition);
+        let along_z = Transposition::along_z(&layout, partition);
         Self { share: Share::new(layout, plan), along_y, along_z }
     }
 
     /// Bytes of its own: whole columns, and room for each thread.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
-        let columns = [&self.along_y, &self.along_z].map(|exchange| exchange.as_ref().map_or(0, Exchange::reals));
+        let columns = [&self.along_y, &self.along_z].map(|planned| planned.as_ref().map_or(0, Transposition::reals));
         size_of::<T>() * columns.iter().sum::<usize>() + self.share.bytes()
     }
 
@@ -112,7 +112,7 @@ impl<T: Real> Transform<T> {
 
     /// The memory of the last exchange, in which columns along z are whole; none if a field's own are.
     fn whole_columns(&mut self) -> Option<&mut [T]> {
-        self.along_z.as_mut().or(self.along_y.as_mut()).map(Exchange::columns_mut)
+        self.along_z.as_mut().or(self.along_y.as_mut()).map(Transposition::columns_mut)
     }
 
     /// Transforms along x and y, after which columns along z are whole: where they are.

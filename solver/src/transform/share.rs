@@ -1,6 +1,6 @@
 //! What a rank transforms by itself: planes along x and y, and columns along z.
 
-use super::exchange::Packing;
+use super::transposition::Packing;
 use crate::fourier::{AnyLength, At, Batch, Direction, Rows};
 use crate::layout::Layout;
 use crate::memory::Memory;

@@ -1,10 +1,10 @@
 //! Steps as long as accuracy and near pairs allow.
 
-use crate::approach::Approach;
 use crate::dynamics::{Dynamics, Moment, Outcome, StepError};
 use crate::extrapolation::integral;
 use crate::integrator::{PAST, VELOCITY, move_by, remember};
 use crate::model::Adaptive;
+use crate::relative_motion::RelativeMotion;
 use domain::{Comm, Particles, Vector};
 use simulation::Clock;
 
@@ -116,7 +116,7 @@ impl Substep<'_> {
 }
 
 /// How spheres are moved apart if lubrication acts. None if they cannot be. Collective.
-fn moved_apart(approach: &Approach<3>, weights: [f64; 3], dynamics: &Dynamics) -> Option<Vec<Vector>> {
+fn moved_apart(approach: &RelativeMotion<3>, weights: [f64; 3], dynamics: &Dynamics) -> Option<Vec<Vector>> {
     let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
     approach.apart(weights, range.closest(), dynamics.partition().comm())
 }

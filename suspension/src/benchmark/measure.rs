@@ -2,7 +2,7 @@
 
 use super::BenchmarkError;
 use super::spheres::{Spheres, loads};
-use crate::single::Single;
+use crate::single_evaluation::SingleEvaluation;
 use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{
     Costs, Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds,
@@ -114,8 +114,14 @@ impl Task {
         };
         let plan = Plan::choose(&problem).map_err(BenchmarkError::Plan)?;
         let besides = Bytes::list::<(Vector, [f64; 3])>(spheres.radii.len() as f64);
-        let single =
-            Single { plan: &plan, radii: problem.radii, lubrication: None, numbers: 11, besides, remedy: REMEDY };
+        let single = SingleEvaluation {
+            plan: &plan,
+            radii: problem.radii,
+            lubrication: None,
+            numbers: 11,
+            besides,
+            remedy: REMEDY,
+        };
         single.check_room(comm)?;
         Ok(plan)
     }

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::near_pairs::{Modes, NearPair};
 use super::screw::Screw;
-use domain::{Bytes, Crowd, Exchange, Pairs, Traceless, Vector};
+use domain::{Bytes, ExpectedCounts, Halo, Pairs, Traceless, Vector};
 use fcm::Footprint;
 use lubrication::{PairForce, Range};
 
@@ -20,9 +20,9 @@ pub fn table_bytes(radii: &[f64]) -> Bytes {
 }
 
 /// [`super::Hydrodynamics::solve`] with lubrication at gaps up to the end of a range.
-pub fn solve_bytes(far: &Footprint, crowd: &Crowd, range: Range) -> Bytes {
-    let pairs = NearbyPairs::of(crowd, range);
-    let owned = crowd.owned();
+pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> Bytes {
+    let pairs = NearbyPairs::of(expected, range);
+    let owned = expected.owned();
     let single = Bytes::list::<(Screw, f64)>(owned);
     let unknowns = pairs.unknowns(owned, VECTORS);
     let loads = Bytes::list::<Screw>(6.0 * owned).then(Bytes::list::<(Vector, Vector, Traceless)>(3.0 * owned));
@@ -41,19 +41,19 @@ struct NearbyPairs {
 }
 
 impl NearbyPairs {
-    fn of(crowd: &Crowd, range: Range) -> Self {
+    fn of(expected: &ExpectedCounts, range: Range) -> Self {
         let cutoff = range.cutoff();
-        let largest = crowd.largest_radius();
+        let largest = expected.largest_radius();
         let reach = (2.0 + cutoff) * largest;
-        let (owned, present) = (crowd.owned(), crowd.present(reach));
-        let count = 0.5 * owned * crowd.neighbours_of_pairs(|a, b| a + b + cutoff * a.max(b));
-        let stiff = 0.5 * owned * crowd.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
-        let searched = crowd.neighbours(reach);
+        let (owned, present) = (expected.owned(), expected.present(reach));
+        let count = 0.5 * owned * expected.neighbours_of_pairs(|a, b| a + b + cutoff * a.max(b));
+        let stiff = 0.5 * owned * expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
+        let searched = expected.neighbours(reach);
         let copies = Bytes::list::<(Vector, u64, u32)>(present);
         let search = copies.then(Pairs::bytes(owned, present, searched));
         let order = Bytes::list::<(u8, usize)>(0.5 * owned * searched);
         let finding = search.then(order).then(Bytes::list::<NearPair>(count)).freed();
-        let found = Exchange::bytes(owned, present).then(finding).then(Bytes::list::<NearPair>(count));
+        let found = Halo::bytes(owned, present).then(finding).then(Bytes::list::<NearPair>(count));
         Self { count, stiff, present, found }
     }
 

@@ -3,7 +3,7 @@
 use super::screw::{Screw, Screws};
 use super::stiffness::Stiffness;
 use bytemuck::Pod;
-use domain::{Exchange, Pair, Pairs, Particles, Partition, PeriodicBox, Traceless, Vector};
+use domain::{Halo, Pair, Pairs, Particles, Partition, PeriodicBox, Traceless, Vector};
 use lubrication::{PairFactor, PairForce, PairLoads, PairMotion};
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -21,7 +21,7 @@ pub struct NearPair {
 
 /// The pairs that this rank keeps, with what is needed of images that other ranks own.
 pub struct NearPairs {
-    exchange: Exchange,
+    halo: Halo,
     /// The stiff ones come first.
     list: Vec<NearPair>,
     stiff: usize,
@@ -39,13 +39,13 @@ impl NearPairs {
         partition: &Partition,
     ) -> Self {
         let reach = force.reach();
-        let exchange = Exchange::plan(partition, cell, &particles.positions, [reach; 2]);
+        let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
         let class = |a: &f64| force.radii().partition_point(|radius| radius < a) as u32;
         let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
         let mut classes: Vec<u32> = particles.radii.iter().map(class).collect();
-        exchange.extend(&mut positions);
-        exchange.extend(&mut ids);
-        exchange.extend(&mut classes);
+        halo.extend(&mut positions);
+        halo.extend(&mut ids);
+        halo.extend(&mut classes);
         let pairs = Pairs::find(cell, &positions, &ids, particles.len(), reach);
         let species = |pair: &Pair| [classes[pair.i as usize], classes[pair.j as usize]];
         let kind = |pair: &Pair| {
@@ -64,7 +64,7 @@ impl NearPairs {
             NearPair { rows: [pair.i as usize, pair.j as usize], factor: factor.expect("a pair within the cutoff") }
         };
         let list = order.par_iter().map(near).collect();
-        Self { exchange, list, stiff }
+        Self { halo, list, stiff }
     }
 
     /// The pairs.
@@ -78,14 +78,14 @@ impl NearPairs {
     }
 
     /// Who has images of whom.
-    pub fn exchange(&self) -> &Exchange {
-        &self.exchange
+    pub fn halo(&self) -> &Halo {
+        &self.halo
     }
 
     /// `B^T` times motions relative to the ambient flow, whose rate of strain is `ambient`. Collective.
     pub fn modes(&self, motions: &Screws, ambient: Traceless) -> Vec<Modes> {
         let mut present = motions.0.clone();
-        self.exchange.extend(&mut present);
+        self.halo.extend(&mut present);
         self.list
             .par_iter()
             .map(|pair| pair.factor.modes(&motion(pair.rows.map(|row| present[row]), ambient)))
@@ -95,7 +95,7 @@ impl NearPairs {
     /// `B^T` times motions in an ambient flow without strain, of the first pairs. Collective.
     pub fn rigid_modes(&self, motions: &Screws, pairs: usize) -> Vec<Modes> {
         let mut present = motions.0.clone();
-        self.exchange.extend(&mut present);
+        self.halo.extend(&mut present);
         let modes = |pair: &NearPair| {
             let spheres = pair.rows.map(|row| present[row]);
             pair.factor.rigid_modes(spheres.map(Screw::linear), spheres.map(Screw::angular))
@@ -123,7 +123,7 @@ impl NearPairs {
     /// minus `B^T` times them. Collective.
     pub fn stresslets(&self, motions: &Screws, ambient: Traceless, amplitudes: &[Modes]) -> Vec<Traceless> {
         let mut present = motions.0.clone();
-        self.exchange.extend(&mut present);
+        self.halo.extend(&mut present);
         let on = |i: usize, NearPair { rows, factor }: &NearPair| {
             let modes = amplitudes[i].map(|g| -g);
             factor.moments_on(&motion(rows.map(|row| present[row]), ambient), &modes).map(|moment| -moment)
@@ -137,7 +137,7 @@ impl NearPairs {
         pairs: usize,
         of: impl Fn(usize, &NearPair) -> [T; 2] + Sync,
     ) -> Vec<T> {
-        let mut sums = vec![T::zeroed(); self.exchange.present()];
+        let mut sums = vec![T::zeroed(); self.halo.present()];
         let mut batch = Vec::with_capacity(BATCH.min(pairs));
         for (number, list) in self.list[..pairs].chunks(BATCH).enumerate() {
             list.par_iter().enumerate().map(|(i, pair)| of(number * BATCH + i, pair)).collect_into_vec(&mut batch);
@@ -147,7 +147,7 @@ impl NearPairs {
                 }
             }
         }
-        self.exchange.collect(&mut sums);
+        self.halo.collect(&mut sums);
         sums
     }
 }

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::near_pairs::{Modes, NearPairs};
 use super::screw::{Screw, Screws};
-use domain::{Comm, Exchange, Interrupt};
+use domain::{Comm, Halo, Interrupt};
 use fcm::{Limits, System, conjugate_gradients};
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 pub struct ParticleMatrix<'a> {
     comm: Comm,
     near: &'a NearPairs,
-    exchange: &'a Exchange,
+    halo: &'a Halo,
     diagonal: Vec<Block>,
     inverse: Vec<Block>,
     /// Where each present row starts in `entries`.
@@ -37,10 +37,10 @@ const MOST_ITERATIONS: usize = 2000;
 impl<'a> ParticleMatrix<'a> {
     /// For near pairs of particles with the given resistances alone. Collective.
     pub fn new(comm: &Comm, near: &'a NearPairs, single: &[Screw]) -> Self {
-        let (exchange, pairs) = (near.exchange(), &near.list()[..near.stiff()]);
-        let mut diagonal = vec![Block::default(); exchange.present()];
+        let (halo, pairs) = (near.halo(), &near.list()[..near.stiff()]);
+        let mut diagonal = vec![Block::default(); halo.present()];
         // Where each row ends, and while it is filled, how far it is.
-        let mut ends = vec![0; exchange.present() + 1];
+        let mut ends = vec![0; halo.present() + 1];
         for row in pairs.iter().flat_map(|pair| pair.rows) {
             ends[row + 1] += 1;
         }
@@ -58,12 +58,12 @@ impl<'a> ParticleMatrix<'a> {
                 ends[row] += 1;
             }
         }
-        exchange.collect(&mut diagonal);
+        halo.collect(&mut diagonal);
         for (block, single) in diagonal.iter_mut().zip(single) {
             (0..6).for_each(|k| block.0[k][k] += single.0[k]);
         }
         let inverse = diagonal.iter().map(Block::inverse).collect();
-        Self { comm: comm.clone(), near, exchange, diagonal, inverse, starts, entries, tolerance: TOLERANCE }
+        Self { comm: comm.clone(), near, halo, diagonal, inverse, starts, entries, tolerance: TOLERANCE }
     }
 
     /// Takes from the amplitudes of stiff pairs what the motions by these alone do to them, `B^T (M_0^-1 + B B^T)^-1 B`
@@ -100,7 +100,7 @@ impl System for ParticleMatrix<'_> {
 
     fn apply(&mut self, direction: &Screws) -> Screws {
         let mut present = direction.0.clone();
-        self.exchange.extend(&mut present);
+        self.halo.extend(&mut present);
         let row = |row: usize| {
             let mut sum = self.diagonal.get(row).map_or_else(Screw::default, |block| block.times(&present[row]));
             for (column, block) in &self.entries[self.starts[row]..self.starts[row + 1]] {
@@ -109,7 +109,7 @@ impl System for ParticleMatrix<'_> {
             sum
         };
         let mut loads = (0..present.len()).into_par_iter().map(row).collect();
-        self.exchange.collect(&mut loads);
+        self.halo.collect(&mut loads);
         Screws(loads)
     }
 

@@ -1,4 +1,4 @@
-//! Which pairs are stiff.
+//! Stiff pairs, which the preconditioner solves with the particles.
 
 use super::screw::Screw;
 use domain::Vector;

@@ -22,7 +22,7 @@ mod queue;
 use super::{Grains, Lid, Model, Motion, State, Tally};
 use crate::parameter::ParameterError;
 use cells::{Cells, NEAR, Near};
-use contact_time::Approach;
+use contact_time::RelativeMotion;
 use domain::{Number, Vector};
 use flights::Flights;
 use grain::{Exit, Grain, Plan, Rest};
@@ -54,7 +54,7 @@ pub struct EventDriven {
     near: Box<Near>,
     flights: Box<Flights>,
     /// Room for those of the grains near that a grain may meet where flights curve.
-    curving: Vec<(u32, Approach)>,
+    curving: Vec<(u32, RelativeMotion)>,
     /// Time since the grains were last brought together; plans and grains count from there.
     now: f64,
     /// Diameter then, and the speed at which it grows (packing only).
@@ -137,7 +137,7 @@ impl EventDriven {
             cells,
             near: Box::new(Near::new()),
             flights: Box::new(Flights::new()),
-            curving: vec![(NONE, Approach::default()); NEAR],
+            curving: vec![(NONE, RelativeMotion::default()); NEAR],
             now: 0.0,
             size,
             horizon: horizon(model),

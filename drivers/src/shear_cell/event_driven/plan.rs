@@ -2,7 +2,7 @@
 
 use super::{
     EventDriven, NONE,
-    contact_time::{Approach, curved, reach},
+    contact_time::{RelativeMotion, curved, reach},
     flights::View,
     grain::{Exit, Plan},
 };
@@ -64,7 +64,7 @@ impl EventDriven {
         for &j in self.near.list() {
             let pull = self.accelerations[j as usize];
             let (there, speed) = self.grains[j as usize].at(self.now, Some(pull));
-            let start = Approach {
+            let start = RelativeMotion {
                 separation: self.nearest(there - position),
                 velocity: speed - velocity,
                 acceleration: pull - acceleration,

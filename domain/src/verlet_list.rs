@@ -1,17 +1,17 @@
-//! Neighbour lists that outlive small motions.
+//! Verlet lists: neighbour lists with a skin, which stay right while particles move less than half of it.
 
-use crate::exchange::Pencil;
+use crate::halo::Pencil;
 use crate::neighbours::Batch;
-use crate::{Exchange, Neighbour, Neighbours, Partition, PeriodicBox, Vector};
+use crate::{Halo, Neighbour, Neighbours, Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
 
-/// Who is near each particle, found anew only after somebody has moved too far (Verlet 1967): lists reach farther than
-/// the cutoff by a skin, and those who are within the cutoff are picked from them.
+/// Neighbours of each particle within a cutoff. The lists reach farther by a skin, and are searched anew only when some
+/// particle has moved too far (Verlet, Phys. Rev. 159, 98, 1967); neighbours within the cutoff are picked from them.
 ///
 /// Lists name particles by the rows that they had at the search, since rows are sorted anew as particles move, and are
 /// in the order of the ids, so that they do not depend on when the search was. On several ranks there are lists of
 /// those too who may yet come over from other ranks.
-pub struct Vicinity {
+pub struct VerletList {
     cutoff: f64,
     partition: Partition,
     found: Option<Found>,
@@ -19,9 +19,9 @@ pub struct Vicinity {
     searches: u64,
 }
 
-/// The particles of a rank and, behind them, their images from other ranks.
+/// The local particles of a rank and, behind them, its ghosts: copies of particles of other ranks.
 #[derive(Debug, Clone, Copy)]
-pub struct Present<'a> {
+pub struct LocalAndGhosts<'a> {
     /// Particles that the rank owns, which come first.
     pub owned: usize,
     /// Of all.
@@ -51,17 +51,17 @@ const SPARSEST: usize = 16;
 /// Particles whose lists one thread goes through at a time.
 const BATCH: usize = 1024;
 
-impl Vicinity {
+impl VerletList {
     /// How far the lists reach, over the cutoff.
     pub const REACH: f64 = 1.0 + SKIN;
 
-    /// Nobody yet, on ranks that share out space by `partition`.
+    /// Empty lists, on ranks that share out space by `partition`.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
         Self { cutoff, partition: partition.clone(), found: None, near: Neighbours::default(), searches: 0 }
     }
 
     /// Those within the cutoff of each particle owned at the last positions, by rows.
-    pub fn near(&self) -> &Neighbours {
+    pub fn neighbours(&self) -> &Neighbours {
         &self.near
     }
 
@@ -71,7 +71,7 @@ impl Vicinity {
     }
 
     /// Takes those who are present: at least all within the cutoff of somebody owned. A collective call.
-    pub fn update(&mut self, cell: &PeriodicBox, present: &Present) {
+    pub fn update(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) {
         let cutoff = self.cutoff;
         let near = |found: &Found| Some(found.within(&found.follow(cell, present, cutoff)?, cutoff));
         self.near = Neighbours::default();
@@ -89,7 +89,7 @@ impl Vicinity {
         self.found = Some(found);
     }
 
-    fn search(&mut self, cell: &PeriodicBox, present: &Present) -> Found {
+    fn search(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) -> Found {
         let comm = self.partition.comm();
         let (mut ids, mut positions) = (present.ids.to_vec(), present.positions.to_vec());
         let last = ids.iter().max().map_or(0, |&last| last as usize);
@@ -104,11 +104,11 @@ impl Vicinity {
         if skin > 0.0 && comm.size() > 1 {
             // Those who may come to be owned before the next search, and all whom their lists name.
             let margin = 0.5 * (reach - self.cutoff);
-            let exchange = Exchange::plan(&self.partition, cell, &positions[..present.owned], [reach + margin; 2]);
+            let halo = Halo::plan(&self.partition, cell, &positions[..present.owned], [reach + margin; 2]);
             ids.truncate(present.owned);
             positions.truncate(present.owned);
-            exchange.extend(&mut ids);
-            exchange.extend(&mut positions);
+            halo.extend(&mut ids);
+            halo.extend(&mut positions);
             let pencil = Pencil::of(&self.partition, cell, comm.rank());
             listed = positions.iter().map(|&position| pencil.is_within([margin; 2], position)).collect();
         }
@@ -144,7 +144,7 @@ impl Found {
     ///
     /// In lattice coordinates the flow of a shear does not move anybody. What it does to a distance is at least the
     /// factor `sqrt(1 + g^2/4) - g/2` at the strain `g` since.
-    fn follow<'a>(&self, cell: &'a PeriodicBox, present: &Present, cutoff: f64) -> Option<Now<'a>> {
+    fn follow<'a>(&self, cell: &'a PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now<'a>> {
         if cell.edges() != self.cell.edges() {
             return None;
         }
@@ -174,7 +174,7 @@ impl Found {
     }
 
     /// The rows now by those of the search, if nobody is owned who was not here.
-    fn rows_now(&self, present: &Present) -> Option<Vec<u32>> {
+    fn rows_now(&self, present: &LocalAndGhosts) -> Option<Vec<u32>> {
         let mut rows = vec![NOBODY; self.positions.len()];
         for (row, &id) in present.ids.iter().enumerate() {
             match self.rows.get(id as usize) {
@@ -244,12 +244,12 @@ mod tests {
         (0..count).map(|i| Random::new(3, i).point() * edges).collect()
     }
 
-    fn present(particles: &Particles) -> Present<'_> {
-        Present { owned: particles.len(), ids: &particles.ids, positions: &particles.positions }
+    fn present(particles: &Particles) -> LocalAndGhosts<'_> {
+        LocalAndGhosts { owned: particles.len(), ids: &particles.ids, positions: &particles.positions }
     }
 
-    fn alone(cutoff: f64) -> Vicinity {
-        Vicinity::new(cutoff, &Partition::new(&Comm::alone(), [8, 8]))
+    fn alone(cutoff: f64) -> VerletList {
+        VerletList::new(cutoff, &Partition::new(&Comm::alone(), [8, 8]))
     }
 
     /// Particles that wander in a box that shears, past its faces, its range of strains, and from rank to rank: the
@@ -260,7 +260,7 @@ mod tests {
         for table in [[1, 1], [1, 2], [2, 1], [2, 3], [1, 13]] {
             Comm::threads(table[0] * table[1], |comm| {
                 let partition = Partition::with_table(&comm, [10, 12], table);
-                let mut vicinity = Vicinity::new(cutoff, &partition);
+                let mut verlet_list = VerletList::new(cutoff, &partition);
                 let mut places = places(150, edges);
                 for turn in 0..200 {
                     let cell = PeriodicBox::sheared(edges, 0.4 + 0.01 * turn as f64).unwrap();
@@ -271,20 +271,20 @@ mod tests {
                     let all = particles(&cell, &places, turn);
                     let is_here = |&row: &usize| partition.owner(&cell, all.positions[row]) == comm.rank();
                     let particles = all.selected(&(0..all.len()).filter(is_here).collect::<Vec<_>>());
-                    let exchange = Exchange::plan(&partition, &cell, &particles.positions, [cutoff; 2]);
+                    let halo = Halo::plan(&partition, &cell, &particles.positions, [cutoff; 2]);
                     let (owned, mut ids, mut positions) =
                         (particles.len(), particles.ids.clone(), particles.positions.clone());
-                    exchange.extend(&mut ids);
-                    exchange.extend(&mut positions);
-                    vicinity.update(&cell, &Present { owned, ids: &ids, positions: &positions });
+                    halo.extend(&mut ids);
+                    halo.extend(&mut positions);
+                    verlet_list.update(&cell, &LocalAndGhosts { owned, ids: &ids, positions: &positions });
                     let fresh = Neighbours::find(&cell, &positions, owned, cutoff);
                     for row in 0..owned {
                         let mut expected = fresh.of(row).to_vec();
                         expected.sort_unstable_by_key(|n| (ids[n.row as usize], n.steps));
-                        assert_eq!(vicinity.near().of(row), expected, "turn {turn}, row {row} on {table:?}");
+                        assert_eq!(verlet_list.neighbours().of(row), expected, "turn {turn}, row {row} on {table:?}");
                     }
                 }
-                assert!((2..100).contains(&vicinity.searches()), "{} searches on {table:?}", vicinity.searches());
+                assert!((2..100).contains(&verlet_list.searches()), "{} searches on {table:?}", verlet_list.searches());
             });
         }
     }
@@ -293,40 +293,40 @@ mod tests {
     fn nobody_is_searched_for_who_has_not_moved() {
         let cell = PeriodicBox::new(Vector::splat(6.0)).unwrap();
         let places = places(100, cell.edges());
-        let mut vicinity = alone(1.5);
+        let mut verlet_list = alone(1.5);
         // Without a skin, those who have not moved at all.
         for _ in 0..5 {
-            vicinity.update(&cell, &present(&particles(&cell, &places, 0)));
-            assert_eq!(vicinity.searches(), 1);
+            verlet_list.update(&cell, &present(&particles(&cell, &places, 0)));
+            assert_eq!(verlet_list.searches(), 1);
         }
         for turn in 1..5 {
             let moved: Vec<Vector> = places.iter().map(|&x| x + Vector::splat(0.01 * turn as f64)).collect();
-            vicinity.update(&cell, &present(&particles(&cell, &moved, turn)));
-            assert_eq!(vicinity.searches(), 2);
+            verlet_list.update(&cell, &present(&particles(&cell, &moved, turn)));
+            assert_eq!(verlet_list.searches(), 2);
         }
         // Nor because somebody has left, who is in no list any more.
         let fewer = particles(&cell, &places[..99], 0);
-        vicinity.update(&cell, &present(&fewer));
-        assert_eq!(vicinity.searches(), 2);
-        assert_eq!(vicinity.near().count(), Neighbours::find(&cell, &fewer.positions, 99, 1.5).count());
+        verlet_list.update(&cell, &present(&fewer));
+        assert_eq!(verlet_list.searches(), 2);
+        assert_eq!(verlet_list.neighbours().count(), Neighbours::find(&cell, &fewer.positions, 99, 1.5).count());
     }
 
     #[test]
     fn other_particles_are_searched_for() {
         let cell = PeriodicBox::new(Vector::splat(6.0)).unwrap();
-        let mut vicinity = alone(1.5);
+        let mut verlet_list = alone(1.5);
         let mut some = particles(&cell, &places(20, cell.edges()), 0);
-        vicinity.update(&cell, &present(&some));
+        verlet_list.update(&cell, &present(&some));
         // Ids may have gaps.
         some.ids[3] = 77;
-        vicinity.update(&cell, &present(&some));
-        vicinity.update(&cell, &present(&some));
-        assert_eq!(vicinity.searches(), 2);
+        verlet_list.update(&cell, &present(&some));
+        verlet_list.update(&cell, &present(&some));
+        assert_eq!(verlet_list.searches(), 2);
         // With gaps like these nobody is followed, but everybody found.
         some.ids[3] = u64::MAX;
-        vicinity.update(&cell, &present(&some));
-        vicinity.update(&cell, &present(&some));
-        assert_eq!(vicinity.searches(), 4);
-        assert_eq!(vicinity.near().count(), Neighbours::find(&cell, &some.positions, 20, 1.5).count());
+        verlet_list.update(&cell, &present(&some));
+        verlet_list.update(&cell, &present(&some));
+        assert_eq!(verlet_list.searches(), 4);
+        assert_eq!(verlet_list.neighbours().count(), Neighbours::find(&cell, &some.positions, 20, 1.5).count());
     }
 }

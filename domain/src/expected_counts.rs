@@ -1,11 +1,11 @@
-//! How many particles, images and neighbours a rank has to expect.
+//! How many particles, ghosts and neighbours a rank has to expect.
 
 use crate::{Place, Vector};
 use std::f64::consts::PI;
 
 /// Particles spread evenly over a box, as a rank sees them whose place among the others is known.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Crowd {
+pub struct ExpectedCounts {
     edges: Vector,
     /// Radii and how many particles have each.
     radii: Vec<(f64, f64)>,
@@ -13,7 +13,7 @@ pub struct Crowd {
     share: [f64; 2],
 }
 
-impl Crowd {
+impl ExpectedCounts {
     /// Particles of these radii, so many of each, in a box, for a rank at a place.
     pub fn new(edges: Vector, radii: &[(f64, usize)], place: &Place) -> Self {
         let owned = place.owned();
@@ -36,7 +36,7 @@ impl Crowd {
         self.total() * self.share[0] * self.share[1]
     }
 
-    /// Those and the images of others that reach into its pencil from as far as `reach`.
+    /// Those and the ghosts that reach into its pencil from as far as `reach`.
     pub fn present(&self, reach: f64) -> f64 {
         let lengths = [self.edges.y, self.edges.z];
         let part =
@@ -89,19 +89,19 @@ mod tests {
     fn expected_numbers_are_those_of_random_spheres() {
         let (cell, radii) = (PeriodicBox::new(Vector::splat(32.0)).unwrap(), vec![1.0; 1500]);
         let positions = random_packing(&cell, &radii, 0.0, 3).unwrap();
-        let crowd = Crowd::new(cell.edges(), &[(1.0, 1500)], &Place::of(1, 0, [32, 32]));
+        let expected = ExpectedCounts::new(cell.edges(), &[(1.0, 1500)], &Place::of(1, 0, [32, 32]));
         let ids: Vec<u64> = (0..1500).collect();
         for distance in [3.0, 4.0, 5.0] {
             let pairs = Pairs::find(&cell, &positions, &ids, 1500, distance).list().len() as f64;
             let found = 2.0 * pairs / 1500.0;
-            let expected = crowd.neighbours(distance);
+            let expected = expected.neighbours(distance);
             assert!((expected / found - 1.0).abs() < 0.15, "{expected} for {found} within {distance}");
         }
         for (ranks, found) in [(1, 1500.0), (2, 750.0), (4, 375.0)] {
             let place = Place::of(ranks, 0, [32, 32]);
-            let crowd = Crowd::new(cell.edges(), &[(1.0, 1500)], &place);
-            assert_eq!((crowd.owned(), crowd.present(0.0)), (found, found));
-            let reached = crowd.present(2.0);
+            let expected = ExpectedCounts::new(cell.edges(), &[(1.0, 1500)], &place);
+            assert_eq!((expected.owned(), expected.present(0.0)), (found, found));
+            let reached = expected.present(2.0);
             let expected = if ranks == 1 { 1500.0 } else { found + 1500.0 * 4.0 / 32.0 };
             assert!((reached - expected).abs() < 1e-9, "{reached} on one of {ranks} ranks");
         }

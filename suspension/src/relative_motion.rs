@@ -1,4 +1,4 @@
-//! How near pairs move relative to each other.
+//! The relative motion of near pairs.
 
 use crate::moving_box::MovingBox;
 use crate::near::Near;
@@ -16,7 +16,7 @@ const MOST_ROUNDS: usize = 100;
 const SLACK: f64 = 0.1;
 
 /// The relative motion of near pairs, as `N` velocities of each: of now, and of the past.
-pub struct Approach<const N: usize> {
+pub struct RelativeMotion<const N: usize> {
     near: Near,
     pairs: Vec<MovingPair<N>>,
 }
@@ -27,7 +27,7 @@ struct MovingPair<const N: usize> {
     radii: [f64; 2],
 }
 
-impl<const N: usize> Approach<N> {
+impl<const N: usize> RelativeMotion<N> {
     /// The near pairs of particles whose columns of these names hold velocities. Collective.
     pub fn find(particles: &mut Particles, moving: &MovingBox, partition: &Partition, columns: [&str; N]) -> Self {
         let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
@@ -171,7 +171,7 @@ mod tests {
                 particles.vectors(VELOCITY);
                 particles.migrate(&partition, &cell);
                 let moving = MovingBox::at(0.0, cell, Tensor::ZERO, 0.0);
-                let approach = Approach::find(&mut particles, &moving, &partition, [VELOCITY]);
+                let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
                 let apart = approach.apart([1.0], 1e-3, &comm).expect("an end");
                 let moved: Vec<Vector> = particles.vectors(VELOCITY).iter().zip(&apart).map(|(&v, &a)| v + a).collect();
                 particles.vectors("moved").copy_from_slice(&moved);
@@ -192,7 +192,7 @@ mod tests {
         let partition = Partition::new(&Comm::alone(), [8, 8]);
         let moving = MovingBox::at(0.0, cell, Tensor::ZERO, 0.0);
         let mut particles = chain();
-        let approach = Approach::find(&mut particles, &moving, &partition, [VELOCITY]);
+        let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
         let apart = approach.apart([-1.0], 1e-3, &Comm::alone());
         assert_eq!(apart, Some(vec![Vector::ZERO; 3]));
     }

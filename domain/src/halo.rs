@@ -1,4 +1,4 @@
-//! Copies of particles that other ranks need, and the way back of what those ranks add to them.
+//! The halo of a rank: ghosts, which are copies of other ranks' particles, and the way back of what is added to them.
 
 use crate::{Partition, PeriodicBox, Vector};
 use bytemuck::Pod;
@@ -8,17 +8,17 @@ use std::ops::AddAssign;
 pub type Reach = [f64; 2];
 
 /// Who sends which of its particles to whom. A rank's list of values, one a particle that it owns, is extended by the
-/// values of its images, the particles of other ranks that reach into its pencil; and what it has added up for images
-/// is collected by their owners. On one rank both are nothing at all.
-pub struct Exchange {
+/// values of its ghosts, the particles of other ranks that reach into its pencil; and what it has added up for ghosts
+/// is collected by their owners. One rank has no ghosts.
+pub struct Halo {
     comm: crate::Comm,
     owned: usize,
     leaving: Vec<Vec<u32>>,
     arriving: Vec<usize>,
 }
 
-impl Exchange {
-    /// Plans the exchange for the particles at `positions`, inside the box, that each rank owns.
+impl Halo {
+    /// Plans the halo for the particles at `positions`, inside the box, that each rank owns.
     pub fn plan(partition: &Partition, cell: &PeriodicBox, positions: &[Vector], reach: Reach) -> Self {
         let comm = partition.comm().clone();
         let mut leaving = vec![Vec::new(); comm.size()];
@@ -39,12 +39,12 @@ impl Exchange {
         self.owned
     }
 
-    /// Owned particles and images together.
+    /// Owned particles and ghosts together.
     pub fn present(&self) -> usize {
         self.owned + self.arriving.iter().sum::<usize>()
     }
 
-    /// Appends the images' values to those of the owned particles.
+    /// Appends the ghosts' values to those of the owned particles.
     pub fn extend<T: Pod>(&self, values: &mut Vec<T>) {
         assert_eq!(values.len(), self.owned, "one value a particle owned");
         if self.comm.size() == 1 {
@@ -57,7 +57,7 @@ impl Exchange {
         self.comm.all_to_all((&send.concat(), &counts), (&mut values[self.owned..], &self.arriving));
     }
 
-    /// Adds the images' values to those of the particles that they are images of, in rank order, and drops the images.
+    /// Adds the ghosts' values to those of the particles that they are copies of, in rank order, and drops the ghosts.
     pub fn collect<T: Pod + AddAssign>(&self, values: &mut Vec<T>) {
         assert_eq!(values.len(), self.present(), "one value a particle present");
         if self.comm.size() == 1 {
@@ -129,14 +129,14 @@ mod tests {
                     particles.push(id, Vector::new(t * 0.37, t * 0.73, t * 0.57) % Vector::ONE * 8.0, 1.0, 0);
                 }
                 particles.migrate(&partition, &cell);
-                let exchange = Exchange::plan(&partition, &cell, &particles.positions, reach);
+                let halo = Halo::plan(&partition, &cell, &particles.positions, reach);
                 let mut positions = particles.positions.clone();
-                exchange.extend(&mut positions);
-                assert_eq!((exchange.owned(), exchange.present()), (particles.len(), positions.len()));
+                halo.extend(&mut positions);
+                assert_eq!((halo.owned(), halo.present()), (particles.len(), positions.len()));
                 let mine = Pencil::of(&partition, &cell, comm.rank());
                 assert!(positions.iter().all(|&p| mine.is_within(reach, p)));
                 let mut counts = vec![1.0; positions.len()];
-                exchange.collect(&mut counts);
+                halo.collect(&mut counts);
                 for (count, &position) in counts.iter().zip(&particles.positions) {
                     let near = |rank: &usize| Pencil::of(&partition, &cell, *rank).is_within(reach, position);
                     assert_eq!(*count as usize, (0..ranks).filter(near).count());

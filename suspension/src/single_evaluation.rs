@@ -2,12 +2,12 @@
 
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
 use crate::memory::{Ranks, of_peak};
-use domain::{Bytes, Comm, Crowd, Failure, Particles};
+use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles};
 use fcm::{Footprint, Plan};
 use lubrication::Range;
 
 /// What is evaluated.
-pub struct Single<'a> {
+pub struct SingleEvaluation<'a> {
     /// How.
     pub plan: &'a Plan,
     /// Radii and how many particles have each.
@@ -22,7 +22,7 @@ pub struct Single<'a> {
     pub remedy: &'static str,
 }
 
-impl Single<'_> {
+impl SingleEvaluation<'_> {
     /// Refuses an evaluation for which the ranks have no memory. Collective.
     pub fn check_room(&self, comm: &Comm) -> Result<(), Failure> {
         let count: usize = self.radii.iter().map(|kind| kind.1).sum();
@@ -35,11 +35,11 @@ impl Single<'_> {
         let place = domain::Place::of(ranks.count, comm.rank(), [plan.grid[1], plan.grid[2]]);
         let mut radii = self.radii.clone();
         radii.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let crowd = Crowd::new(plan.edges, &radii, &place);
-        let far = Footprint::new(plan, (&place, ranks.threads), &crowd);
+        let expected = ExpectedCounts::new(plan.edges, &radii, &place);
+        let far = Footprint::new(plan, (&place, ranks.threads), &expected);
         let tables = self.lubrication.map_or_else(Bytes::default, |_| table_bytes(&plan.radii));
-        let solve = self.lubrication.map_or_else(|| far.solve(), |range| solve_bytes(&far, &crowd, range));
-        let (owned, all) = (crowd.owned(), crowd.total());
+        let solve = self.lubrication.map_or_else(|| far.solve(), |range| solve_bytes(&far, &expected, range));
+        let (owned, all) = (expected.owned(), expected.total());
         let gathered = Particles::gathering_bytes(owned, all, self.numbers, comm.is_first());
         let besides = if comm.is_first() { self.besides } else { Bytes::default() };
         let stays = besides.then(far.mobility()).then(tables).then(Particles::bytes(owned, self.numbers));

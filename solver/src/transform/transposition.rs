@@ -1,4 +1,4 @@
-//! Making columns whole: each rank of a group gives every other its part of the columns.
+//! Transpositions: each rank of a group gives every other its part of the columns, so that these are whole.
 
 use crate::Real;
 use crate::layout::{Layout, Strides};
@@ -6,9 +6,9 @@ use crate::shared::Shared;
 use domain::{Comm, Partition, Window, block};
 use std::ops::Range;
 
-/// An exchange between the ranks of a group, planned. Rows are copied straight to where a rank on this machine, or this
+/// A transposition among the ranks of a group, planned. Rows are copied straight to where a rank on this machine, or this
 /// rank itself, needs them for the next direction; those for ranks elsewhere are packed and sent.
-pub(super) struct Exchange<T> {
+pub(super) struct Transposition<T> {
     group: Comm,
     packing: Packing<T>,
     /// Whole columns of each rank. What arrives stands by the ranks it came from, since the split index is the slowest
@@ -47,7 +47,7 @@ struct Shape {
     packed: Strides,
 }
 
-impl<T: Real> Exchange<T> {
+impl<T: Real> Transposition<T> {
     /// The exchange of blocks along x for whole columns along y, in the ranks' column; none if they are whole already.
     pub fn along_y(layout: &Layout, partition: &Partition) -> Option<Self> {
         let group = partition.column();
