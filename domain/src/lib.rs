@@ -1,5 +1,22 @@
 //! Who and where: the ranks, the periodic box, the share of space that each rank owns, the particles and their near
 //! pairs. Everything else in the project stands on these types; they know nothing of a fluid.
+//!
+//! Lengths are in any unit. Places for spheres at 20% by volume, and who is near whom:
+//! ```
+//! use domain::{Neighbours, PeriodicBox, Vector, random_packing};
+//!
+//! let cell = PeriodicBox::new(Vector::splat(12.0))?;
+//! let radii = vec![1.0; 82];
+//! let positions = random_packing(&cell, &radii, 0.1, 1)?;
+//! let neighbours = Neighbours::find(&cell, &positions, positions.len(), 3.0);
+//! for (row, &position) in positions.iter().enumerate() {
+//!     for near in neighbours.of(row) {
+//!         let distance = cell.nearest_image(positions[near.row as usize] - position).length();
+//!         assert!((2.1 - 1e-9..3.0).contains(&distance));
+//!     }
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bytes;
 mod cells;

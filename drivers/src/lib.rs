@@ -1,4 +1,16 @@
 //! Granular drivers on the particle store of the suspension code, without a fluid grid.
+//!
+//! Sheared disks, in units of the mean radius, of the mass of such a disk and of the time of contact over pi:
+//! ```
+//! use drivers::disks::{Disks, Model, Parameters, Preparation};
+//!
+//! let preparation = Preparation { settled: 3.0, mixed: 6.0, ..Parameters::default().preparation };
+//! let parameters = Parameters { edges: [30.0, 30.0], area_fraction: 0.5, preparation, ..Parameters::default() };
+//! let mut disks = Disks::prepared(&Model::new(parameters)?)?;
+//! disks.advance(20);
+//! assert!((disks.strain() - 20.0 * 0.15 * 0.01).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod continuum;
 pub mod disks;

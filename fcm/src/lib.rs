@@ -4,6 +4,38 @@
 //! `G = S + A` made of its stresslet `S` and the antisymmetric part `A` of its torque, and moves with the fluid's
 //! velocity averaged over the same envelopes. [`Mobility`] is that linear map from loads to motions; [`Hydrodynamics`]
 //! adds the stresslets that keep spheres rigid.
+//!
+//! Units are any that fit together. The velocity of a sphere in a periodic box of 32 radii, over its Stokes velocity
+//! `F / (6 pi mu a)`, is `1 - 2.8373 a/L + 4.19 (a/L)^3` (Hasimoto 1959):
+//! ```
+//! use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
+//! use fcm::{Costs, Fixed, Hydrodynamics, Loads, Multipoles, Plan, Problem};
+//!
+//! let (radius, edge, viscosity) = (1.0, 32.0, 1.0);
+//! let plan = Plan::choose(&Problem {
+//!     edges: Vector::splat(edge),
+//!     largest_strain: 0.0,
+//!     radii: vec![(radius, 1)],
+//!     viscosity,
+//!     multipoles: Multipoles::Dipole,
+//!     rigid: true,
+//!     tolerance: 1e-4,
+//!     threads: 1,
+//!     ranks: 1,
+//!     costs: Costs::default(),
+//!     fixed: Fixed::default(),
+//! })?;
+//! let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+//! let mut sphere = Particles::default();
+//! sphere.push(0, Vector::splat(3.0), radius, 0);
+//! let weight = 6.0 * std::f64::consts::PI * viscosity * radius;
+//! let loads = Loads { forces: vec![Vector::new(0.0, 0.0, weight)], ..Loads::default() };
+//! let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+//! let solved = hydrodynamics.solve(&plan.cell(), &sphere, &loads, Traceless::default(), &[])?;
+//! let expected = 1.0 - 2.8373 / edge + 4.19 / edge.powi(3);
+//! assert!((solved.motion.velocities[0].z - expected).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod accuracy;
 mod boys;

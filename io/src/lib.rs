@@ -1,4 +1,20 @@
 //! What goes in and out: scenes, the files of a run, and runs from scenes to files.
+//!
+//! A scene that comes with the program, with a key set, advanced in steps without writing anything:
+//! ```
+//! use domain::Comm;
+//! use io::{Scene, Template};
+//!
+//! let template = Template::named("pair-settling").expect("it comes with the program");
+//! let scene = Scene::parse(template.text, "pair-settling.toml", &["time.steps=3".to_owned()])?;
+//! let mut simulation = io::start(&scene, &Comm::alone(), &mut |_| ())?;
+//! while simulation.clock().step() < scene.kind().steps() {
+//!     simulation.advance(scene.kind().steps())?;
+//! }
+//! let velocity = simulation.frame().particles.vectors("velocity")[0];
+//! assert!(velocity.z < -1.0, "side by side they fall faster than one alone, whose velocity is 1");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod case;
 mod checkpoint;

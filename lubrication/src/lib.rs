@@ -1,4 +1,16 @@
 //! The near field of particles in Stokes flow: exact two-sphere functions, lubrication, repulsion.
+//!
+//! The drag of two equal spheres that approach each other at a gap of a hundredth of their radius, over that of one
+//! alone: `X11 - X12`, which lubrication makes as large as `1 / (4 gap)`.
+//! ```
+//! use lubrication::two_sphere::{Function, TwoSphere};
+//!
+//! let gap = 0.01;
+//! let functions = TwoSphere::with_ratio(1.0)?.resistance(gap)?;
+//! let [[own, other], _] = functions[Function::XA];
+//! assert!(((own - other) * 2.0 * gap - 1.0).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod barrier;
 mod blocks;

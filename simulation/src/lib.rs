@@ -1,5 +1,17 @@
 //! Simulations that are advanced in time steps: what all kinds of them have in common, so that a program, a test or
 //! another language runs them alike.
+//!
+//! A quantity of the time series is a number or a table with names, in a unit of length, time and force:
+//! ```
+//! use simulation::{Clock, Quantity};
+//!
+//! let stress = Quantity::vectors("mean_velocity", "length/time", &["heavy".to_owned()]);
+//! assert_eq!(stress.columns(), ["mean_velocity_x[heavy]", "mean_velocity_y[heavy]", "mean_velocity_z[heavy]"]);
+//!
+//! let mut clock = Clock::at(0, 0.25);
+//! clock.tick();
+//! assert_eq!((clock.step(), clock.time()), (1, 0.25));
+//! ```
 
 mod clock;
 mod frame;

@@ -3,6 +3,20 @@
 //! taken up again to the bit ([`State`]), and is the same as if all samples had been there at once, up to round-off.
 //!
 //! They know nothing of scenes or files, and nothing of ranks: whoever has all the particles feeds them.
+//!
+//! The mean of a correlated series, in its own unit, with an error that knows of the correlation:
+//! ```
+//! use statistics::Blocks;
+//!
+//! let (mut blocks, mut value) = (Blocks::default(), 0.0);
+//! for step in 0..10_000_u32 {
+//!     let noise = f64::from(step.wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 24) - 0.5;
+//!     value = 0.9 * value + noise;
+//!     blocks.add(value);
+//! }
+//! let estimate = blocks.estimate();
+//! assert!(estimate.converged && estimate.mean.abs() < 5.0 * estimate.error);
+//! ```
 
 mod blocks;
 mod diffusion;

@@ -126,6 +126,6 @@ impl Memory {
         let first = self.needs.first().map(bytes).unwrap_or_default();
         outline
             .line("memory", format_args!("about {first} at most on {ranks}"))
-            .value("memory_bytes", self.needs.iter().map(|need| need.resident.ceil()).collect::<Vec<_>>())
+            .value("memory_bytes", self.needs.iter().map(|need| need.resident.ceil() as u64).collect::<Vec<_>>())
     }
 }

@@ -35,7 +35,7 @@ pub fn add_to(outline: Outline, kind: &Kind) -> Outline {
     let missing = Comm::check_room_of(&[need]).err();
     outline
         .line("memory", format_args!("about {} at most", readable_bytes(need.resident)))
-        .value("memory_bytes", vec![need.resident.ceil()])
+        .value("memory_bytes", vec![need.resident.ceil() as u64])
         .warnings(missing.map(|error| format!("{}: {error}", remedy(kind))))
 }
 
