@@ -1,5 +1,5 @@
-"""What a step costs: seconds and memory by number of spheres, volume fraction and tolerance, with lubrication and without.
-One thread, sheared; the fixed steps of the program."""
+"""What a step costs: seconds and memory by number of spheres, volume fraction and tolerance, with lubrication and
+without. One thread, sheared; the fixed steps of the program."""
 
 import json
 import pathlib
