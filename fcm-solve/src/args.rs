@@ -1,6 +1,8 @@
 //! The command line.
 
-use crate::{bench, check, export, info, machine, manual, mobility, new, resume, run, stats, streams, two_sphere};
+use crate::{
+    bench, check, export, info, machine, manual, mobility, new, report, resume, run, stats, streams, two_sphere,
+};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
@@ -31,6 +33,7 @@ Examples:
   mpirun -n 4 fcm-solve run my.toml       run it on four ranks
   fcm-solve resume results/my             go on after Ctrl-C, a crash, or the end of a queue's time
   fcm-solve run my.toml --continue        start, or go on, or do nothing if it is finished: for job scripts
+  fcm-solve report results/my             a page to look at: charts, and the spheres in motion
   fcm-solve mobility case.json            how given particles move, once
   fcm-solve info results/my/trajectory.h5 see what a result file holds";
 
@@ -47,6 +50,8 @@ pub enum Command {
     Stats(stats::Args),
     /// Write a run's trajectory in a format of other programs: extended XYZ, GSD or VTP.
     Export(export::Args),
+    /// Write a page about a run: what was run, its charts, and a player of its trajectory.
+    Report(report::Args),
     /// Evaluate velocities and stresslets once, for positions that you bring.
     Mobility(mobility::Args),
     /// Time the mobility and measure its error.
@@ -102,6 +107,7 @@ impl Command {
             Self::Check(args) => check::run(args, comm)?,
             Self::Stats(args) => stats::run(args, comm)?,
             Self::Export(args) => export::run(args, comm)?,
+            Self::Report(args) => report::run(args, comm)?,
             Self::Mobility(args) => mobility::run(args, comm)?,
             Self::Bench(args) => bench::run(args, comm)?,
             Self::Calibrate => machine::calibrate(comm)?,

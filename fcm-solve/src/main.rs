@@ -20,6 +20,7 @@ mod new;
 mod number;
 mod preparing;
 mod progress;
+mod report;
 mod resume;
 mod run;
 mod run_loop;

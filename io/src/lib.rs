@@ -28,6 +28,7 @@ mod frames;
 mod placed;
 mod provenance;
 mod recorded;
+mod report;
 mod run;
 mod scene;
 mod series;
@@ -48,6 +49,7 @@ pub use frames::Damage;
 pub use placed::read_placed;
 pub use provenance::Provenance;
 pub use recorded::{Recorded, Snapshot};
+pub use report::{ReportError, write_report};
 pub use run::{
     Former, Listener, Recorder, RunError, RunFolder, WholeScene, check_room, outline, placed, provenance, resume, start,
 };

@@ -83,6 +83,16 @@ impl Recorded {
         &self.times
     }
 
+    /// The steps of the frames.
+    pub fn steps(&self) -> &[u64] {
+        &self.steps
+    }
+
+    /// The radii of the particles, in the order of their ids.
+    pub fn radii(&self) -> &[f64] {
+        &self.fixed.radii
+    }
+
     /// The species of the particles, in the order of their ids.
     pub fn species(&self) -> &[u32] {
         &self.fixed.species

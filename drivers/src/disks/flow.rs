@@ -51,6 +51,11 @@ impl Flow {
         }
     }
 
+    /// The velocity along x at a height `y` less than one period outside a cell of this height.
+    pub fn velocity(&self, y: f64, height: f64) -> f64 {
+        self.profile(height).speed(y)
+    }
+
     /// A rate of shear to measure strain with: the mean one, or that of the whole rise of a Poiseuille flow.
     pub fn rate(&self, height: f64) -> f64 {
         match *self {
@@ -102,6 +107,7 @@ mod tests {
     fn profiles_are_what_they_say() {
         let shear = Flow::Shear { rate: 0.5 }.profile(10.0);
         assert_eq!((shear.speed(5.0), shear.speed(11.0), shear.slope(3.0)), (0.0, 3.0, 0.5));
+        assert_eq!(Flow::Shear { rate: 0.5 }.velocity(11.0, 10.0), 3.0);
         let pipe = Flow::Poiseuille { peak: 2.0 }.profile(10.0);
         assert_eq!((pipe.speed(0.0), pipe.speed(5.0)), (0.0, 2.0));
         assert_eq!((pipe.speed(-2.0), pipe.speed(12.0)), (pipe.speed(8.0), pipe.speed(2.0)));

@@ -92,7 +92,8 @@ impl RunFolder {
 const SCENE: &str = "scene.toml";
 
 /// Files that a run of any kind may leave here, besides its checkpoints.
-const FILES: [&str; 17] = [
+const FILES: [&str; 18] = [
+    "report.html",
     "trajectory.h5",
     "trajectory.xyz",
     "trajectory.gsd",

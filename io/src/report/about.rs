@@ -1,0 +1,107 @@
+//! What a scene says of its run.
+
+use super::origin::Origin;
+use super::playback::Colours;
+use crate::{Kind, Scene};
+use domain::Vector;
+use drivers::disks::Flow as DiskFlow;
+use suspension::{Flow, Species};
+use toml::Table;
+
+/// The scene of a run. One that this version can't read, such as a later one's, has a text only.
+pub(super) struct About {
+    scene: Option<Scene>,
+    table: Table,
+}
+
+impl About {
+    /// The scene of results.
+    pub(super) fn of(origin: &Origin) -> Self {
+        let scene = Scene::parse(&origin.scene, "the scene of the run", &[]).ok();
+        Self { scene, table: origin.scene.parse().unwrap_or_default() }
+    }
+
+    /// What it computes.
+    pub(super) fn kind(&self) -> Option<&Kind> {
+        self.scene.as_ref().map(Scene::kind)
+    }
+
+    /// The kind's name.
+    pub(super) fn kind_name(&self) -> &str {
+        self.text("kind").unwrap_or("suspension")
+    }
+
+    /// The title, if it has one.
+    pub(super) fn title(&self) -> Option<&str> {
+        self.text("title").filter(|title| !title.is_empty())
+    }
+
+    fn text(&self, key: &str) -> Option<&str> {
+        self.table.get(key).and_then(toml::Value::as_str)
+    }
+
+    /// What particles are called.
+    pub(super) fn particles(&self) -> &'static str {
+        match self.kind() {
+            Some(Kind::GranularDisks(_)) => "disks",
+            Some(Kind::ShearCell(_)) => "grains",
+            _ => "spheres",
+        }
+    }
+
+    /// Names of the species, where they have some.
+    pub(super) fn species(&self) -> Vec<String> {
+        match self.kind() {
+            Some(Kind::Suspension(scene)) => scene.model.species.iter().map(|species| species.name.clone()).collect(),
+            Some(Kind::GranularDisks(_)) => ["small", "large"].map(String::from).to_vec(),
+            Some(Kind::ShearCell(_)) => vec!["grains".to_owned()],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The axis along which most of the species' force and weight acts, and its name; `None` without forces.
+    pub(super) fn force_axis(&self) -> Option<(usize, char)> {
+        let Some(Kind::Suspension(scene)) = self.kind() else { return None };
+        let model = &scene.model;
+        let force = |species: &Species| {
+            let volume = 4.0 / 3.0 * std::f64::consts::PI * species.radius.powi(3);
+            (species.force + model.gravity * (species.density_difference * volume)).abs()
+        };
+        let total = model.species.iter().map(force).sum::<Vector>().to_array();
+        let axis = (0..3).max_by(|&i, &j| total[i].total_cmp(&total[j]))?;
+        (total[axis] > 0.0).then_some((axis, ['x', 'y', 'z'][axis]))
+    }
+
+    /// The axis that is drawn upwards: that of the gradient in a shear flow and of the height of a cell.
+    pub(super) fn up(&self) -> char {
+        match self.kind() {
+            Some(Kind::Suspension(scene)) if matches!(scene.model.flow, Flow::None) => match self.force_axis() {
+                Some((1, _)) => 'y',
+                _ => 'z',
+            },
+            _ => 'y',
+        }
+    }
+
+    /// What particles are coloured by.
+    pub(super) fn colours(&self) -> Colours {
+        Colours { species: self.species(), flow: self.flow() }
+    }
+
+    /// The flow that velocities are taken relative to.
+    fn flow(&self) -> Option<Box<dyn Fn(Vector) -> Vector>> {
+        match self.kind()? {
+            Kind::Suspension(scene) => match scene.model.flow {
+                Flow::Shear { rate, .. } => Some(Box::new(move |place| Vector::X * (rate * place.y))),
+                _ => None,
+            },
+            Kind::GranularDisks(scene) => {
+                let parameters = scene.model.parameters();
+                let (flow, height) = (parameters.flow, parameters.edges[1]);
+                let moves = !matches!(flow, DiskFlow::Still);
+                moves.then(|| Box::new(move |place: Vector| Vector::X * flow.velocity(place.y, height)) as Box<_>)
+            }
+            _ => None,
+        }
+    }
+}

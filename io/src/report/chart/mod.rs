@@ -1,0 +1,63 @@
+//! Charts as SVG: lines over an axis, with units and a legend.
+
+mod axis;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod thin;
+
+pub(super) use svg::svg;
+
+/// Lines over an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Chart {
+    /// What it shows.
+    pub(super) title: String,
+    /// The axes: what they show, and its unit.
+    pub(super) axes: [(String, String); 2],
+    /// Which of them are logarithmic.
+    pub(super) log: [bool; 2],
+    /// A value that the vertical axis shows in any case, and a thin line at it.
+    pub(super) level: Option<f64>,
+    /// The lines.
+    pub(super) lines: Vec<Line>,
+}
+
+/// A line of a chart.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Line {
+    /// Its name in the legend; a chart with one line without a name has no legend.
+    pub(super) name: String,
+    /// Its points; it is broken where one is not finite.
+    pub(super) points: Vec<[f64; 2]>,
+    /// Standard errors of the points; none, or one for each.
+    pub(super) errors: Vec<f64>,
+    /// Which of the colours it has.
+    pub(super) colour: usize,
+    /// Which of the dashes it has.
+    pub(super) dash: usize,
+}
+
+impl Chart {
+    /// A chart without lines, on linear axes.
+    pub(super) fn new(title: &str, x: (&str, &str), y: (&str, &str)) -> Self {
+        let axes = [x, y].map(|(name, unit)| (name.to_owned(), unit.to_owned()));
+        Self { title: title.to_owned(), axes, log: [false; 2], level: None, lines: Vec::new() }
+    }
+
+    /// The same with a thin line at a value, which the vertical axis then shows in any case.
+    pub(super) fn with_level(self, level: f64) -> Self {
+        Self { level: Some(level), ..self }
+    }
+
+    /// Adds a line, in a colour of its own.
+    pub(super) fn add(&mut self, name: &str, points: Vec<[f64; 2]>, errors: Vec<f64>) {
+        let colour = self.lines.len();
+        self.lines.push(Line { name: name.to_owned(), points, errors, colour, dash: 0 });
+    }
+}
+
+/// A unit as text for reading.
+pub(super) fn unit_text(unit: &str) -> String {
+    unit.replace("^2", "\u{b2}").replace("^3", "\u{b3}").replace('*', " ")
+}

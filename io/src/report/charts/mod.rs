@@ -1,0 +1,26 @@
+//! Which charts a run has: few, chosen by what it left.
+
+mod continuum;
+mod disks;
+mod over_time;
+mod shear_cell;
+mod statistics;
+mod suspension;
+mod sweep;
+
+use super::about::About;
+use super::chart::Chart;
+use super::observables::Observables;
+use super::stored_table::StoredTable;
+
+/// The charts of a run.
+pub(super) fn charts(about: &About, series: &Observables, tables: &[StoredTable]) -> Vec<Chart> {
+    let table = |name: &str| tables.iter().find(|table| table.name == name);
+    let mut charts = suspension::charts(about, series);
+    charts.extend(disks::charts(series, table("profile")));
+    charts.extend(shear_cell::charts(series, table("profile")));
+    charts.extend(continuum::charts(table("profile")));
+    charts.extend(sweep::charts(table("averages"), table("branches")));
+    charts.extend(statistics::charts(&table));
+    charts
+}

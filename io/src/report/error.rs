@@ -1,0 +1,28 @@
+//! Why a report can't be made.
+
+use crate::FileError;
+use std::path::PathBuf;
+
+/// Why a report can't be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A file that can't be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A folder without a run.
+    #[error("{} holds no run: it has no scene.toml and no results; name the folder of a run", folder.display())]
+    NoRun {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A run that has left nothing to show.
+    #[error(
+        "{} has a scene, but no results to report: no trajectory.h5, observables.h5, averages.h5, sweep.h5 or \
+         solution.h5; finish the run, or set output.trajectory_every or output.observables_every",
+        folder.display()
+    )]
+    NoResults {
+        /// The folder.
+        folder: PathBuf,
+    },
+}

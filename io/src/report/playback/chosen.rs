@@ -1,0 +1,39 @@
+//! Which frames a page can hold.
+
+/// Bytes of positions and colours; as text they take a third more.
+const BYTES: usize = 27_000_000;
+/// Of a particle in a frame: three coordinates and two colours.
+const EACH: usize = 3 * 2 + 2;
+/// Frames that anybody looks at.
+const MOST: usize = 1000;
+
+/// The frames to show of so many, evenly apart, with the first and the last; all if there is room.
+pub(super) fn chosen(frames: usize, particles: usize) -> Vec<usize> {
+    let room = (BYTES / (EACH * particles.max(1))).min(MOST);
+    match room.min(frames) {
+        all if all == frames => (0..frames).collect(),
+        0 => Vec::new(),
+        1 => vec![frames - 1],
+        count => (0..count).map(|k| (k * (frames - 1) + (count - 1) / 2) / (count - 1)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_evenly_apart_and_fit() {
+        assert_eq!(chosen(5, 10), [0, 1, 2, 3, 4]);
+        for (frames, particles) in [(1001, 1), (5000, 20), (300, 100_000), (34, 100_000), (3, 1_500_000)] {
+            let few = chosen(frames, particles);
+            let (first, last) = (few[0], few[few.len() - 1]);
+            assert!((first, last) == (0, frames - 1) && few.len() * particles * EACH <= BYTES, "{few:?}");
+            let steps: Vec<usize> = few.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let (least, most) = (steps.iter().min().unwrap(), steps.iter().max().unwrap());
+            assert!(*least > 0 && most - least <= 1, "{few:?}");
+        }
+        assert_eq!((chosen(300, 100_000).len(), chosen(9, 3_000_000), chosen(9, 5_000_000)), (33, vec![8], vec![]));
+        assert_eq!(chosen(0, 10), [0; 0]);
+    }
+}

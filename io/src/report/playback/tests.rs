@@ -1,0 +1,101 @@
+use super::*;
+use crate::{Provenance, Trajectory};
+use domain::Particles;
+use std::path::Path;
+
+/// A trajectory of two particles, of which one moves, in a box that is sheared ever more; as it was written.
+fn written(path: &Path, frames: u32) -> Vec<Frame> {
+    let provenance =
+        Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 2 };
+    let frame = |k: u32| {
+        let mut particles = Particles::default();
+        particles.push(0, Vector::new(0.1, 2.0, 3.0), 0.5, 0);
+        particles.push(1, Vector::new(0.0, 3.9999, 4.0), 1.25, 1);
+        particles.vectors("velocity")[1] = Vector::X * f64::from(k);
+        let cell = PeriodicBox::sheared(Vector::new(8.0, 4.0, 5.0), 0.25 * f64::from(k % 4)).unwrap();
+        particles.positions[1].x = 0.7 * f64::from(k);
+        particles.positions.iter_mut().for_each(|position| *position = cell.wrap(*position).0);
+        Frame { particles, cell, periodic: [true; 3] }
+    };
+    let mut trajectory = Trajectory::create(path, &provenance, &frame(0), u64::from(frames)).unwrap();
+    let frames: Vec<Frame> = (0..frames).map(frame).collect();
+    for (k, frame) in frames.iter().enumerate() {
+        trajectory.append((10 * k as u64, 0.1 * k as f64), frame).unwrap();
+    }
+    frames
+}
+
+fn played(path: &Path) -> Playback {
+    let colours = Colours { species: vec!["a".into()], flow: None };
+    Playback::of(&Recorded::open(path).unwrap(), &colours)
+}
+
+#[test]
+fn positions_are_those_of_the_trajectory_to_16_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trajectory.h5");
+    let frames = written(&path, 12);
+    let playback = played(&path);
+    let coordinates: Vec<f64> = playback
+        .positions
+        .chunks_exact(2)
+        .map(|bytes| (f64::from(u16::from_le_bytes([bytes[0], bytes[1]])) + 0.5) / 65536.0)
+        .collect();
+    assert_eq!(coordinates.len(), 12 * 2 * 3);
+    for (coordinates, frame) in coordinates.chunks_exact(6).zip(&frames) {
+        let corner = |axis: usize| frame.cell.lattice([0, 1, 2].map(|other| i32::from(other == axis)));
+        for (part, &position) in coordinates.chunks_exact(3).zip(&frame.particles.positions) {
+            let decoded: Vector = (0..3).map(|axis| corner(axis) * part[axis]).sum();
+            let off = decoded - position;
+            // Half of a 65536th of each lattice vector at most; the second one is tilted.
+            let least = frame.cell.edges() * 0.5 / 65536.0 * (1.0 + 1e-9);
+            assert!(off.x.abs() <= least.x + least.y && off.y.abs() <= least.y && off.z.abs() <= least.z, "{off}");
+        }
+    }
+}
+
+#[test]
+fn the_player_is_told_what_there_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trajectory.h5");
+    written(&path, 3);
+    let (told, lists) = played(&path).parts('y');
+    assert_eq!((&told["count"], &told["flat"], &told["up"]), (&json!(2), &json!(false), &json!("y")));
+    assert_eq!(
+        (&told["steps"], &told["edges"][1]),
+        (&json!([0, 10, 20]), &json!([8.0, 0.0, 0.0, 1.0, 4.0, 0.0, 0.0, 0.0, 5.0]))
+    );
+    let colourings = told["colourings"].as_array().unwrap();
+    assert_eq!(colourings[0], json!({"name": "species", "fixed": true, "names": ["a", "1"]}));
+    assert_eq!(colourings[1]["range"], json!(["0", "2"]));
+    let names: Vec<&str> = lists.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["radii", "positions", "colouring-0", "colouring-1"]);
+    // 0.5 and 1.25 in single precision, little-endian; species 0 and 1; speeds 0 0, 0 1, 0 2 of 2.
+    assert_eq!((lists[0].1.as_str(), lists[2].1.as_str(), lists[3].1.as_str()), ("AAAAPwAAoD8=", "AAE=", "AAAAgAD/"));
+}
+
+#[test]
+fn a_frame_that_is_damaged_is_left_out_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trajectory.h5");
+    written(&path, 3);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let place = bytes.windows(8).position(|bytes| bytes == 3.9999_f64.to_le_bytes()).unwrap();
+    bytes[place] ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    let playback = played(&path);
+    assert_eq!((playback.recorded, playback.shown(), playback.damage.len()), (3, 2, 1));
+    let words = "trajectory.h5 is damaged: frame 0 does not fit its checksums: particles/all/position";
+    assert!(playback.damage[0].contains(words), "{:?}", playback.damage);
+}
+
+#[test]
+fn coordinates_stay_within_their_range() {
+    let cell = PeriodicBox::new(Vector::new(1.0, 2.0, 3.0)).unwrap();
+    let coordinates = |place: Vector| {
+        let bytes = in_box(&cell, place);
+        [0, 2, 4].map(|k| u16::from_le_bytes([bytes[k], bytes[k + 1]]))
+    };
+    assert_eq!(coordinates(Vector::new(0.0, 1.0, 3.0)), [0, 32768, 65535]);
+    assert_eq!(coordinates(Vector::new(-0.1, 2.0 - 1e-12, 9.0)), [0, 65535, 65535]);
+}

@@ -1,0 +1,161 @@
+use super::*;
+use crate::{Provenance, Series, Trajectory, write_tables};
+use domain::{Particles, PeriodicBox, Vector};
+use simulation::{Frame, Quantity, Table};
+
+const SCENE: &str = r#"
+title = "<script>alert('a & b')</script>"
+[box]
+edges = [8.0, 8.0, 8.0]
+[fluid]
+viscosity = 1.0
+[[species]]
+name = "</script><b>"
+radius = 0.5
+count = 2
+force = [0.0, 0.0, -1.0]
+[time]
+step = 0.1
+steps = 20
+[output]
+trajectory_every = 10
+observables_every = 10
+"#;
+
+fn provenance() -> Provenance {
+    Provenance { scene: SCENE.into(), program: "test 1".into(), plan: "method <x>".into(), ranks: 2, seed: 7 }
+}
+
+/// Rows of a mean velocity and of the smallest gap at steps 0, 10, ...
+fn add_series(folder: &Path, gaps: &[f64]) {
+    let mean = Quantity::vectors("mean_velocity", "length/time", &["</script><b>".into()]);
+    let quantities = [mean, Quantity::number("smallest_gap", "length")];
+    let mut series = Series::create(folder, &provenance(), &quantities, gaps.len() as u64).unwrap();
+    for (k, &gap) in gaps.iter().enumerate() {
+        let values = [vec![0.0, f64::NAN, -0.5 * k as f64], vec![gap]];
+        series.append((10 * k as u64, k as f64), &values).unwrap();
+    }
+}
+
+fn add_trajectory(folder: &Path) {
+    let mut particles = Particles::default();
+    particles.push(0, Vector::ONE, 0.5, 0);
+    particles.push(1, Vector::splat(4.0), 0.5, 0);
+    let cell = PeriodicBox::new(Vector::splat(8.0)).unwrap();
+    let frame = Frame { particles, cell, periodic: [true; 3] };
+    let mut trajectory = Trajectory::create(&folder.join("trajectory.h5"), &provenance(), &frame, 2).unwrap();
+    (0..2).for_each(|k| trajectory.append((10 * k, k as f64), &frame).unwrap());
+}
+
+fn report(folder: &Path) -> Result<String, String> {
+    let out = folder.join("report.html");
+    write_report(folder, &out).map_err(|e| e.to_string())?;
+    Ok(std::fs::read_to_string(out).unwrap())
+}
+
+#[test]
+fn a_page_tells_what_was_run() {
+    let folder = tempfile::tempdir().unwrap();
+    add_trajectory(folder.path());
+    add_series(folder.path(), &[0.1, -0.02, 0.3]);
+    let page = report(folder.path()).unwrap();
+    for words in [
+        "<dt>kind</dt><dd>suspension</dd>",
+        "2 spheres of radius 0.5",
+        "<dt>box</dt><dd>8 \u{d7} 8 \u{d7} 8, periodic along x, y, z</dd>",
+        "<dt>steps</dt><dd>20 of 20</dd>",
+        "<dt>made by</dt><dd>test 1 on 2 ranks</dd>",
+        "<dt>seed</dt><dd>7</dd>",
+        "Spheres overlap in 1 of 3 rows of the time series, by 0.02 at most.",
+        "Mean velocity along z",
+        "Smallest gap between surfaces",
+        "method &lt;x&gt;",
+        "trajectory_every = 10",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(!page.contains("not finished"));
+}
+
+#[test]
+fn text_of_a_scene_is_no_part_of_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    add_trajectory(folder.path());
+    add_series(folder.path(), &[0.1]);
+    let page = report(folder.path()).unwrap();
+    assert!(page.contains("<h1>&lt;script&gt;alert(&#39;a &amp; b&#39;)&lt;/script&gt;</h1>"));
+    assert!(!page.contains("alert('a") && !page.contains("</script><b>"));
+    assert_eq!(page.matches("<script").count(), page.matches("</script>").count());
+    assert!(page.contains("\"names\":[\"\\u003c/script>\\u003cb>\"]"), "the player has the name");
+    let before = page.split("<script>\n").next().unwrap();
+    assert!(!before.contains("://") && !before.contains("src="), "it asks nothing of a network");
+}
+
+#[test]
+fn what_is_not_there_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    add_series(folder.path(), &[0.1, 0.2]);
+    let page = report(folder.path()).unwrap();
+    assert!(page.contains("The run is not finished: its results end at step 10 of 20."));
+    assert!(page.contains("<svg") && !page.contains("id=\"picture\"") && !page.contains("<script"));
+}
+
+#[test]
+fn tables_of_solutions_are_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut summary = Table::new("summary", &[], &[("speed", "length/time"), ("slip", "length/time"), ("dilute", "")]);
+    summary.add(&[], &[1.5, 0.25, 1.0]);
+    write_tables(folder.path(), "solution", &provenance(), &[summary]).unwrap();
+    let page = report(folder.path()).unwrap();
+    assert!(page.contains("<th>speed (length/time)</th>") && page.contains("<td>1.5</td>"), "{page}");
+    assert!(page.contains("1 of 1 solutions are dilute."));
+}
+
+#[test]
+fn a_folder_without_a_run_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().display().to_string();
+    let expected = format!("{name} holds no run: it has no scene.toml and no results; name the folder of a run");
+    assert_eq!(report(folder.path()), Err(expected));
+    std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+    assert!(report(folder.path()).unwrap_err().starts_with(&format!("{name} has a scene, but no results to report")));
+}
+
+#[test]
+fn damage_names_its_file() {
+    for name in ["trajectory.h5", "observables.h5"] {
+        let folder = tempfile::tempdir().unwrap();
+        add_trajectory(folder.path());
+        add_series(folder.path(), &[0.1]);
+        let path = folder.path().join(name);
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() / 3]).unwrap();
+        let error = report(folder.path()).unwrap_err();
+        assert!(error.contains(&format!("{name} is damaged: ")), "{error}");
+        assert!(!folder.path().join("report.html").exists());
+    }
+}
+
+#[test]
+fn damaged_rows_are_left_out_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    add_series(folder.path(), &[0.1, 0.123456, 0.3]);
+    let path = folder.path().join("observables.h5");
+    let mut bytes = std::fs::read(&path).unwrap();
+    let place = bytes.windows(8).position(|bytes| bytes == 0.123456_f64.to_le_bytes()).unwrap();
+    bytes[place] ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    let page = report(folder.path()).unwrap();
+    let words = "Left out of observables.h5: frame 1 does not fit its checksums: observables/smallest_gap.";
+    assert!(page.contains(words));
+    let series = Observables::read(&path).unwrap().unwrap();
+    assert_eq!(series.line("smallest_gap").unwrap().1, [[0.0, 0.1], [2.0, 0.3]]);
+}
+
+#[test]
+fn a_place_that_is_no_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    add_series(folder.path(), &[0.1]);
+    let error = write_report(folder.path(), folder.path()).unwrap_err().to_string();
+    assert!(error.contains("it is no file"), "{error}");
+}

@@ -1,0 +1,57 @@
+//! What whoever looks at a run should know.
+
+use super::about::About;
+use super::facts::Course;
+use super::stored_table::StoredTable;
+use crate::Kind;
+use domain::Number;
+
+/// Damage that is told one by one; more of it is counted.
+const TOLD: usize = 5;
+
+/// What is wrong with the results, as far as they show it.
+pub(super) fn warnings(about: &About, course: &Course, tables: &[StoredTable]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let steps = about.kind().map_or(0, Kind::steps);
+    if let Some(last) = course.last_step().filter(|&last| last < steps && !is_due_later(about, last, steps)) {
+        warnings.push(format!("The run is not finished: its results end at step {last} of {steps}."));
+    }
+    warnings.extend(overlaps(course));
+    warnings.extend(tables.iter().find_map(dilute));
+    let frames = course.trajectory.map_or(&[][..], |(_, playback)| &playback.damage);
+    warnings.extend(told("trajectory.h5", frames));
+    warnings.extend(told("observables.h5", &course.series.damage));
+    warnings
+}
+
+/// Whether nothing was to be written between a step and the end.
+fn is_due_later(about: &About, last: u64, steps: u64) -> bool {
+    let Some(output) = about.kind().and_then(Kind::output) else { return true };
+    let next = [output.trajectory, output.observables].into_iter().filter_map(|schedule| schedule.next_after(last));
+    next.min().is_none_or(|next| next > steps)
+}
+
+/// Rows of the time series in which spheres overlap.
+fn overlaps(course: &Course) -> Option<String> {
+    let gaps: Vec<f64> = course.series.get("smallest_gap")?.column(0, 0).collect();
+    let overlapping = gaps.iter().filter(|&&gap| gap < 0.0).count();
+    let deepest = gaps.iter().copied().fold(0.0, f64::min);
+    (overlapping > 0).then(|| {
+        let deepest = Number(-deepest);
+        format!("Spheres overlap in {overlapping} of {} rows of the time series, by {deepest:.3} at most.", gaps.len())
+    })
+}
+
+/// Solutions of a continuum that are dilute, where the theory is asked for dense ones.
+fn dilute(table: &StoredTable) -> Option<String> {
+    let count = table.numbers("dilute")?.0.iter().filter(|&&dilute| dilute != 0.0).count();
+    (count > 0).then(|| format!("{count} of {} solutions are dilute.", table.len()))
+}
+
+fn told(file: &str, damage: &[String]) -> Vec<String> {
+    let mut told: Vec<String> = damage.iter().take(TOLD).map(|what| format!("Left out of {file}: {what}.")).collect();
+    if damage.len() > TOLD {
+        told.push(format!("Left out of {file}: {} more like these.", damage.len() - TOLD));
+    }
+    told
+}

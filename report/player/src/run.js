@@ -1,0 +1,24 @@
+// What the page knows of the run: a description as JSON, and lists of numbers as base64, each in an element of its own.
+
+const text = (id) => document.getElementById(id).textContent.trim();
+
+/** The bytes of a list. */
+function bytes(id) {
+  const binary = atob(text(id));
+  const result = new Uint8Array(binary.length);
+  for (let i = 0; i < binary.length; i++) result[i] = binary.charCodeAt(i);
+  return result;
+}
+
+/**
+ * The run that the page is about. `positions` has three numbers for each particle of each frame in turn, coordinates
+ * along the edges of the box in 65536ths. Each colouring has a number from 0 to 255 for each particle, of each frame
+ * in turn unless it is `fixed`.
+ */
+export function readRun() {
+  const run = JSON.parse(text("run"));
+  run.radii = new Float32Array(bytes("radii").buffer);
+  run.positions = new Uint16Array(bytes("positions").buffer);
+  run.colourings.forEach((colouring, number) => (colouring.values = bytes(`colouring-${number}`)));
+  return run;
+}

@@ -1,0 +1,111 @@
+// The picture: what is in it, and where it is seen from.
+
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Box } from "./box.js";
+import { MANY, Spheres } from "./spheres.js";
+
+/** How much of the picture a flat box takes. */
+const FILLED = 0.92;
+/** The angle that the picture takes of the eye's view, in degrees. */
+const ANGLE = 30;
+/** The eye's distance over that from which the ball around the box is seen whole; its corners take less room. */
+const NEARER = 0.95;
+
+function renderer(antialias) {
+  const canvas = document.createElement("canvas");
+  // Nothing of the page is to be seen through edges that cover a pixel in part.
+  const context = canvas.getContext("webgl2", { antialias, alpha: false });
+  return new THREE.WebGLRenderer({ canvas, context });
+}
+
+export class View {
+  constructor(run, place) {
+    this.run = run;
+    this.place = place;
+    this.isDue = false;
+    this.renderer = renderer(run.count < MANY);
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setClearColor(0xffffff);
+    place.append(this.renderer.domElement);
+    [this.spheres, this.box, this.scene] = [new Spheres(run), new Box(run), new THREE.Scene()];
+    this.scene.add(this.spheres.mesh, this.box.lines);
+    this.measure();
+    this.camera = run.flat ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(ANGLE);
+    this.orbit = new OrbitControls(this.camera, this.renderer.domElement);
+    this.reset();
+    this.orbit.addEventListener("change", () => this.draw());
+    new ResizeObserver(() => this.resize()).observe(place);
+  }
+
+  /** The middle of the box, and the radius of a ball around it in which all frames fit. */
+  measure() {
+    const [a, b, c] = [0, 3, 6].map((first) => new THREE.Vector3(...this.run.edges[0].slice(first, first + 3)));
+    // Of a box that tilts, the one that stands straight.
+    b.x = 0;
+    if (this.run.flat) c.set(0, 0, 0);
+    this.size = a.clone().add(b).add(c);
+    this.middle = this.size.clone().multiplyScalar(0.5);
+    this.radius = this.size.length() / 2;
+  }
+
+  /** Puts the eye where it is at first. */
+  reset() {
+    const { up, flat } = this.run;
+    this.camera.up.set(0, Number(up === "y"), Number(up === "z"));
+    const away = flat ? [0, 0, 1] : up === "y" ? [0.35, 0.3, 1] : [0.5, -1, 0.4];
+    const distance = flat ? 2 * this.radius : this.distance();
+    this.camera.position.copy(this.middle).addScaledVector(new THREE.Vector3(...away).normalize(), distance);
+    this.camera.zoom = 1;
+    this.orbit.target.copy(this.middle);
+    this.resize();
+    this.orbit.update();
+  }
+
+  /** How far away the eye is to see the box whole, in a picture that may be narrow. */
+  distance() {
+    const { clientWidth, clientHeight } = this.place;
+    const half = Math.tan((ANGLE * Math.PI) / 360) * Math.min(1, clientWidth / clientHeight || 1);
+    return (NEARER * this.radius) / Math.sin(Math.atan(half));
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.place;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height);
+    const aspect = width / height;
+    Object.assign(this.camera, { near: 0.01 * this.radius, far: 100 * this.radius });
+    if (this.run.flat) {
+      const half = Math.max(this.size.y, this.size.x / aspect) / 2 / FILLED;
+      Object.assign(this.camera, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
+    } else {
+      this.camera.aspect = aspect;
+    }
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  /** Shows a frame. */
+  show(frame, colouring) {
+    this.spheres.show(frame, colouring);
+    this.box.show(frame);
+    this.draw();
+  }
+
+  /** Draws soon: once, however much changes until then. */
+  draw() {
+    if (this.isDue) return;
+    this.isDue = true;
+    requestAnimationFrame(() => {
+      this.isDue = false;
+      this.drawNow();
+    });
+  }
+
+  drawNow() {
+    const distance = this.camera.position.distanceTo(this.middle);
+    if (this.run.flat) this.spheres.setHaze(1e30, 2e30);
+    else this.spheres.setHaze(distance - this.radius, distance + 1.4 * this.radius);
+    this.renderer.render(this.scene, this.camera);
+  }
+}

@@ -1,0 +1,91 @@
+"""Makes the pictures of the documentation that show reports: runs scenes, and looks at their pages in a browser."""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+from dataclasses import dataclass
+
+from PIL import Image
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "program"))
+from browser import Browser
+from program import ROOT, TARGET, command
+
+FIGURES = ROOT / "docs" / "src" / "figures"
+RUNS = TARGET / "gallery"
+# Colours of a picture: with more of them it is larger and looks the same.
+COLOURS = 256
+
+# Of each run its scene, and what is set.
+SCENES = {
+    "settling": ("settling", {"statistics.every": 4}),
+    "sheared": ("shear", {"time.duration": 1.4, "statistics.every": 4}),
+    "segregation": ("segregation", {}),
+    "disks": ("granular-disks", {"time.strain": 20.4, "output.trajectory_every": 680}),
+    "cell": ("shear-cell", {}),
+}
+
+
+@dataclass
+class Picture:
+    """What is seen of a run's page."""
+
+    run: str
+    colours: str
+    # In pixels; a page is seen from its top.
+    size: tuple
+    # The player's picture alone, or the whole page.
+    alone: bool
+    frame: int = -1
+
+
+PICTURES = {
+    "report-suspension": Picture("settling", "speed", (1000, 1260), alone=False),
+    "report-sheared": Picture("sheared", "species", (1000, 830), alone=False, frame=10),
+    "report-disks": Picture("disks", "species", (1000, 830), alone=False),
+    "gallery-settling": Picture("settling", "speed", (420, 620), alone=True),
+    "gallery-shear": Picture("sheared", "species", (420, 620), alone=True, frame=10),
+    "gallery-segregation": Picture("segregation", "species", (420, 620), alone=True),
+    "gallery-disks": Picture("disks", "species", (420, 620), alone=True),
+    "gallery-shear-cell": Picture("cell", "speed", (420, 620), alone=True),
+}
+
+
+def page(name):
+    """The page about a run, which is made if there is none or goes on if it is not finished."""
+    scene, sets = SCENES[name]
+    words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+    for arguments in (
+        ["run", ROOT / "scenes" / f"{scene}.toml", "--out", RUNS / name, "--continue", *words],
+        ["report", RUNS / name],
+    ):
+        subprocess.run(command(arguments), check=True)
+    return RUNS / name / "report.html"
+
+
+def take(picture, path):
+    """Takes a picture of a page."""
+    with Browser(*picture.size) as browser:
+        browser.open(page(picture.run))
+        browser.choose(picture.colours)
+        browser.press("Home" if picture.frame >= 0 else "End")
+        for _ in range(picture.frame):
+            browser.press("ArrowRight")
+        browser.picture(path, "#picture canvas" if picture.alone else None)
+        if browser.complaints():
+            raise SystemExit(f"{path}: {browser.complaints()}")
+    Image.open(path).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/gallery", description=__doc__)
+    parser.add_argument("picture", nargs="*", default=[*PICTURES], help=f"{', '.join(PICTURES)} [all]")
+    for name in parser.parse_args().picture:
+        path = FIGURES / f"{name}.png"
+        take(PICTURES[name], path)
+        print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB")
+
+
+if __name__ == "__main__":
+    main()
