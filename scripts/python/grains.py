@@ -4,13 +4,12 @@ import csv
 import tomllib
 
 import h5py
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import EllipseCollection
+
+import style
 
 KINDS = ("granular-disks", "shear-cell", "shear-cell-continuum")
 
@@ -71,19 +70,19 @@ class Disks:
         disks.set(facecolor=[(g, g, g) for g in grays], edgecolor="0.2", linewidth=0.2)
         axes.add_collection(disks)
         axes.set(xlim=(0, length), ylim=(0, height), aspect="equal", xticks=[], yticks=[])
-        axes.set_title(f"{self.scene.get('title', '')}: time {self.time[frame]:.6g}", fontsize=9)
+        axes.set_title(f"{self.scene.get('title', '')}: time {self.time[frame]:.6g}")
 
 
 def draw_disks(folder, picture, by):
     """The last frame, and the segregation in the course of time."""
     disks, series = Disks(folder, by), columns(folder / "observables.csv")
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.8), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.PAGE, 3.4), layout="constrained")
     disks.draw(left, len(disks.time) - 1)
     right.plot(series["strain"], series["segregation"], color="0.2", label="segregation")
     right.plot(series["strain"], series["lane_peak"], color="C0", label="lanes' peak")
     right.set(xlabel="strain", ylim=(0, None))
-    right.legend(fontsize=8)
-    figure.savefig(picture, dpi=100)
+    right.legend()
+    figure.savefig(picture)
 
 
 def animate_disks(folder, picture, by):
@@ -97,7 +96,7 @@ def animate_disks(folder, picture, by):
 def draw_sweep(folder, picture):
     """Mean segregation over the seeds of each branch."""
     averages = columns(folder / "averages.csv")
-    figure, axes = plt.subplots(figsize=(6, 4.4), layout="constrained")
+    figure, axes = plt.subplots(figsize=(style.PAGE / 2, 2.8), layout="constrained")
     branches = np.stack([averages[key] for key in ("viscosity", "rate", "area_fraction")], axis=1)
     for branch in np.unique(branches, axis=0):
         rows = np.all(branches == branch, axis=1)
@@ -106,38 +105,38 @@ def draw_sweep(folder, picture):
         axes.plot(averages["strain"][rows], mean, label=label)
         axes.fill_between(averages["strain"][rows], mean - error, mean + error, alpha=0.2)
     axes.set(xlabel="strain", ylabel="segregation", ylim=(0, None))
-    axes.legend(fontsize=7)
-    figure.savefig(picture, dpi=100)
+    axes.legend()
+    figure.savefig(picture)
 
 
 def draw_cell(folder, picture):
     """Wall stresses in the course of time, profiles across the gap, and the map of the solid fraction."""
     series = columns(folder / "observables.csv")
-    figure, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")
+    figure, axes = plt.subplots(2, 2, figsize=(style.PAGE, 5), layout="constrained")
     for wall in ("bottom", "top"):
         axes[0, 0].plot(series["time"], series[f"wall_stress_normal[{wall}]"], label=f"normal, {wall}")
     axes[0, 0].plot(series["time"], series["wall_stress_along[top]"], label="shear, top")
     axes[0, 0].set(xlabel="time", ylabel="wall stress")
-    axes[0, 0].legend(fontsize=8)
+    axes[0, 0].legend()
     profile, cells = columns(folder / "profile.csv"), columns(folder / "map.csv")
     axes[0, 1].plot(profile["solid_fraction"], profile["y"])
     axes[0, 1].set(xlabel="solid fraction", ylabel="y")
     axes[1, 0].plot(profile["velocity_x"], profile["y"], label="velocity along x")
     axes[1, 0].plot(np.sqrt(np.maximum(profile["temperature"], 0)), profile["y"], label="root of temperature")
     axes[1, 0].set(ylabel="y")
-    axes[1, 0].legend(fontsize=8)
+    axes[1, 0].legend()
     z, y = np.unique(cells["z"]), np.unique(cells["y"])
     mesh = axes[1, 1].pcolormesh(z, y, cells["solid_fraction"].reshape(len(y), len(z)), cmap="gray_r")
     axes[1, 1].set(xlabel="z", ylabel="y", aspect="equal", title="solid fraction, averaged along the flow")
     figure.colorbar(mesh, ax=axes[1, 1], shrink=0.5)
-    figure.suptitle(scene_of(folder).get("title", folder.name), fontsize=10)
-    figure.savefig(picture, dpi=100)
+    figure.suptitle(scene_of(folder).get("title", folder.name))
+    figure.savefig(picture)
 
 
 def draw_continuum(folder, picture):
     """Profiles of every case."""
     profile = columns(folder / "profile.csv")
-    figure, axes = plt.subplots(1, 3, figsize=(11, 4), layout="constrained")
+    figure, axes = plt.subplots(1, 3, figsize=(style.PAGE, 2.6), layout="constrained")
     cases = np.stack([profile["speed"], profile["pressure"]], axis=1)
     for speed, pressure in np.unique(cases, axis=0):
         rows = np.all(cases == (speed, pressure), axis=1)
@@ -147,8 +146,8 @@ def draw_continuum(folder, picture):
     for panel, name in zip(axes, ("solid fraction", "velocity / U", "temperature / U²")):
         panel.set_xlabel(name)
     axes[0].set_ylabel("y")
-    axes[0].legend(fontsize=7)
-    figure.savefig(picture, dpi=100)
+    axes[0].legend()
+    figure.savefig(picture)
 
 
 def draw(folder, picture, by, animate):

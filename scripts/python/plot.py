@@ -6,15 +6,13 @@ import os
 import pathlib
 import subprocess
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
 import grains
 import spheres
+import style
 from results import Results
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -38,7 +36,7 @@ def draw_spheres(axes, run):
     axes.add_collection(LineCollection(spheres.corners(run.lattice), colors="0.6", linewidths=0.8, zorder=0))
     axes.imshow(image, origin="lower", extent=extent, interpolation="antialiased", zorder=1)
     axes.set_axis_off()
-    axes.set_title(f"{run.title}: time {time:.3g}", fontsize=10)
+    axes.set_title(f"{run.title}: time {time:.3g}")
     bar = plt.colorbar(plt.cm.ScalarMappable(norm, "viridis"), ax=axes, orientation="horizontal", shrink=0.6, pad=0.02)
     bar.set_label(label)
 
@@ -56,7 +54,7 @@ def draw_velocities(axes, run):
             axes.plot(run.time, fluctuation, color=f"C{index}", label=f"{name}: fluctuation")
     axes.set_ylabel("velocity / Stokes velocity" if settling else "velocity")
     axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
-    axes.legend(fontsize=7)
+    axes.legend()
 
 
 def draw_gap(axes, run):
@@ -67,8 +65,9 @@ def draw_gap(axes, run):
     axes.set_xlabel("time")
     if run.viscosity is not None:
         other = axes.twinx()
-        other.plot(run.time, run.viscosity, color="C3")
-        other.set_ylabel("relative viscosity", color="C3")
+        other.spines.right.set_visible(True)
+        other.plot(run.time, run.viscosity, color="C1")
+        other.set_ylabel("relative viscosity", color="C1")
 
 
 def draw_fluctuations(axes, summary):
@@ -84,7 +83,7 @@ def draw_fluctuations(axes, summary):
     axes.axhline(0, color="0.7", linewidth=0.8)
     axes.set_xticks(range(6), components)
     axes.set_ylabel("fluctuation tensor of velocity")
-    axes.legend(fontsize=7)
+    axes.legend()
 
 
 def draw_pairs(axes, pairs):
@@ -97,7 +96,7 @@ def draw_pairs(axes, pairs):
     axes.axhline(1, color="0.7", linewidth=0.8)
     axes.set_xlabel("distance")
     axes.set_ylabel("g(r)")
-    axes.legend(fontsize=7)
+    axes.legend()
 
 
 def make_statistics(run):
@@ -111,27 +110,28 @@ def make_statistics(run):
 
 def draw(run, path):
     tables = make_statistics(run)
-    figure = plt.figure(figsize=(15 if tables else 11, 5.8), layout="constrained")
-    widths = [5, 4, 4] if tables else [5, 4]
-    parts = figure.subfigures(1, len(widths), width_ratios=widths)
-    draw_spheres(parts[0].subplots(), run)
-    upper, lower = parts[1].subplots(2, sharex=True)
-    draw_velocities(upper, run)
-    draw_gap(lower, run)
-    if tables:
-        upper, lower = parts[2].subplots(2)
-        draw_fluctuations(upper, tables["summary"])
-        draw_pairs(lower, tables["pairs"])
-    figure.savefig(path, dpi=100)
+    figure = plt.figure(figsize=(style.PAGE, 6.0 if tables else 3.8), layout="constrained")
+    upper, *lower = figure.subfigures(2 if tables else 1, 1, height_ratios=[3.8, 2.2] if tables else [1], squeeze=False)[:, 0]
+    left, right = upper.subfigures(1, 2, width_ratios=[4, 3])
+    draw_spheres(left.subplots(), run)
+    above, below = right.subplots(2, sharex=True)
+    draw_velocities(above, run)
+    draw_gap(below, run)
+    for part in lower:
+        left, right = part.subplots(1, 2)
+        draw_fluctuations(left, tables["summary"])
+        draw_pairs(right, tables["pairs"])
+    figure.savefig(path)
 
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/plot", description=__doc__)
     parser.add_argument("folder", type=pathlib.Path, help="the results of a run")
-    parser.add_argument("picture", type=pathlib.Path, nargs="?", help="where the picture goes [its picture.png]")
+    parser.add_argument("picture", type=pathlib.Path, nargs="?", help="where it goes: .png, .svg or .pdf [its picture.png]")
     parser.add_argument("--by", choices=("excess", "speed", "species"), default="excess", help="what the gray of disks says")
     parser.add_argument("--animate", action="store_true", help="all frames of disks, as a GIF")
     arguments = parser.parse_args()
+    style.use()
     picture = arguments.picture or arguments.folder / ("picture.gif" if arguments.animate else "picture.png")
     if grains.scene_of(arguments.folder).get("kind") in grains.KINDS:
         grains.draw(arguments.folder, picture, arguments.by, arguments.animate)

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 
-from PIL import Image
+from PIL import Image, ImageChops
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "program"))
 from browser import Browser
@@ -16,6 +16,9 @@ FIGURES = ROOT / "docs" / "src" / "figures"
 RUNS = TARGET / "gallery"
 # Colours of a picture: with more of them it is larger and looks the same.
 COLOURS = 256
+
+# Pixels around what is cropped.
+MARGIN = 6
 
 # Of each run its scene, and what is set.
 SCENES = {
@@ -45,9 +48,9 @@ PICTURES = {
     "report-sheared": Picture("sheared", "species", (1000, 830), alone=False, frame=10),
     "report-disks": Picture("disks", "species", (1000, 830), alone=False),
     "gallery-settling": Picture("settling", "speed", (420, 620), alone=True),
-    "gallery-shear": Picture("sheared", "species", (420, 620), alone=True, frame=10),
+    "gallery-shear": Picture("sheared", "species", (560, 620), alone=True, frame=10),
     "gallery-segregation": Picture("segregation", "species", (420, 620), alone=True),
-    "gallery-disks": Picture("disks", "species", (420, 620), alone=True),
+    "gallery-disks": Picture("disks", "species", (560, 620), alone=True),
     "gallery-shear-cell": Picture("cell", "speed", (420, 620), alone=True),
 }
 
@@ -75,7 +78,18 @@ def take(picture, path):
         browser.picture(path, "#picture canvas" if picture.alone else None)
         if browser.complaints():
             raise SystemExit(f"{path}: {browser.complaints()}")
-    Image.open(path).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    image = Image.open(path).convert("RGB")
+    if picture.alone:
+        image = cropped(image)
+    colours = {"colors": COLOURS, "method": Image.Quantize.FASTOCTREE, "dither": Image.Dither.NONE}
+    image.quantize(**colours).save(path, optimize=True)
+
+
+def cropped(image):
+    """The part of a picture that is not white, and a little around it."""
+    white = Image.new("RGB", image.size, "white")
+    left, upper, right, lower = ImageChops.difference(image, white).point(lambda value: 255 * (value > 8)).getbbox()
+    return image.crop((left - MARGIN, upper - MARGIN, right + MARGIN, lower + MARGIN))
 
 
 def main():

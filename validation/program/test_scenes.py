@@ -17,6 +17,7 @@ SMALLER = {
     "suspension": {"species[0].volume_fraction": 0.02, "species[1].count": 5, "time.steps": 5},
     "shear": {"box.edges": "[12.0, 12.0, 12.0]", "time.duration": 0.025},
     "pair-settling": {"time.steps": 5},
+    "segregation": {"box.edges": "[12.0, 12.0, 12.0]", "time.duration": 0.125},
     "granular-disks": {"time.strain": 1.0},
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},

@@ -107,7 +107,8 @@ mod tests {
     fn profiles_are_what_they_say() {
         let shear = Flow::Shear { rate: 0.5 }.profile(10.0);
         assert_eq!((shear.speed(5.0), shear.speed(11.0), shear.slope(3.0)), (0.0, 3.0, 0.5));
-        assert_eq!(Flow::Shear { rate: 0.5 }.velocity(11.0, 10.0), 3.0);
+        let shear = Flow::Shear { rate: 0.5 };
+        assert_eq!((shear.velocity(5.0, 10.0), shear.velocity(11.0, 10.0)), (0.0, 3.0));
         let pipe = Flow::Poiseuille { peak: 2.0 }.profile(10.0);
         assert_eq!((pipe.speed(0.0), pipe.speed(5.0)), (0.0, 2.0));
         assert_eq!((pipe.speed(-2.0), pipe.speed(12.0)), (pipe.speed(8.0), pipe.speed(2.0)));

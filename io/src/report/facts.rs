@@ -60,9 +60,9 @@ fn particles(about: &About, recorded: &Recorded) -> String {
 
 fn sizes(radii: &[f64]) -> String {
     let [least, most] = [f64::min, f64::max].map(|pick| radii.iter().copied().reduce(pick).unwrap_or(0.0));
-    if least == most {
-        format!("radius {:.4}", Number(least))
-    } else {
+    if least < most {
         format!("radii {:.4} to {:.4}", Number(least), Number(most))
+    } else {
+        format!("radius {:.4}", Number(least))
     }
 }

@@ -18,8 +18,8 @@ pub(super) fn escaped(text: &str) -> String {
 /// A table with a heading for each column.
 pub(super) fn table(heads: &[&str], rows: &[Vec<String>]) -> String {
     let cells = |name: &str, cells: &mut dyn Iterator<Item = &str>| {
-        let cells: String = cells.map(|cell| format!("<{name}>{}</{name}>", escaped(cell))).collect();
-        format!("<tr>{cells}</tr>\n")
+        let cells: Vec<String> = cells.map(|cell| format!("<{name}>{}</{name}>", escaped(cell))).collect();
+        format!("<tr>{}</tr>\n", cells.concat())
     };
     let head = cells("th", &mut heads.iter().copied());
     let body: String = rows.iter().map(|row| cells("td", &mut row.iter().map(String::as_str))).collect();

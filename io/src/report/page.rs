@@ -66,7 +66,8 @@ impl Page<'_> {
     }
 
     fn warned(&self) -> String {
-        let items: String = self.warnings.iter().map(|warning| format!("<li>{}</li>\n", escaped(warning))).collect();
+        let item = |warning: &String| format!("<li>{}</li>\n", escaped(warning));
+        let items = self.warnings.iter().map(item).collect::<String>();
         if items.is_empty() { items } else { format!("<ul class=\"warnings\">\n{items}</ul>\n") }
     }
 

@@ -78,11 +78,19 @@ impl StoredTable {
         }
     }
 
+    /// The same, with all digits of a number.
+    fn word(&self, name: &str, row: usize) -> String {
+        match self.get(name) {
+            Some(Column::Numbers(numbers, _)) => Number(numbers[row]).to_string(),
+            _ => self.cell(name, row),
+        }
+    }
+
     /// The rows that are alike in these columns, with what the columns say, in the order of their first ones.
     pub(super) fn groups(&self, columns: &[&str]) -> Vec<(Vec<String>, Vec<usize>)> {
         let mut groups: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
         for row in 0..self.len() {
-            let of: Vec<String> = columns.iter().map(|column| self.cell(column, row)).collect();
+            let of: Vec<String> = columns.iter().map(|column| self.word(column, row)).collect();
             match groups.iter_mut().find(|(name, _)| *name == of) {
                 Some((_, rows)) => rows.push(row),
                 None => groups.push((of, vec![row])),

@@ -112,6 +112,24 @@ fn tables_of_solutions_are_a_report() {
 }
 
 #[test]
+fn statistics_are_charts_and_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    add_series(folder.path(), &[0.1]);
+    let mut pairs = Table::new("pairs", &["first", "second"], &[("distance", "length"), ("g", "")]);
+    pairs.add(&["a", "b"], &[1.0, 0.5]);
+    pairs.add(&["a", "b"], &[2.0, 1.0]);
+    let labels = &["quantity", "species", "unit"];
+    let mut summary = Table::new("summary", labels, &[("value", ""), ("error", ""), ("converged", "")]);
+    summary.add(&["T_xx", "a", "length^2/time^2"], &[0.5, 0.01, 0.0]);
+    summary.add(&["D_slope_x", "a", "length^2/time"], &[f64::NAN, f64::NAN, 1.0]);
+    write_tables(&folder.path().join("stats"), "statistics", &provenance(), &[pairs, summary]).unwrap();
+    let page = report(folder.path()).unwrap();
+    assert!(page.contains(">a and b</text>") && page.contains("distance of centres (length)"));
+    let row = "<td>T_xx</td><td>a</td><td>0.5</td><td>\u{b1} 0.01 at least</td><td>length\u{b2}/time\u{b2}</td>";
+    assert!(page.contains(row) && page.contains("<td>unknown</td><td></td>"), "{page}");
+}
+
+#[test]
 fn a_folder_without_a_run_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let name = folder.path().display().to_string();

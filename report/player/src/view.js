@@ -38,7 +38,7 @@ export class View {
     new ResizeObserver(() => this.resize()).observe(place);
   }
 
-  /** The middle of the box, and the radius of a ball around it in which all frames fit. */
+  /** The middle of the box as it stands straight, the radius of a ball around it, and how wide the box is as it tilts. */
   measure() {
     const [a, b, c] = [0, 3, 6].map((first) => new THREE.Vector3(...this.run.edges[0].slice(first, first + 3)));
     // Of a box that tilts, the one that stands straight.
@@ -47,6 +47,8 @@ export class View {
     this.size = a.clone().add(b).add(c);
     this.middle = this.size.clone().multiplyScalar(0.5);
     this.radius = this.size.length() / 2;
+    const tilts = this.run.edges.map((edges) => Math.abs(edges[3]));
+    this.width = this.size.x + 2 * tilts.reduce((most, tilt) => Math.max(most, tilt), 0);
   }
 
   /** Puts the eye where it is at first. */
@@ -65,7 +67,8 @@ export class View {
   /** How far away the eye is to see the box whole, in a picture that may be narrow. */
   distance() {
     const { clientWidth, clientHeight } = this.place;
-    const half = Math.tan((ANGLE * Math.PI) / 360) * Math.min(1, clientWidth / clientHeight || 1);
+    const narrow = Math.min(1, ((clientWidth / clientHeight || 1) * this.size.x) / this.width);
+    const half = Math.tan((ANGLE * Math.PI) / 360) * narrow;
     return (NEARER * this.radius) / Math.sin(Math.atan(half));
   }
 
@@ -76,7 +79,7 @@ export class View {
     const aspect = width / height;
     Object.assign(this.camera, { near: 0.01 * this.radius, far: 100 * this.radius });
     if (this.run.flat) {
-      const half = Math.max(this.size.y, this.size.x / aspect) / 2 / FILLED;
+      const half = Math.max(this.size.y, this.width / aspect) / 2 / FILLED;
       Object.assign(this.camera, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     } else {
       this.camera.aspect = aspect;

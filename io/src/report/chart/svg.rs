@@ -10,6 +10,8 @@ use std::fmt::Write as _;
 const SIZE: [f64; 2] = [520.0, 330.0];
 /// What is left free beside the area of the lines: left, right and below.
 const MARGINS: [f64; 3] = [66.0, 16.0, 50.0];
+/// Where the area of the lines ends.
+const BOTTOM: f64 = SIZE[1] - MARGINS[2];
 /// Height of a row of the legend.
 const ROW: f64 = 18.0;
 /// Width of a letter, about.
@@ -39,8 +41,12 @@ pub(in crate::report) fn svg(chart: &Chart) -> Option<String> {
     let (title, [width, height]) = (escaped(&chart.title), SIZE);
     let mut svg = format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">\n");
     svg += &area.frame(chart);
-    entries.iter().for_each(|(line, place)| svg += &entry(line, *place));
-    chart.lines.iter().for_each(|line| svg += &area.line(line));
+    for (line, place) in entries {
+        svg += &entry(line, place);
+    }
+    for line in &chart.lines {
+        svg += &area.line(line);
+    }
     Some(svg + "</svg>\n")
 }
 
@@ -88,30 +94,27 @@ fn style(line: &Line) -> String {
     format!("class=\"line\" stroke=\"{colour}\" stroke-dasharray=\"{dash}\"")
 }
 
+/// A part of the area's width, on the picture.
+fn across(part: f64) -> f64 {
+    MARGINS[0] + part * (SIZE[0] - MARGINS[0] - MARGINS[1])
+}
+
 impl Area {
     /// Where a point is on the picture, if the axes can show it.
     fn place(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-        Some([self.across(self.x.place(x)?), self.up(self.y.place(y)?)])
-    }
-
-    fn across(&self, part: f64) -> f64 {
-        MARGINS[0] + part * (SIZE[0] - MARGINS[0] - MARGINS[1])
+        Some([across(self.x.place(x)?), self.up(self.y.place(y)?)])
     }
 
     fn up(&self, part: f64) -> f64 {
-        self.bottom() - part * (self.bottom() - self.top)
-    }
-
-    fn bottom(&self) -> f64 {
-        SIZE[1] - MARGINS[2]
+        BOTTOM - part * (BOTTOM - self.top)
     }
 
     /// Axes, ticks, their labels and the names of the axes.
     fn frame(&self, chart: &Chart) -> String {
-        let [left, right, bottom, top] = [self.across(0.0), self.across(1.0), self.bottom(), self.top];
+        let [left, right, bottom, top] = [across(0.0), across(1.0), BOTTOM, self.top];
         let mut svg = String::new();
         for (part, label) in self.x.ticks() {
-            let (x, end, words) = (self.across(part), bottom + 5.0, bottom + 19.0);
+            let (x, end, words) = (across(part), bottom + 5.0, bottom + 19.0);
             write!(svg, "<path class=\"grid\" d=\"M{x:.1} {top:.1}V{bottom:.1}\"/><path class=\"axis\" d=\"M{x:.1} {bottom:.1}V{end:.1}\"/>").expect("text grows");
             writeln!(svg, "<text class=\"x\" x=\"{x:.1}\" y=\"{words:.1}\">{label}</text>").expect("text grows");
         }
@@ -129,7 +132,7 @@ impl Area {
 
     fn names(&self, chart: &Chart) -> String {
         let [x, y] = [(&self.x, &chart.axes[0]), (&self.y, &chart.axes[1])].map(|(axis, name)| named(axis, name));
-        let (middle, height) = (self.across(0.5), self.up(0.5));
+        let (middle, height) = (across(0.5), self.up(0.5));
         format!(
             "<text class=\"x\" x=\"{middle:.1}\" y=\"{:.1}\">{x}</text>\
              <text class=\"x\" transform=\"translate(15 {height:.1}) rotate(-90)\">{y}</text>\n",

@@ -54,13 +54,11 @@ fn displacement(table: &StoredTable) -> Option<Chart> {
     Some(chart)
 }
 
+/// What becomes of the points of a line.
+type Change = dyn Fn(&[[f64; 2]]) -> Vec<[f64; 2]>;
+
 /// Adds a line for each species and axis.
-fn add_lags(
-    table: &StoredTable,
-    name: &str,
-    chart: &mut Chart,
-    of: &dyn Fn(&[[f64; 2]]) -> Vec<[f64; 2]>,
-) -> Option<()> {
+fn add_lags(table: &StoredTable, name: &str, chart: &mut Chart, of: &Change) -> Option<()> {
     let mut groups = table.groups(&["species"]);
     // Those of all species together are no more than the mean of the others.
     if groups.len() > 1 {

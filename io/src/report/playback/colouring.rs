@@ -68,11 +68,14 @@ pub(super) fn fixed(particles: &Particles, colours: &Colours) -> Vec<Colouring> 
     vec![by_radius, by_species]
 }
 
+/// A number of each particle, if they have it.
+type Numbers<'a> = dyn Fn(&Particles) -> Option<Vec<f32>> + 'a;
+
 /// A number of each particle in each frame.
 pub(super) struct Column<'a> {
     name: &'static str,
     label: &'static str,
-    of: Box<dyn Fn(&Particles) -> Option<Vec<f32>> + 'a>,
+    of: Box<Numbers<'a>>,
     values: Vec<f32>,
     is_whole: bool,
 }

@@ -54,7 +54,9 @@ impl Playback {
         for frame in meant {
             match recorded.snapshot(frame) {
                 Ok(snapshot) => {
-                    columns.iter_mut().for_each(|column| column.see(&snapshot.frame));
+                    for column in &mut columns {
+                        column.see(&snapshot.frame);
+                    }
                     playback.see(&snapshot, colours);
                 }
                 Err(error) => playback.damage.push(error.to_string()),
