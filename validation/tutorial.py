@@ -45,7 +45,7 @@ def edge(keys):
 
 
 def unbounded(found):
-    """The velocity in a box without end and its error, by the line through two boxes over the inverse of their edges."""
+    """The velocity in a box without end and its error, by the line through two boxes over their inverse edges."""
     (small, error, _), (large, other, _) = found["the scene"], found["four times as many spheres"]
     near, far = 1 / edge(RUNS["the scene"]), 1 / edge(RUNS["four times as many spheres"])
     weight = near / (near - far)
