@@ -1,7 +1,7 @@
 //! The command line.
 
 use crate::{
-    bench, check, export, info, machine, manual, mobility, new, report, resume, run, stats, streams, two_sphere,
+    bench, calibrate, check, export, info, manual, mobility, new, report, resume, run, stats, streams, two_sphere,
 };
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -110,7 +110,7 @@ impl Command {
             Self::Report(args) => report::run(args, comm)?,
             Self::Mobility(args) => mobility::run(args, comm)?,
             Self::Bench(args) => bench::run(args, comm)?,
-            Self::Calibrate => machine::calibrate(comm)?,
+            Self::Calibrate => calibrate::calibrate(comm)?,
             Self::TwoSphere(args) => two_sphere::run(args, comm)?,
             Self::New(args) => new::run(args, comm)?,
             Self::Info(args) => info::run(args, comm)?,

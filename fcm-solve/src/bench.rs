@@ -1,7 +1,7 @@
 //! `fcm-solve bench`: run time of one mobility against its error.
 
 use crate::number::{fraction, ratio, tolerance};
-use crate::{machine, streams};
+use crate::streams;
 use clap::ValueEnum;
 use domain::Comm;
 use fcm::{Costs, Fixed, MethodName};
@@ -75,7 +75,7 @@ struct Line {
 
 /// Runs all cases. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let costs = machine::costs(comm)?;
+    let costs = io::kept_costs(comm)?;
     for case in args.cases() {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {

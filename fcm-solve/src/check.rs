@@ -1,6 +1,5 @@
 //! `fcm-solve check`: what a scene would cost.
 
-use crate::machine::on_this_machine;
 use crate::scene_file::read;
 use crate::streams::{self, json};
 use domain::Comm;
@@ -28,7 +27,7 @@ pub struct Args {
 
 /// Checks the scene and prints how it would be computed. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let scene = on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
+    let scene = io::on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
     let outline = io::outline(scene.kind(), asked(args, comm), comm)?;
     streams::print(comm, &if args.json { json(&outline.to_json()) } else { outline.to_string() })
 }

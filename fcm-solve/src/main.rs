@@ -5,7 +5,7 @@
 
 mod args;
 mod bench;
-mod calibration;
+mod calibrate;
 mod causes;
 mod check;
 mod commands;
@@ -13,13 +13,13 @@ mod continuing;
 mod export;
 mod info;
 mod launch;
-mod machine;
 mod manual;
 mod mobility;
 mod new;
 mod number;
 mod preparing;
 mod progress;
+mod ready;
 mod report;
 mod resume;
 mod run;

@@ -2,7 +2,7 @@
 
 use crate::causes::in_full;
 use crate::number::tolerance;
-use crate::{machine, streams};
+use crate::streams;
 use anyhow::{Context, ensure};
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Costs, Loads, Multipoles, Plan};
@@ -55,7 +55,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 
 /// Evaluates a case that was read; the first rank has the answer. Collective.
 fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
-    let parameters = parameters(case, (tolerance, machine::costs(comm)?))?;
+    let parameters = parameters(case, (tolerance, io::kept_costs(comm)?))?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?;
     let positions: Vec<Vector> = case.positions.iter().map(|&position| position.into()).collect();
     let overlaps = mobility.place(&positions)?;

@@ -3,14 +3,13 @@
 use crate::causes::in_full;
 use crate::commands::{quoted, resume_command};
 use crate::continuing::{go_on, latest};
-use crate::machine::on_this_machine;
 use crate::preparing::Preparing;
 use crate::run_loop::run_to_end;
 use crate::scene_file::read;
 use crate::signals::Signals;
 use crate::walltime::{self, Walltime};
 use crate::whole_scene::carry_out;
-use crate::{calibration::with_least_repulsion, streams};
+use crate::{ready::made_ready, streams};
 use anyhow::ensure;
 use domain::Comm;
 use io::{Checkpoints, Former, Kind, Recorder, RunFolder, Scene, WholeScene};
@@ -54,7 +53,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
 
 /// A run from its start. Collective.
 fn start(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
-    let scene = with_least_repulsion(on_this_machine(scene, comm)?, comm)?;
+    let scene = made_ready(scene, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
         io::check_room(scene.kind(), comm)?;
         folder.start_with(scene.text())?;

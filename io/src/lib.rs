@@ -17,6 +17,7 @@
 //! ```
 
 mod case;
+mod causes;
 mod checkpoint;
 mod checksum;
 mod contents;
@@ -39,6 +40,7 @@ mod trajectory;
 mod whole;
 
 pub use case::{Answer, Background, Case, OneOrAll, Terms};
+pub use causes::in_full;
 pub use checkpoint::Checkpoints;
 pub use contents::{Contents, DatasetShape, FrameSpan};
 pub use durable::replace as replace_file;
@@ -51,7 +53,8 @@ pub use provenance::Provenance;
 pub use recorded::{Recorded, Snapshot};
 pub use report::{ReportError, write_report};
 pub use run::{
-    Former, Listener, Recorder, RunError, RunFolder, WholeScene, check_room, outline, placed, provenance, resume, start,
+    Former, Listener, Recorder, RunError, RunFolder, WholeScene, check_room, keep_costs, kept_costs, on_this_machine,
+    outline, placed, provenance, resume, start, with_least_repulsion,
 };
 pub use scene::{
     ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,

@@ -15,6 +15,7 @@
 
 mod clock;
 mod frame;
+mod loads;
 mod outline;
 mod quantity;
 mod schedule;
@@ -25,6 +26,7 @@ mod velocity_field;
 
 pub use clock::Clock;
 pub use frame::Frame;
+pub use loads::{AppliedLoads, LoadFunction, NoLoads};
 pub use outline::Outline;
 pub use quantity::Quantity;
 pub use schedule::Schedule;

@@ -1,6 +1,6 @@
 //! What runs step by step.
 
-use crate::{Clock, Frame, Quantity, State, TableSet, VelocityField};
+use crate::{Clock, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
 use domain::{Comm, Interrupt};
 use std::error::Error;
 
@@ -31,6 +31,12 @@ pub trait Simulation {
     /// from [`Self::advance`] where that step began.
     fn listen(&mut self, _interrupt: Interrupt) {}
 
+    /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every rank
+    /// or on none, and nothing is added then.
+    fn add_loads(&mut self, _loads: LoadFunction) -> Result<(), SimulationError> {
+        Err(SimulationError::new(NoLoads))
+    }
+
     /// Takes a step, or as many as take no time worth speaking of, none of them beyond step `last`. `Err` on every rank
     /// or on none.
     fn advance(&mut self, last: u64) -> Result<(), SimulationError>;
@@ -43,6 +49,11 @@ pub trait Simulation {
 
     /// A row of the time series: the numbers of each quantity in turn.
     fn observe(&mut self) -> Vec<Vec<f64>>;
+
+    /// The numbers of a row as they are now, outside the time series: what is averaged from row to row goes on.
+    fn look(&mut self) -> Vec<Vec<f64>> {
+        self.observe()
+    }
 
     /// Takes what is averaged from the step where it is.
     fn sample(&mut self) {}

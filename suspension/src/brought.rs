@@ -1,6 +1,7 @@
 //! Particles as a state brings them.
 
 use crate::adaptive::AGES;
+use crate::applied::APPLIED;
 use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::warm_start::WarmStart;
@@ -26,7 +27,8 @@ pub fn check(particles: &Particles, species: usize, lubrication: bool) -> Result
 fn widths(lubrication: bool) -> Vec<(String, usize)> {
     let velocities = VELOCITY_COLUMNS.map(|name| (name.to_owned(), 3));
     let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (AGES, 2)].map(|(name, width)| (name.to_owned(), width));
-    velocities.into_iter().chain(others).chain(WarmStart::new(lubrication).kept()).collect()
+    let applied = APPLIED.map(|name| (name.to_owned(), 3));
+    velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(lubrication).kept()).collect()
 }
 
 #[cfg(test)]

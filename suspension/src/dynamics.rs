@@ -1,5 +1,6 @@
 //! From positions to velocities.
 
+use crate::applied::{self, AppliedForces};
 use crate::error::StartError;
 use crate::fluid;
 use crate::forces::Forces;
@@ -60,6 +61,14 @@ pub enum StepError {
         /// Why not.
         source: SolveError,
     },
+    /// Loads that the user adds could not be computed, or are none.
+    #[error("step {step}: a force of one's own: {source}")]
+    Applied {
+        /// Steps taken before.
+        step: u64,
+        /// What the function said, or what is wrong with its loads.
+        source: Failure,
+    },
     /// Some rank was asked to stop.
     #[error("the step was interrupted")]
     Interrupted(#[from] Interrupted),
@@ -104,6 +113,7 @@ pub struct Dynamics {
     moving: MovingBox,
     flow: BackgroundFlow,
     forces: Forces,
+    applied: AppliedForces,
     hydrodynamics: Hydrodynamics,
     lubrication: Option<Range>,
     warm_start: WarmStart,
@@ -124,6 +134,7 @@ impl Dynamics {
             lubrication: range,
             warm_start: WarmStart::new(chosen.lubrication),
             forces: Forces::new(model, setup.radii.largest())?,
+            applied: AppliedForces::default(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             smallest_radius: setup.radii.smallest(),
             partition: setup.partition,
@@ -143,6 +154,11 @@ impl Dynamics {
     /// Looks at this interrupt at each evaluation of the mobility from now on.
     pub fn listen(&mut self, interrupt: Interrupt) {
         self.hydrodynamics.listen(interrupt);
+    }
+
+    /// Loads that the user adds.
+    pub fn applied(&mut self) -> &mut AppliedForces {
+        &mut self.applied
     }
 
     /// Where the box is in time, to go back to.
@@ -166,7 +182,10 @@ impl Dynamics {
         self.moving.go_to(clock.time_at(moment.fraction), particles);
         let cell = *self.moving.cell();
         particles.migrate(&self.partition, &cell);
-        let loads = self.forces.on(particles, &cell, &self.partition);
+        let mut loads = self.forces.on(particles, &cell, &self.partition);
+        let time = clock.time_at(moment.fraction);
+        let applied = self.applied.add_to(&mut loads, particles, (&cell, &self.partition), time);
+        applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
         let guess =
             if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
         let ambient = self.flow.strain_rate();
@@ -273,6 +292,7 @@ impl Dynamics {
     /// the order `[z][y][x]`, x fastest; on the first rank. An error where no grid can carry it. Collective.
     pub fn velocity_field(&mut self, particles: &Particles) -> Result<([usize; 3], Vec<Vector>), PlanError> {
         let mut loads = self.forces.on(particles, self.moving.cell(), &self.partition);
+        applied::add_last(&mut loads, particles);
         self.warm_start.add_to(&mut loads, particles);
         // Whatever the strain: programs that draw a series take all of its frames for as large as the first.
         let plan = self.hydrodynamics.mobility().plan().on_the_grid_alone(self.moving.largest_strain())?;

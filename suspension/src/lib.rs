@@ -22,6 +22,7 @@
 //! ```
 
 mod adaptive;
+mod applied;
 mod averages;
 pub mod benchmark;
 mod brought;

@@ -3,7 +3,7 @@
 use crate::hydrodynamics::{Guess, Hydrodynamics, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
-use domain::{Bytes, Comm, Failure, Particles, Partition, PeriodicBox, Traceless, Vector};
+use domain::{Bytes, Comm, Failure, Interrupt, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, PlanError, Problem, SolveError};
 use lubrication::{PairForceError, Range};
 use solver::BackgroundFlow;
@@ -108,6 +108,11 @@ impl Mobility {
     /// What makes the plan hopeless, if it is.
     pub fn burden(&self) -> Option<String> {
         self.plan.burden(&self.problem)
+    }
+
+    /// Looks at this interrupt in each iteration from now on; an evaluation that is interrupted has no answer.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.hydrodynamics.listen(interrupt);
     }
 
     /// Puts the spheres into places, inside the box or not. Spheres that overlap are returned, or refused where they feel

@@ -10,8 +10,7 @@ use crate::observe::Observer;
 use crate::plan::Radii;
 use crate::suspension::Suspension;
 use domain::{Comm, Interrupt, Placed};
-use simulation::Clock;
-use simulation::{Frame, Quantity, Simulation, SimulationError, State, TableSet, VelocityField};
+use simulation::{Clock, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField};
 
 /// A suspension and who observes it.
 pub struct Observed {
@@ -70,6 +69,10 @@ impl Simulation for Observed {
 
     fn listen(&mut self, interrupt: Interrupt) {
         self.suspension.listen(interrupt);
+    }
+
+    fn add_loads(&mut self, loads: LoadFunction) -> Result<(), SimulationError> {
+        self.suspension.add_loads(loads).map_err(SimulationError::new)
     }
 
     fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {

@@ -1,5 +1,6 @@
 //! A suspension of spheres in Stokes flow.
 
+use crate::applied;
 use crate::dynamics::{Dynamics, Moment, Outcome, StepError};
 use crate::error::StartError;
 use crate::integrator::VELOCITY;
@@ -10,7 +11,7 @@ use crate::stress::ParticleStress;
 use crate::{adaptive, brought, initial, near};
 use domain::{Comm, Interrupt, Particles, PeriodicBox, Placed, Vector};
 use fcm::PlanError;
-use simulation::{Clock, State};
+use simulation::{Clock, LoadFunction, State};
 
 /// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -23,6 +24,8 @@ pub struct Suspension {
     /// Evaluations of the mobility in the last step.
     evaluations: u64,
     caution: Option<&'static str>,
+    /// Whether the state that was resumed has loads of the user's in its velocities, which are still those of now.
+    has_applied_loads: bool,
     comm: Comm,
 }
 
@@ -58,7 +61,17 @@ impl Suspension {
         let clock = Clock::at(0, model.time_step);
         let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0))?;
         let (integrator, evaluations) = (model.integrator, dynamics.evaluations());
-        Ok(Self { particles, dynamics, clock, integrator, outcome, evaluations, caution: None, comm: comm.clone() })
+        Ok(Self {
+            particles,
+            dynamics,
+            clock,
+            integrator,
+            outcome,
+            evaluations,
+            caution: None,
+            has_applied_loads: false,
+            comm: comm.clone(),
+        })
     }
 
     /// A model in a state, which the first rank brings. Collective.
@@ -72,7 +85,18 @@ impl Suspension {
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], model.time_step);
         let (integrator, outcome, comm) = (model.integrator, Outcome::default(), comm.clone());
-        let mut resumed = Self { particles, dynamics, clock, integrator, outcome, evaluations: 0, caution: None, comm };
+        let has_applied_loads = applied::is_among(&particles);
+        let mut resumed = Self {
+            particles,
+            dynamics,
+            clock,
+            integrator,
+            outcome,
+            evaluations: 0,
+            caution: None,
+            has_applied_loads,
+            comm,
+        };
         if then.is_some_and(|plan| !fcm::is_same_way(&plan, &resumed.plan())) {
             resumed.caution = Some(OTHER_PLAN);
         }
@@ -89,16 +113,64 @@ impl Suspension {
         self.dynamics.listen(interrupt);
     }
 
-    /// Takes one step. `Err` on every rank or on none. An interrupted step is not taken: all is as it was before it,
-    /// to the last bit.
+    /// Takes one step. `Err` on every rank or on none. A step that fails or is interrupted is not taken: all is as it
+    /// was before it, to the last bit.
     pub fn step(&mut self) -> Result<(), StepError> {
+        self.or_as_before(Self::take_step)
+    }
+
+    /// Adds loads to those of the model: from now on every evaluation of the mobility has the function's loads at its own
+    /// positions and time. The velocities of now are computed again, with them; but if the suspension was resumed from
+    /// a state with loads of this kind, its velocities have them until the next step, and the function is only taken up.
+    /// The stresses of [`Self::stress`] have no part of these forces. If the function fails, nothing is added.
+    /// Collective: each rank brings the function, and the first one calls it.
+    ///
+    /// A sphere on a spring:
+    /// ```
+    /// use domain::{Comm, PeriodicBox, Vector};
+    /// use simulation::AppliedLoads;
+    /// use suspension::{Model, Parameters, Species, Start, Suspension};
+    ///
+    /// let (cell, place) = (PeriodicBox::new(Vector::splat(16.0))?, Vector::splat(8.0));
+    /// let start = Start::Positions(vec![place]);
+    /// let species = vec![Species::new("on a spring", 1.0, 1)];
+    /// let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, species, (0.1, 10)) })?;
+    /// let mut suspension = Suspension::start(&model, &Comm::alone())?;
+    /// let anchor = place + Vector::X;
+    /// suspension.add_loads(Box::new(move |positions: &[Vector], _time| {
+    ///     let forces = positions.iter().map(|&position| 5.0 * (anchor - position)).collect();
+    ///     Ok(AppliedLoads { forces, torques: Vec::new() })
+    /// }))?;
+    /// suspension.step()?;
+    /// let moved = suspension.particles().positions[0] - place;
+    /// assert!(moved.x > 0.0 && moved.x < 5.0 / (6.0 * std::f64::consts::PI) * 0.1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn add_loads(&mut self, loads: LoadFunction) -> Result<(), StepError> {
+        self.dynamics.applied().add(loads);
+        if self.has_applied_loads {
+            return Ok(());
+        }
+        let evaluated = self.or_as_before(|suspension| {
+            let now = Moment::in_step(&suspension.clock, 0.0);
+            suspension.outcome = suspension.dynamics.evaluate(&mut suspension.particles, &now)?;
+            Ok(())
+        });
+        if evaluated.is_err() {
+            self.dynamics.applied().remove_last();
+        }
+        evaluated
+    }
+
+    /// Does something, or leaves all as it was before.
+    fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
         let (particles, moving) = (self.particles.clone(), self.dynamics.moving_box().clone());
-        let taken = self.take_step();
-        if let Err(StepError::Interrupted(_)) = taken {
+        let changed = change(self);
+        if changed.is_err() {
             self.particles = particles;
             self.dynamics.go_back(moving);
         }
-        taken
+        changed
     }
 
     fn take_step(&mut self) -> Result<(), StepError> {
@@ -112,6 +184,7 @@ impl Suspension {
         };
         self.evaluations = dynamics.evaluations() - before;
         self.clock.tick();
+        self.has_applied_loads = false;
         Ok(())
     }
 

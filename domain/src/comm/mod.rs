@@ -66,6 +66,17 @@ pub enum CommError {
         /// Processes that the library found.
         seen: usize,
     },
+    /// A communicator of another library.
+    #[error(
+        "the communicator is of {theirs:?}, but this program was built with {ours:?}; build both with the same mpicc, and \
+         start MPI before"
+    )]
+    OtherLibrary {
+        /// The library that this program was built with.
+        ours: String,
+        /// The library that made the communicator.
+        theirs: String,
+    },
     /// The library grants less than it needs to run beside worker threads.
     #[error("the MPI library refuses to run beside threads (it needs the level MPI_THREAD_FUNNELED)")]
     NoThreads,
@@ -105,6 +116,15 @@ impl Comm {
             Job::Of(1) if cfg!(not(feature = "mpi")) => Ok(Self::alone()),
             _ => processes::Rank::world(&launcher).map(|rank| Self::of(Backend::Processes(rank))),
         }
+    }
+
+    /// The ranks of an MPI communicator that another part of the process made: its handle for Fortran, as `MPI_Comm_c2f`
+    /// gives it, and the words of `MPI_Get_library_version` for the library that it is of. It needs to be an
+    /// intracommunicator and to live until this returns; a copy is made. The library needs to run until the last use.
+    /// Collective among its ranks.
+    #[cfg(feature = "mpi")]
+    pub fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
+        processes::Rank::of_handle(handle, library).map(|rank| Self::of(Backend::Processes(rank)))
     }
 
     /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns what each returned in

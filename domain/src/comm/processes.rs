@@ -6,18 +6,47 @@ use bytemuck::Pod;
 use mpi::Threading;
 use mpi::datatype::{Equivalence, Partition, PartitionMut};
 use mpi::environment::Universe;
+use mpi::raw::FromRaw;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives};
 use std::io::Write as _;
-use std::ops::Range;
+use std::mem::{ManuallyDrop, MaybeUninit};
+use std::ops::{Deref, Range};
 use std::rc::Rc;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
 /// One process's place in a group of processes. The library shuts down when the last of them goes.
 #[derive(Clone)]
 pub(super) struct Rank {
-    communicator: Rc<SimpleCommunicator>,
-    universe: Rc<Universe>,
+    communicator: Rc<Group>,
+    /// Nothing where others started the library, and shut it down.
+    universe: Option<Rc<Universe>>,
+}
+
+/// A communicator that is freed when it goes, unless the library was shut down before.
+struct Group(ManuallyDrop<SimpleCommunicator>);
+
+impl Group {
+    fn of(communicator: SimpleCommunicator) -> Rc<Self> {
+        Rc::new(Self(ManuallyDrop::new(communicator)))
+    }
+}
+
+impl Deref for Group {
+    type Target = SimpleCommunicator;
+
+    fn deref(&self) -> &SimpleCommunicator {
+        &self.0
+    }
+}
+
+impl Drop for Group {
+    fn drop(&mut self) {
+        if !mpi::environment::is_finalized() {
+            // SAFETY: nobody looks at it after this.
+            unsafe { ManuallyDrop::drop(&mut self.0) }
+        }
+    }
 }
 
 impl Rank {
@@ -41,7 +70,32 @@ impl Rank {
         let world = universe.world();
         disagree(world.size() as usize)?;
         abort_all_on_panic(world.rank());
-        Ok(Self { communicator: Rc::new(world), universe: Rc::new(universe) })
+        Ok(Self { communicator: Group::of(world), universe: Some(Rc::new(universe)) })
+    }
+
+    /// The ranks of a communicator that somebody else made, given by its handle for Fortran and the name of the library
+    /// that it is of. Collective among them.
+    pub(super) fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
+        let plain = |name: &str| name.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
+        let [ours, theirs] =
+            [&mpi::environment::library_version().unwrap_or_default(), library].map(|name| plain(name));
+        if ours != theirs || !mpi::environment::is_initialized() {
+            return Err(CommError::OtherLibrary { ours, theirs });
+        }
+        if mpi::environment::threading_support() < Threading::Funneled {
+            return Err(CommError::NoThreads);
+        }
+        let mut copy = MaybeUninit::uninit();
+        // SAFETY: the handle is one of this library, which runs; the copy is ours alone.
+        let communicator = unsafe {
+            mpi::ffi::MPI_Comm_dup(mpi::ffi::RSMPI_Comm_f2c(handle), copy.as_mut_ptr());
+            SimpleCommunicator::from_raw(copy.assume_init())
+        };
+        static ABORTS: Once = Once::new();
+        if communicator.size() > 1 {
+            ABORTS.call_once(|| abort_all_on_panic(communicator.rank()));
+        }
+        Ok(Self { communicator: Group::of(communicator), universe: None })
     }
 
     pub(super) fn rank(&self) -> usize {
@@ -55,7 +109,7 @@ impl Rank {
     pub(super) fn split(&self, colour: usize) -> Self {
         let colour = mpi::topology::Color::with_value(colour as i32);
         let communicator = self.communicator.split_by_color(colour).expect("every rank has a colour");
-        Self { communicator: Rc::new(communicator), universe: self.universe.clone() }
+        Self { communicator: Group::of(communicator), universe: self.universe.clone() }
     }
 
     pub(super) fn barrier(&self) {
@@ -64,7 +118,7 @@ impl Rank {
 
     pub(super) fn on_this_machine(&self) -> Self {
         let communicator = self.communicator.split_shared(self.communicator.rank());
-        Self { communicator: Rc::new(communicator), universe: self.universe.clone() }
+        Self { communicator: Group::of(communicator), universe: self.universe.clone() }
     }
 
     /// Memory of every rank of a group on one machine, if that lets processes share it.

@@ -170,6 +170,10 @@ impl Simulation for DiskRun {
         record.values().map(|value| vec![value]).to_vec()
     }
 
+    fn look(&mut self) -> Vec<Vec<f64>> {
+        self.disks.record().values().map(|value| vec![value]).to_vec()
+    }
+
     fn state(&mut self) -> State {
         let (particles, progress) = self.disks.store();
         State {

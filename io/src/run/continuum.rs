@@ -1,8 +1,8 @@
 //! The kinetic theory of a shear cell: solved once for each speed and pressure.
 
-use super::error::in_full;
 use super::outline;
 use super::{Listener, RunError, provenance};
+use crate::causes::in_full;
 use crate::{ContinuumScene, Scene, read_rows, write_tables};
 use domain::{Comm, Number};
 use drivers::continuum::{Point, Problem, Solution};

@@ -1,11 +1,11 @@
 //! Why a run can't begin or go on.
 
 use crate::{FileError, SceneError};
-use domain::Failure;
+use domain::{Failure, Interrupted};
 use drivers::ParameterError;
 use simulation::SimulationError;
-use std::error::Error;
 use std::path::PathBuf;
+use suspension::LeastRepulsionError;
 
 /// Why a run can't begin or go on.
 #[derive(Debug, thiserror::Error)]
@@ -25,12 +25,18 @@ pub enum RunError {
     /// A simulation that can't go on.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// No least repulsion.
+    #[error(transparent)]
+    LeastRepulsion(#[from] LeastRepulsionError),
     /// A parameter of a sweep's runs.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// Something that only some ranks know of.
     #[error(transparent)]
     Failed(#[from] Failure),
+    /// Somebody asked to stop.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// A scene of a kind that is not advanced in steps.
     #[error("scenes of this kind have no steps")]
     NoSteps,
@@ -63,10 +69,4 @@ pub enum RunError {
         /// What it takes and what there is.
         missing: domain::NoRoom,
     },
-}
-
-/// An error with all its causes in a line.
-pub(super) fn in_full(error: &dyn Error) -> String {
-    let causes = std::iter::successors(error.source(), |cause| (*cause).source());
-    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }

@@ -1,7 +1,7 @@
 //! Output files of a run.
 
-use super::error::in_full;
 use super::{RunError, RunFolder};
+use crate::causes::in_full;
 use crate::{
     Checkpoints, FileError, Output, Provenance, Scene, Series, Trajectory, drop_fields_after, write_field, write_tables,
 };
@@ -58,26 +58,36 @@ impl Recorder {
         let comm = simulation.comm().clone();
         let emptied = if comm.is_first() { folder.start_with(scene.text()) } else { Ok(()) };
         comm.agree(emptied.map_err(|e| in_full(&e)))?;
-        Self::open(folder, scene, simulation, None)
+        Self::open(folder, scene, simulation, (None, scene.kind().steps()))
     }
 
     /// A recorder for a run that goes on from where it is.
     pub fn resume(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
         let last = simulation.clock().step();
-        Self::open(folder, scene, simulation, Some(last))
+        Self::open(folder, scene, simulation, (Some(last), scene.kind().steps()))
+    }
+
+    /// The same run with another end, that of `scene`, in files with room until step `room`. What was written stays.
+    pub fn extend(self, scene: &Scene, room: u64, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
+        let Self { folder, files, comm, .. } = self;
+        drop(files);
+        let kept = if comm.is_first() { folder.keep(scene.text()) } else { Ok(()) };
+        comm.agree(kept.map_err(|e| in_full(&e)))?;
+        let last = simulation.clock().step();
+        Self::open(folder, scene, simulation, (Some(last), room))
     }
 
     fn open(
         folder: RunFolder,
         scene: &Scene,
         simulation: &mut dyn Simulation,
-        last: Option<u64>,
+        (last, room): (Option<u64>, u64),
     ) -> Result<Self, RunError> {
         let comm = simulation.comm().clone();
         let output = scene.kind().output().ok_or(RunError::NoSteps)?.clone();
         let provenance = provenance(scene, simulation.plan(), &comm);
         let (frame, quantities) = (simulation.frame(), simulation.quantities());
-        let open = Open { path: folder.path(), provenance: &provenance, last, steps: scene.kind().steps() };
+        let open = Open { path: folder.path(), provenance: &provenance, last, room };
         let files = if comm.is_first() { open.files(&output, &frame, &quantities) } else { Ok(Files::default()) };
         let files = comm.agree(files)?;
         let warnings = files.damage();
@@ -211,12 +221,12 @@ pub fn provenance(scene: &Scene, plan: String, comm: &Comm) -> Provenance {
     }
 }
 
-/// How files are opened: from the start, or after the last step of a former run.
+/// How files are opened: from the start, or after the last step of a former run, with room until a step.
 struct Open<'a> {
     path: &'a Path,
     provenance: &'a Provenance,
     last: Option<u64>,
-    steps: u64,
+    room: u64,
 }
 
 impl Open<'_> {
@@ -224,8 +234,8 @@ impl Open<'_> {
         if let Some(last) = self.last {
             drop_fields_after(self.path, last)?;
         }
-        let frames = output.trajectory.count_until(self.steps);
-        let rows = output.observables.count_until(self.steps);
+        let frames = output.trajectory.count_until(self.room);
+        let rows = output.observables.count_until(self.room);
         Ok(Files {
             trajectory: if frames > 0 { Some(self.trajectory(frame, frames)?) } else { None },
             series: if rows > 0 { Some(self.series(quantities, rows)?) } else { None },

@@ -2,7 +2,7 @@
 
 use super::{Listener, RunError};
 use crate::{read_rows, replace_file};
-use domain::Number;
+use domain::{Interrupted, Number};
 use drivers::disks::{Case, Keeper, Record};
 use simulation::Table;
 use std::path::{Path, PathBuf};
@@ -97,6 +97,10 @@ impl Keeper for StoredCases<'_> {
         replace_file(&self.path(case), table.to_csv().as_bytes())?;
         self.say(case, "");
         Ok(())
+    }
+
+    fn go_on(&self) -> Result<(), RunError> {
+        if self.listener.goes_on() { Ok(()) } else { Err(Interrupted.into()) }
     }
 
     fn tell(&self, case: &Case, part: f64) {

@@ -14,6 +14,11 @@ pub trait Listener: Sync {
 
     /// Hears now and then which part of all is done.
     fn part(&self, _part: f64) {}
+
+    /// Whether to go on. It is asked often; from the first no on all is left as it is.
+    fn goes_on(&self) -> bool {
+        true
+    }
 }
 
 /// A scene that is carried out as a whole, in one process. What was done before it was interrupted is kept.

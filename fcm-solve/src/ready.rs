@@ -1,0 +1,15 @@
+//! Scenes as they are run here.
+
+use crate::streams;
+use domain::{Comm, Number};
+use io::Scene;
+
+/// The scene with the costs of this machine, and with the least repulsion, if it asks for that. Collective.
+pub fn made_ready(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
+    let (scene, strength) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
+    if let Some(strength) = strength.filter(|_| comm.is_first()) {
+        let strength = Number(strength);
+        streams::log(format_args!("repulsion  strength {strength:.5} keeps the spheres apart in a trial"));
+    }
+    Ok(scene)
+}

@@ -1,0 +1,9 @@
+//! Errors with their causes.
+
+use std::error::Error;
+
+/// An error with all its causes in a line.
+pub fn in_full(error: &dyn Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| (*cause).source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}
