@@ -38,11 +38,22 @@ fn springs(places: Vec<Vector>) -> LoadFunction {
     })
 }
 
+/// Loads of so many particles that are none.
+type Wrong = fn(usize) -> Result<AppliedLoads, Box<dyn Error>>;
+
+fn take_steps(suspension: &mut Suspension, steps: u64) {
+    for _ in 0..steps {
+        suspension.step().unwrap();
+    }
+}
+
 fn run(model: &Model, ranks: usize, loads: fn() -> Vec<LoadFunction>) -> Particles {
     let all = Comm::threads(ranks, |comm| {
         let mut suspension = Suspension::start(model, &comm).unwrap();
-        loads().into_iter().for_each(|loads| suspension.add_loads(loads).unwrap());
-        (0..model.steps).for_each(|_| suspension.step().unwrap());
+        for loads in loads() {
+            suspension.add_loads(loads).unwrap();
+        }
+        take_steps(&mut suspension, model.steps);
         suspension.gathered(Some(&["velocity", "angular_velocity"]))
     });
     all.into_iter().next().unwrap()
@@ -94,7 +105,7 @@ fn functions_hear_the_time_of_each_evaluation() {
             Ok(AppliedLoads::default())
         }))
         .unwrap();
-    (0..3).for_each(|_| suspension.step().unwrap());
+    take_steps(&mut suspension, 3);
     let steps = [0.0, 0.5, 0.5, 1.0, 1.0, 2.0, 3.0];
     assert_eq!(*times.borrow(), steps.map(|step| step * 0.05));
 }
@@ -113,7 +124,7 @@ fn positions_know_no_periodicity() {
             Ok(AppliedLoads::default())
         }))
         .unwrap();
-    (0..6).for_each(|_| suspension.step().unwrap());
+    take_steps(&mut suspension, 6);
     let heights = heights.borrow();
     let fallen = heights[0] - heights.last().unwrap();
     assert!(fallen > 14.0, "through the whole box, not by {fallen}");
@@ -127,20 +138,18 @@ fn runs_go_on_bit_for_bit() {
         let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
         let places = whole.gathered(Some(&[])).positions;
         whole.add_loads(springs(places.clone())).unwrap();
-        (0..3).for_each(|_| whole.step().unwrap());
+        take_steps(&mut whole, 3);
         let mut resumed = Suspension::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
         resumed.add_loads(springs(places)).unwrap();
-        for _ in 0..3 {
-            whole.step().unwrap();
-            resumed.step().unwrap();
-        }
+        take_steps(&mut whole, 3);
+        take_steps(&mut resumed, 3);
         assert_eq!(whole.state(), resumed.state(), "{way}");
     }
 }
 
 #[test]
 fn loads_that_are_none_leave_everything_as_it_was() {
-    let cases: [(fn(usize) -> Result<AppliedLoads, Box<dyn Error>>, &str); 3] = [
+    let cases: [(Wrong, &str); 3] = [
         (|_| Err("no such spring".into()), "no such spring"),
         (
             |_| Ok(AppliedLoads { torques: vec![FORCE; 5], ..AppliedLoads::default() }),

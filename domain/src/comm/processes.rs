@@ -77,8 +77,7 @@ impl Rank {
     /// that it is of. Collective among them.
     pub(super) fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
         let plain = |name: &str| name.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
-        let [ours, theirs] =
-            [&mpi::environment::library_version().unwrap_or_default(), library].map(|name| plain(name));
+        let [ours, theirs] = [&mpi::environment::library_version().unwrap_or_default(), library].map(plain);
         if ours != theirs || !mpi::environment::is_initialized() {
             return Err(CommError::OtherLibrary { ours, theirs });
         }
@@ -91,7 +90,6 @@ impl Rank {
             mpi::ffi::MPI_Comm_dup(mpi::ffi::RSMPI_Comm_f2c(handle), copy.as_mut_ptr());
             SimpleCommunicator::from_raw(copy.assume_init())
         };
-        static ABORTS: Once = Once::new();
         if communicator.size() > 1 {
             ABORTS.call_once(|| abort_all_on_panic(communicator.rank()));
         }
@@ -176,6 +174,9 @@ fn counts_and_starts(ranges: &[Range<usize>], words: usize) -> (Vec<i32>, Vec<i3
     let in_32_bits = |n: usize| i32::try_from(n * words).expect("a message of fewer than 2^31 words; use more ranks");
     ranges.iter().map(|range| (in_32_bits(range.len()), in_32_bits(range.start))).unzip()
 }
+
+/// Set for the first communicator that others made.
+static ABORTS: Once = Once::new();
 
 /// The other ranks would wait for ever for one that panicked.
 fn abort_all_on_panic(rank: i32) {
