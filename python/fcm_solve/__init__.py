@@ -1,0 +1,33 @@
+"""Particles in viscous flow by the force-coupling method.
+
+Mobility    the mobility of spheres at given positions, planned once
+Scene       what to compute, as in a scene file
+Simulation  a scene that is run, with callbacks and forces of one's own
+open        the results of a run, for pandas and xarray
+"""
+
+import os
+
+# Other programs may read the files of a run while it goes on. HDF5 looks here when it is loaded.
+os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
+
+from ._core import __version__  # noqa: E402
+from ._errors import Caution, Error, InputError  # noqa: E402
+from .mobility import Mobility, Motion, Plan  # noqa: E402
+from .results import Run, open  # noqa: A004, E402
+from .scene import Scene  # noqa: E402
+from .simulation import Simulation  # noqa: E402
+
+__all__ = [
+    "Caution",
+    "Error",
+    "InputError",
+    "Mobility",
+    "Motion",
+    "Plan",
+    "Run",
+    "Scene",
+    "Simulation",
+    "__version__",
+    "open",
+]

@@ -1,0 +1,34 @@
+"""Scenes that are carried out as a whole: sweeps, and the continuum model."""
+
+import logging
+
+from . import _core
+from ._errors import Error
+
+_log = logging.getLogger("fcm_solve")
+_NO_STEPS = "scenes of this kind have no steps"
+
+
+class WholeScene:
+    """Such a scene in the place of a simulation, of which it has nothing but `run`."""
+
+    def __init__(self, scene, folder, goes_on):
+        self._scene, self._folder, self._goes_on = scene, folder, goes_on
+
+    def run(self, steps, time):
+        """Carries it out. What was done before it is interrupted is kept; its lines go to the logger `fcm_solve`."""
+        if steps is not None or time is not None:
+            raise Error(f"{_NO_STEPS}: run() carries them out as a whole")
+        scene = (self._scene.to_toml(), self._scene._name)
+        _core.carry_out(scene, self._folder, self._goes_on, _log.info)
+
+    def cautions(self):
+        return []
+
+    warnings = cautions
+
+    def close(self):
+        """Its results are whole at any time."""
+
+    def __getattr__(self, name):
+        raise Error(f"{_NO_STEPS}: run() carries them out as a whole")

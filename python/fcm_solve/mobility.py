@@ -1,0 +1,217 @@
+"""The mobility of spheres at given positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+from warnings import warn
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _arrays, _core
+from ._communicator import handle
+from ._errors import Caution
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import LinearOperator
+
+_RIGID = "stresslets are given, but rigid particles have their own; set rigid to false"
+_LUBRICATED = (
+    'lubrication is for rigid particles with dipoles; set rigid to True and multipoles to "dipole", '
+    "or lubrication to False"
+)
+_POINTS = 'torques and stresslets need dipoles; set multipoles to "dipole"'
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motions of N spheres relative to the background flow, in the order of the radii.
+
+    With a communicator the first rank has them; the arrays of the others are empty.
+    """
+
+    velocities: np.ndarray
+    """(N, 3), length/time"""
+    angular_velocities: np.ndarray
+    """(N, 3), 1/time; zero for point forces"""
+    stresslets: np.ndarray
+    """(N, 5): xx, xy, xz, yy, yz, force*length; with lubrication the whole hydrodynamic ones"""
+    stresslets_far: np.ndarray
+    """(N, 5): the part of the stresslets that the far field sees"""
+    strain_rates: np.ndarray
+    """(N, 5): xx, xy, xz, yy, yz of the disturbance flow, 1/time; near zero for rigid spheres"""
+    iterations: int
+    """Iterations for the stresslets and for lubrication."""
+    residual: float
+    """The relative residual that they left."""
+    seconds: float
+    """The time that the evaluation took."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a mobility is computed."""
+
+    method: str
+    """"direct": every envelope on the grid; "split": a common wider Gaussian, and pairs near by"""
+    grid: tuple[int, int, int]
+    """Points along x, y and z."""
+    precision: str
+    """Of the grid's values: "f32" or "f64"."""
+    tolerance: float
+    """The relative error asked for."""
+    expected_error: float
+    """The relative error expected."""
+    expected_seconds: float
+    """Seconds expected for one evaluation by one thread; a solve takes one or two, and one for each iteration."""
+    width: float | None
+    """The width of the common Gaussian, if there is one."""
+    cutoff: float | None
+    """The distance within which pairs count, if there are any."""
+    text: str
+    """The plan as the program prints it."""
+
+    def __str__(self):
+        return f"{self.text}cost       {self.expected_seconds:.2g} s an evaluation, on one thread\n"
+
+
+class Mobility:
+    """The mobility of N spheres in a periodic box: loads to motions. Planned once, for any positions.
+
+    box         edges (Lx, Ly, Lz); length
+    radii       (N,), or a number for all of `count` spheres; length
+    viscosity   of the fluid; force*time/length^2
+    tolerance   relative error allowed, from 1e-12 to 0.5
+    lubrication whether near pairs of rigid spheres feel lubrication; or the gap where it ends, in radii of the pair's
+                larger sphere (2.5 if it is True)
+    rigid       whether to solve for the stresslets that keep the spheres rigid
+    multipoles  "dipole": forces, torques and stresslets; "monopole": forces alone
+    strain      the box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)
+    threads     threads that compute; the same for all that a process computes. As many as there are cores if left out
+    comm        an mpi4py communicator whose ranks work together: every call is then collective, and arrays that are
+                given and returned are those of the first rank
+    """
+
+    def __init__(
+        self,
+        box: ArrayLike,
+        radii: ArrayLike,
+        viscosity: float,
+        tolerance: float = 1e-3,
+        lubrication: bool | float = False,
+        rigid: bool = True,
+        multipoles: str = "dipole",
+        strain: float = 0.0,
+        threads: int | None = None,
+        comm: Any = None,
+        count: int | None = None,
+    ) -> None:
+        self._radii = _radii(radii, count)
+        self._rigid = bool(rigid)
+        self._dipoles = _has_dipoles(multipoles)
+        if lubrication and not (self._rigid and self._dipoles):
+            raise ValueError(_LUBRICATED)
+        _core.start_threads(threads)
+        edges = _arrays.exactly("box", box, (3,)).tolist()
+        spheres = (edges, float(strain), self._radii.tolist(), self._rigid)
+        fluid = (float(viscosity), float(tolerance))
+        self._core = _core.Mobility(spheres, fluid, (self._dipoles, _cutoff(lubrication)), handle(comm))
+        self._positions = None
+        self._say(self._core.burden())
+
+    @property
+    def radii(self) -> np.ndarray:
+        """(N,), length"""
+        return self._radii
+
+    @property
+    def plan(self) -> Plan:
+        """How it is computed: method, grid, expected error and cost."""
+        return Plan(**self._core.plan())
+
+    @property
+    def positions(self) -> np.ndarray | None:
+        """(N, 3), length; inside the box or not. A copy is taken: set them anew to move the spheres."""
+        return self._positions
+
+    @positions.setter
+    def positions(self, positions: ArrayLike) -> None:
+        positions = np.array(_arrays.rows("positions", positions, len(self._radii)))
+        self._say(self._core.place(positions))
+        positions.flags.writeable = False
+        self._positions = positions
+
+    def __call__(
+        self,
+        forces: ArrayLike | None = None,
+        torques: ArrayLike | None = None,
+        stresslets: ArrayLike | None = None,
+        background: ArrayLike | None = None,
+    ) -> Motion:
+        """The motions under loads.
+
+        forces      (N, 3), force
+        torques     (N, 3), force*length
+        stresslets  (N, 5): xx, xy, xz, yy, yz, force*length; of spheres that are not rigid
+        background  (3, 3), 1/time: the velocity gradient of the background flow, G[i, j] = du_i/dx_j, without trace
+
+        What is left out is zero. Raises `Error` if no solution is found.
+        """
+        if self._positions is None:
+            raise ValueError("the spheres have no positions yet: set .positions")
+        if stresslets is not None and self._rigid and self._dipoles:
+            raise ValueError(_RIGID)
+        if not self._dipoles and (torques is not None or stresslets is not None):
+            raise ValueError(_POINTS)
+        loads = [
+            _load("forces", forces, self._radii, 3),
+            _load("torques", torques, self._radii, 3),
+            _load("stresslets", stresslets, self._radii, 5),
+        ]
+        if background is not None:
+            background = _arrays.exactly("background", background, (3, 3)).tolist()
+        (velocities, angular, strain_rates, stresslets, far, *solve), seconds = self._core.apply(*loads, background)
+        return Motion(velocities, angular, stresslets, far, strain_rates, *solve, seconds)
+
+    def linear_operator(self, loads: str, motions: str) -> LinearOperator:
+        """The part of the mobility from `loads` to `motions` as a scipy LinearOperator.
+
+        loads    "forces", "torques" or, of spheres that are not rigid, "stresslets"
+        motions  "velocities", "angular_velocities", "stresslets" of rigid spheres, or "strain_rates" of others
+
+        Its vectors are the arrays of a call, row after row: 3N numbers, 5N for tensors. It is that of the positions at
+        each time. Forces to velocities and torques to angular velocities are symmetric to the tolerance.
+        """
+        from .operators import operator
+
+        return operator(self, loads, motions)
+
+    def _say(self, text):
+        if text:
+            warn(text, Caution, stacklevel=3)
+
+    def __repr__(self):
+        return f"<fcm_solve.Mobility of {len(self._radii)} spheres>"
+
+
+def _radii(radii, count):
+    if count is None and np.ndim(radii) != 1:
+        raise ValueError(f"radii has the shape {np.shape(radii)}; it needs to be (N,), or a number with count=N")
+    return _arrays.row_each("radii", radii, len(radii) if count is None else count)
+
+
+def _cutoff(lubrication):
+    if isinstance(lubrication, (bool, np.bool_)):
+        return _core.LUBRICATION_CUTOFF if lubrication else None
+    return float(lubrication)
+
+
+def _has_dipoles(multipoles):
+    if multipoles not in ("monopole", "dipole"):
+        raise ValueError(f'multipoles is {multipoles!r}; it needs to be "monopole" or "dipole"')
+    return multipoles == "dipole"
+
+
+def _load(name, value, radii, width):
+    return None if value is None else _arrays.rows(name, value, len(radii), width)

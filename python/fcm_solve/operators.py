@@ -1,0 +1,52 @@
+"""Parts of the mobility as linear operators of scipy."""
+
+import numpy as np
+
+from ._extras import needed
+
+_LOADS = {"forces": 3, "torques": 3, "stresslets": 5}
+_MOTIONS = {"velocities": 3, "angular_velocities": 3, "stresslets": 5, "strain_rates": 5}
+_CONJUGATE = {"forces": "velocities", "torques": "angular_velocities", "stresslets": "strain_rates"}
+
+# E : S of two symmetric tensors without trace, as a form of their numbers xx, xy, xz, yy, yz.
+_PRODUCT = np.array([[2, 0, 0, 1, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0], [1, 0, 0, 2, 0], [0, 0, 0, 0, 2]], float)
+
+
+def operator(mobility, loads, motions):
+    """The operator from loads to motions. Its transpose follows from the symmetry of the mobility: from the loads that
+    are conjugate to `motions` to the motions that are conjugate to `loads`."""
+    linalg = needed("scipy.sparse.linalg", "linear_operator")
+    _check(loads, motions)
+    count = len(mobility.radii)
+    shape = (_MOTIONS[motions] * count, _LOADS[loads] * count)
+
+    def matvec(x):
+        return getattr(mobility(**{loads: np.reshape(x, (count, -1))}), motions).ravel()
+
+    # A stresslet is that of the fluid on the sphere: against a force it counts with the other sign.
+    sign = -1 if (loads == "stresslets") != (motions == "strain_rates") else 1
+    conjugate = {motion: load for load, motion in _CONJUGATE.items()}.get(motions)
+
+    def rmatvec(y):
+        if conjugate is None:
+            raise NotImplementedError("stresslets of rigid spheres are conjugate to no load; there is no transpose")
+        load = np.reshape(y, (count, -1)) @ _inverse_product(conjugate)
+        motion = getattr(mobility(**{conjugate: load}), _CONJUGATE[loads])
+        return sign * (motion @ _product(loads)).ravel()
+
+    return linalg.LinearOperator(shape, matvec=matvec, rmatvec=rmatvec, dtype=np.float64)
+
+
+def _product(name):
+    return _PRODUCT if name == "stresslets" else np.eye(3)
+
+
+def _inverse_product(name):
+    return np.linalg.inv(_product(name))
+
+
+def _check(loads, motions):
+    if loads not in _LOADS:
+        raise ValueError(f"loads is {loads!r}; it needs to be one of {', '.join(_LOADS)}")
+    if motions not in _MOTIONS:
+        raise ValueError(f"motions is {motions!r}; it needs to be one of {', '.join(_MOTIONS)}")

@@ -1,0 +1,90 @@
+"""Results of a run: a folder that the program or a `Simulation` has written, or is writing."""
+
+from __future__ import annotations
+
+import csv
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._errors import Error
+from ._extras import needed
+from .fields import Fields
+from .scene import Scene
+from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas
+
+
+def open(folder: str | PathLike) -> Run:
+    """The results of the run in a folder, as far as they are written. Nothing is read before it is asked for."""
+    folder = Path(folder)
+    if not (folder / "scene.toml").is_file():
+        raise Error(f"{folder} holds no run: it has no scene.toml")
+    return Run(folder)
+
+
+class Run:
+    """The results of a run. What a file has when it is first asked for is what there is: open the run anew for more."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The `Scene`."""
+        return Scene.load(self.folder / "scene.toml")
+
+    @cached_property
+    def observables(self) -> Observables:
+        """The time series."""
+        return Observables(self._existing("observables.csv", "output.observables_every"))
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The particles, frame by frame."""
+        return Trajectory(self._existing("trajectory.h5", "output.trajectory_every"))
+
+    @cached_property
+    def fields(self) -> Fields:
+        """The velocity of the fluid on the grid, by step."""
+        return Fields(self.folder / "fields")
+
+    @cached_property
+    def statistics(self) -> dict[str, pandas.DataFrame]:
+        """Tables of averages by name, as pandas DataFrames: of `[statistics]` or of `fcm-solve stats`, and of grains."""
+        pandas = needed("pandas", "statistics")
+        folders = [self.folder / name for name in ("statistics", "stats") if (self.folder / name).is_dir()]
+        paths = [path for folder in [self.folder, *folders[:1]] for path in sorted(folder.glob("*.csv"))]
+        return {path.stem: pandas.read_csv(path) for path in paths if path.name != "observables.csv"}
+
+    def _existing(self, name, key):
+        path = self.folder / name
+        if not path.is_file():
+            raise Error(f"{path} does not exist; a run writes it if {key} is set")
+        return path
+
+    def __repr__(self):
+        return f"<fcm_solve.Run in {self.folder}>"
+
+
+class Observables:
+    """The time series of a run."""
+
+    def __init__(self, path):
+        self._path = path
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A DataFrame with a row for each time, which is its index, and a column for each number, and `step`."""
+        pandas = needed("pandas", "observables.to_pandas()")
+        names, *lines = self._path.read_text().splitlines(keepends=True)
+        # A run that goes on may be in the midst of a row.
+        whole = [line for line in lines if line.endswith("\n")]
+        columns = next(csv.reader([names]))
+        numbers = np.loadtxt(whole, delimiter=",", ndmin=2) if whole else np.empty((0, len(columns)))
+        table = pandas.DataFrame(numbers, columns=columns).astype({"step": np.int64})
+        return table.set_index("time")

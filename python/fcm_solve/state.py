@@ -1,0 +1,78 @@
+"""The state of a simulation, as arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._errors import Error
+
+
+class State:
+    """Particles in the order of their ids, and what is observed of them now. Arrays are copies."""
+
+    @property
+    def positions(self) -> np.ndarray:
+        """(N, 3), inside the box, in the order of the ids; length"""
+        return self._core.frame()["positions"]
+
+    @property
+    def unwrapped_positions(self) -> np.ndarray:
+        """(N, 3), as if there were no periodicity, as functions of forces are given them; length"""
+        frame = self._core.frame()
+        return frame["positions"] + frame["images"] @ frame["lattice"]
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """(N, 3), the background flow included; length/time"""
+        return self._column("velocity")
+
+    @property
+    def angular_velocities(self) -> np.ndarray:
+        """(N, 3), the background flow's rotation included; 1/time"""
+        return self._column("angular_velocity")
+
+    @property
+    def stresslets(self) -> np.ndarray:
+        """(N, 5): xx, xy, xz, yy, yz, hydrodynamic; force*length"""
+        return self._column("stresslet")
+
+    @property
+    def radii(self) -> np.ndarray:
+        """(N,), length"""
+        return self._core.frame()["radii"]
+
+    @property
+    def species(self) -> np.ndarray:
+        """(N,), indices into the scene's list"""
+        return self._core.frame()["species"]
+
+    @property
+    def lattice(self) -> np.ndarray:
+        """(3, 3), the vectors of the box as rows; length"""
+        return self._core.frame()["lattice"]
+
+    @property
+    def observables(self) -> dict[str, float | np.ndarray]:
+        """The time series' quantities now: numbers, or arrays by species and component, by name."""
+        return {name: _quantity(table, numbers) for name, _, table, numbers in self._core.observables()}
+
+    @property
+    def smallest_gap(self) -> float:
+        """The smallest gap between two surfaces, negative if they overlap; length"""
+        return self._named("smallest_gap", self.observables)
+
+    def _column(self, name):
+        return self._named(name, self._core.frame())
+
+    @staticmethod
+    def _named(name, items):
+        if name not in items:
+            raise Error(f"scenes of this kind have no {name}; there are {', '.join(items)}")
+        return items[name]
+
+
+def _quantity(table, numbers):
+    if table is None:
+        return numbers[0]
+    rows, columns = table
+    return np.reshape(numbers, (len(rows), len(columns)))

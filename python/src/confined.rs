@@ -1,0 +1,63 @@
+//! Values that only the thread which made them may touch.
+
+use crate::error::error;
+use crate::threads;
+use pyo3::prelude::*;
+use std::cell::RefCell;
+use std::thread::ThreadId;
+
+/// A value that stays on the thread which made it: MPI allows calls from one thread alone, and communicators are counted
+/// without locks. Others are refused.
+pub struct Confined<T> {
+    value: Option<RefCell<T>>,
+    home: ThreadId,
+}
+
+// SAFETY: the value is reached through `with` alone, which refuses all threads but its home, and dropped there alone.
+unsafe impl<T> Send for Confined<T> {}
+// SAFETY: as above; on its home thread the cell refuses a second use while one goes on.
+unsafe impl<T> Sync for Confined<T> {}
+
+/// A closure that crosses to where Python's lock is released, which is on the same thread.
+struct SameThread<F>(F);
+
+// SAFETY: `Python::detach` calls it at once, on the thread that it is called from.
+unsafe impl<F> Send for SameThread<F> {}
+
+impl<F: FnOnce() -> R, R> SameThread<F> {
+    fn call(self) -> SameThread<R> {
+        SameThread((self.0)())
+    }
+}
+
+/// Runs a computation on this thread without Python's lock, so that other threads of Python go on.
+pub fn without_lock<R>(py: Python<'_>, compute: impl FnOnce() -> R) -> R {
+    let here = SameThread(compute);
+    py.detach(move || here.call()).0
+}
+
+impl<T> Confined<T> {
+    /// A value of this thread.
+    pub fn new(value: T) -> Self {
+        Self { value: Some(RefCell::new(value)), home: std::thread::current().id() }
+    }
+
+    /// Uses the value without Python's lock.
+    pub fn with<R>(&self, py: Python<'_>, using: impl FnOnce(&mut T) -> R) -> PyResult<R> {
+        threads::check_this_thread()?;
+        if std::thread::current().id() != self.home {
+            return Err(error("this object belongs to the thread that made it; use it there"));
+        }
+        let busy = |_| error("it is in the midst of a computation; functions of forces are given positions and time");
+        let mut value = self.value.as_ref().expect("until it is dropped").try_borrow_mut().map_err(busy)?;
+        Ok(without_lock(py, || using(&mut value)))
+    }
+}
+
+impl<T> Drop for Confined<T> {
+    fn drop(&mut self) {
+        if std::thread::current().id() != self.home {
+            std::mem::forget(self.value.take());
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! The compiled part of the Python package: arrays and errors of Python at the doors of the libraries. What a user sees
+//! of it is in `fcm_solve`, beside this crate.
+
+#![allow(clippy::needless_pass_by_value, reason = "arguments of Python come as values")]
+
+mod arrays;
+mod communicator;
+mod confined;
+mod error;
+mod mobility;
+mod own_loads;
+mod run;
+mod scene;
+mod signals;
+mod simulation;
+mod threads;
+mod whole_scene;
+
+use pyo3::prelude::*;
+
+/// The compiled part of `fcm_solve`.
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("LUBRICATION_CUTOFF", lubrication::Range::WIDE)?;
+    module.add("has_mpi", cfg!(feature = "mpi"))?;
+    module.add_class::<mobility::Mobility>()?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_function(wrap_pyfunction!(threads::start_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(scene::template, module)?)?;
+    module.add_function(wrap_pyfunction!(scene::read, module)?)?;
+    module.add_function(wrap_pyfunction!(scene::check, module)?)?;
+    module.add_function(wrap_pyfunction!(whole_scene::carry_out, module)?)
+}

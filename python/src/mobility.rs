@@ -1,0 +1,162 @@
+//! The mobility of spheres.
+
+use crate::arrays::{Rows, of_tensors, of_vectors, tensors, vectors};
+use crate::communicator::ranks;
+use crate::confined::{Confined, without_lock};
+use crate::error::{explained, refused};
+use crate::signals::Signals;
+use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
+use fcm::{Loads, Method, Multipoles, Plan, Precision};
+use lubrication::Range;
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use solver::BackgroundFlow;
+use std::time::Instant;
+use suspension::{MobilityError, MobilityParameters, Motions};
+
+/// A mobility that was planned.
+#[pyclass(frozen, module = "fcm_solve._core")]
+pub struct Mobility {
+    planned: Confined<suspension::Mobility>,
+    signals: Signals,
+    is_first: bool,
+}
+
+/// Velocities, angular velocities, strain rates, stresslets, far stresslets, iterations, residual.
+type Answer<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, usize, f64);
+
+type Matrix<'py> = Bound<'py, PyArray2<f64>>;
+
+#[pymethods]
+impl Mobility {
+    /// Plans the mobility; `spheres` is the box with its strain, the radii and whether they are rigid, `fluid` the
+    /// viscosity and the relative error, `terms` whether there are dipoles, and the gap where lubrication ends.
+    #[new]
+    #[pyo3(signature = (spheres, fluid, terms, comm))]
+    fn new(
+        py: Python<'_>,
+        spheres: ([f64; 3], f64, Vec<f64>, bool),
+        fluid: (f64, f64),
+        terms: (bool, Option<f64>),
+        comm: Option<(i32, String)>,
+    ) -> PyResult<Self> {
+        let ((edges, strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication)) = (spheres, fluid, terms);
+        let comm = ranks(comm)?;
+        let lubrication = lubrication.map(|cutoff| Range::new(cutoff, Range::CLOSEST)).transpose();
+        let count = radii.len();
+        let parameters = MobilityParameters {
+            cell: PeriodicBox::sheared(Vector::from_array(edges), strain).map_err(|cause| refused(&cause))?,
+            radii,
+            viscosity,
+            multipoles: if dipoles { Multipoles::Dipole } else { Multipoles::Monopole },
+            rigid,
+            tolerance,
+            lubrication: lubrication.map_err(|cause| refused(&cause))?,
+            costs: without_lock(py, || io::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
+        };
+        Self::planned(py, parameters, (count, &comm))
+    }
+
+    /// Puts the spheres into places `(N, 3)`; what to say of spheres that overlap.
+    fn place(&self, py: Python<'_>, positions: Rows<'_>) -> PyResult<Option<String>> {
+        let positions = vectors(Some(positions))?;
+        let overlaps = self.planned.with(py, |mobility| mobility.place(&positions))?.map_err(|cause| failed(&cause))?;
+        Ok(overlaps.map(|overlaps| overlaps.to_string()))
+    }
+
+    /// The motions, and the seconds that they took, under loads `(N, 3)`, `(N, 3)`, `(N, 5)` and a velocity gradient `G[i][j] = du_i/dx_j`.
+    #[pyo3(signature = (forces, torques, stresslets, gradient))]
+    fn apply<'py>(
+        &self,
+        py: Python<'py>,
+        forces: Option<Rows<'py>>,
+        torques: Option<Rows<'py>>,
+        stresslets: Option<Rows<'py>>,
+        gradient: Option<[[f64; 3]; 3]>,
+    ) -> PyResult<(Answer<'py>, f64)> {
+        let loads = Loads { forces: vectors(forces)?, torques: vectors(torques)?, stresslets: tensors(stresslets)? };
+        let gradient = Tensor::from_cols_array_2d(&gradient.unwrap_or_default()).transpose();
+        let flow = BackgroundFlow::with_gradient(gradient).map_err(|cause| refused(&cause))?;
+        let timed = |mobility: &mut suspension::Mobility| {
+            let start = Instant::now();
+            (mobility.apply(&loads, &flow), start.elapsed().as_secs_f64())
+        };
+        let (applied, seconds) = self.planned.with(py, timed)?;
+        if let Some(raised) = self.signals.take() {
+            return Err(raised);
+        }
+        Ok((answer(py, &applied.map_err(|cause| failed(&cause))?)?, seconds))
+    }
+
+    /// Whether this is the first rank, which has all arrays.
+    #[getter]
+    fn is_first(&self) -> bool {
+        self.is_first
+    }
+
+    /// What makes the plan hopeless, if it is.
+    fn burden(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.planned.with(py, |mobility| mobility.burden())
+    }
+
+    /// The plan by name.
+    fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let plan = self.planned.with(py, |mobility| mobility.plan().clone())?;
+        described(py, &plan)
+    }
+}
+
+impl Mobility {
+    fn planned(py: Python<'_>, parameters: MobilityParameters, (count, comm): (usize, &Comm)) -> PyResult<Self> {
+        let signals = Signals::default();
+        let planned = without_lock(py, || suspension::Mobility::new(parameters, array_bytes(count), comm));
+        let mut planned = planned.map_err(|cause| failed(&cause))?;
+        planned.listen(signals.interrupt());
+        Ok(Self { planned: Confined::new(planned), signals, is_first: comm.is_first() })
+    }
+}
+
+/// Bytes of a call's arrays, 32 numbers of a sphere, as the library and as Python have them.
+fn array_bytes(count: usize) -> Bytes {
+    Bytes::keep((2 * 8 * 32 * count) as f64)
+}
+
+/// What was given can't be evaluated, or something failed.
+fn failed(cause: &MobilityError) -> PyErr {
+    match cause {
+        MobilityError::Plan(_) | MobilityError::Overlap(_) => refused(cause),
+        _ => explained(cause),
+    }
+}
+
+fn answer<'py>(py: Python<'py>, motions: &Motions) -> PyResult<Answer<'py>> {
+    let Motions { motion, stresslets, stresslets_far, iterations, residual } = motions;
+    Ok((
+        of_vectors(py, &motion.velocities)?,
+        of_vectors(py, &motion.angular_velocities)?,
+        of_tensors(py, &motion.strain_rates)?,
+        of_tensors(py, stresslets)?,
+        of_tensors(py, stresslets_far)?,
+        *iterations,
+        *residual,
+    ))
+}
+
+fn described<'py>(py: Python<'py>, plan: &Plan) -> PyResult<Bound<'py, PyDict>> {
+    let items = PyDict::new(py);
+    let (method, width, cutoff) = match plan.method {
+        Method::Direct => ("direct", None, None),
+        Method::Split { width, cutoff } => ("split", Some(width), Some(cutoff)),
+    };
+    items.set_item("method", method)?;
+    items.set_item("width", width)?;
+    items.set_item("cutoff", cutoff)?;
+    items.set_item("grid", plan.grid)?;
+    items.set_item("precision", if plan.precision == Precision::Single { "f32" } else { "f64" })?;
+    items.set_item("tolerance", plan.tolerance)?;
+    items.set_item("expected_error", plan.predicted_error)?;
+    items.set_item("expected_seconds", plan.predicted_seconds)?;
+    items.set_item("text", plan.describe())?;
+    Ok(items)
+}

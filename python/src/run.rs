@@ -1,0 +1,158 @@
+//! A simulation, and the folder that its results go to.
+
+use crate::own_loads::Raised;
+use crate::signals::Signals;
+use domain::Comm;
+use io::{Checkpoints, Former, Recorder, RunError, RunFolder, Scene};
+use pyo3::prelude::*;
+use simulation::Simulation;
+use std::path::Path;
+
+/// A simulation, with what it writes.
+pub struct Run {
+    pub simulation: Box<dyn Simulation>,
+    pub raised: Raised,
+    scene: Scene,
+    output: Output,
+    signals: Signals,
+    /// The step until which files have room.
+    room: u64,
+    /// What stands in its checkpoint would not be a state to go on from.
+    has_failed: bool,
+}
+
+/// Where results go.
+#[expect(clippy::large_enum_variant, reason = "there is one")]
+enum Output {
+    Nowhere,
+    /// Nothing is written before the first step.
+    Folder(RunFolder),
+    Files(Recorder),
+}
+
+/// How an advance ended.
+pub enum Ended {
+    AtItsStep,
+    Interrupted,
+}
+
+impl Run {
+    /// A scene at its start. Collective.
+    pub fn start(scene: Scene, folder: Option<(&Path, Former)>, comm: &Comm) -> Result<Self, RunError> {
+        let claim = |(path, former)| RunFolder::claim(path, comm, former);
+        let folder = comm.agree(folder.map(claim).transpose().map_err(|cause| io::in_full(&cause)))?;
+        let (scene, _) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
+        let simulation = io::start(&scene, comm, &mut |_| ())?;
+        Ok(Self::of(simulation, scene, folder.map_or(Output::Nowhere, Output::Folder)))
+    }
+
+    /// The run of a folder, from its last checkpoint; with what is to be said of checkpoints that are damaged.
+    /// Collective.
+    pub fn resume(path: &Path, comm: &Comm) -> Result<(Self, Vec<String>), RunError> {
+        let folder = comm.agree(RunFolder::reopen(path, comm).map_err(|cause| io::in_full(&cause)))?;
+        let read = if comm.is_first() { Scene::read(&folder.scene(), &[]).map(Some) } else { Ok(None) };
+        let read = comm.agree(read)?;
+        let name = folder.scene().display().to_string();
+        let text = comm.broadcast_text(read.as_ref().map_or("", Scene::text));
+        let scene = read.map_or_else(|| Scene::parse(&text, &name, &[]), Ok)?;
+        let latest = if comm.is_first() { Checkpoints::of(path).latest().map(Some) } else { Ok(None) };
+        let (state, damaged) = comm.agree(latest)?.unzip();
+        let say = |error| format!("{error}; going on from the checkpoint before");
+        let notes = damaged.unwrap_or_default().iter().map(say).collect();
+        let mut simulation = io::resume(&scene, state, comm)?;
+        let recorder = Recorder::resume(folder, &scene, &mut *simulation)?;
+        Ok((Self::of(simulation, scene, Output::Files(recorder)), notes))
+    }
+
+    fn of(mut simulation: Box<dyn Simulation>, scene: Scene, output: Output) -> Self {
+        let (signals, room) = (Signals::default(), scene.kind().steps());
+        simulation.listen(signals.interrupt());
+        Self { simulation, raised: Raised::default(), scene, output, signals, room, has_failed: false }
+    }
+
+    /// The scene's last step.
+    pub fn end(&self) -> u64 {
+        self.scene.kind().steps()
+    }
+
+    /// What the user should know: of the start, and of files.
+    pub fn cautions(&self) -> Vec<String> {
+        let files = if let Output::Files(recorder) = &self.output { recorder.warnings() } else { &[] };
+        self.simulation.cautions().iter().chain(files).cloned().collect()
+    }
+
+    /// Steps until a step, and records what is due. Collective.
+    pub fn run_to(&mut self, target: u64) -> Result<Ended, RunError> {
+        self.prepare_files(target)?;
+        self.record()?;
+        while self.simulation.clock().step() < target {
+            if self.simulation.comm().any(self.signals.interrupt().is_requested()) {
+                self.checkpoint()?;
+                return Ok(Ended::Interrupted);
+            }
+            let step = self.simulation.clock().step();
+            let due = if let Output::Files(recorder) = &self.output { recorder.next_due(step) } else { None };
+            let advanced = self.simulation.advance(due.map_or(target, |due| due.min(target)));
+            self.has_failed = advanced.is_err() && !self.raised.is_any();
+            advanced?;
+            self.record()?;
+        }
+        if target == self.end() {
+            self.checkpoint()?;
+        }
+        Ok(Ended::AtItsStep)
+    }
+
+    /// Makes the files at the first step, with room until a step, or more room in files that have too little.
+    fn prepare_files(&mut self, target: u64) -> Result<(), RunError> {
+        if let Output::Nowhere = self.output {
+            return Ok(());
+        }
+        let is_longer = target > self.end();
+        if is_longer {
+            let end = [format!("time.steps={target}")];
+            self.scene = Scene::parse(self.scene.text(), "the scene with another end", &end)?;
+        }
+        self.output = match std::mem::replace(&mut self.output, Output::Nowhere) {
+            Output::Folder(folder) => {
+                self.room = self.end();
+                Output::Files(Recorder::create(folder, &self.scene, &mut *self.simulation)?)
+            }
+            Output::Files(recorder) if is_longer => {
+                if target > self.room {
+                    self.room = target.max(2 * self.room);
+                }
+                Output::Files(recorder.extend(&self.scene, self.room, &mut *self.simulation)?)
+            }
+            output => output,
+        };
+        Ok(())
+    }
+
+    fn record(&mut self) -> Result<(), RunError> {
+        match &mut self.output {
+            Output::Files(recorder) => recorder.record(&mut *self.simulation),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a checkpoint of now, if there are files. Collective.
+    pub fn checkpoint(&mut self) -> Result<(), RunError> {
+        match &mut self.output {
+            Output::Files(recorder) if !self.has_failed => recorder.checkpoint(&mut *self.simulation),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a last checkpoint and leaves the folder to others. Collective.
+    pub fn close(&mut self) -> Result<(), RunError> {
+        let saved = self.checkpoint();
+        self.output = Output::Nowhere;
+        saved
+    }
+
+    /// What a handler of signals has raised, to be raised again; on ranks that heard none a `KeyboardInterrupt`.
+    pub fn interruption(&self) -> PyErr {
+        self.signals.take().unwrap_or_else(|| pyo3::exceptions::PyKeyboardInterrupt::new_err("on another rank"))
+    }
+}

@@ -1,0 +1,34 @@
+//! Scenes, checked as the program checks them.
+
+use crate::error::{input_error, of_scene};
+use io::{Scene, TEMPLATES, Template, WholeScene};
+use pyo3::prelude::*;
+use std::path::Path;
+
+/// The text of a scene that comes with the program.
+#[pyfunction]
+pub fn template(name: &str) -> PyResult<&'static str> {
+    let found = Template::named(name).map(|template| template.text);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = TEMPLATES.iter().map(|template| template.name).collect();
+        input_error(format!("no scene is called \"{name}\"; there are {}", names.join(", ")))
+    })
+}
+
+/// Reads and checks a scene file.
+#[pyfunction]
+pub fn read(path: &str) -> PyResult<String> {
+    Ok(Scene::read(Path::new(path), &[]).map_err(|cause| of_scene(&cause))?.text().to_owned())
+}
+
+/// Checks the text of a scene with some keys set, each `key=value`. Returns it, and whether it is carried out as a whole.
+#[pyfunction]
+pub fn check(text: &str, name: &str, overrides: Vec<String>) -> PyResult<(String, bool)> {
+    let scene = parsed(text, name, &overrides)?;
+    Ok((scene.text().to_owned(), WholeScene::of(&scene).is_some()))
+}
+
+/// A scene from its text.
+pub fn parsed(text: &str, name: &str, overrides: &[String]) -> PyResult<Scene> {
+    Scene::parse(text, name, overrides).map_err(|cause| of_scene(&cause))
+}

@@ -1,0 +1,164 @@
+//! Simulations of scenes that are advanced in steps.
+
+use crate::arrays::{of_rows, of_vectors};
+use crate::communicator::ranks;
+use crate::confined::{Confined, without_lock};
+use crate::error::{explained, of_run};
+use crate::run::{Ended, Run};
+use crate::scene::parsed;
+use domain::Particles;
+use io::{Former, RunError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use simulation::{Frame, SimulationError};
+use std::path::PathBuf;
+
+/// A simulation.
+#[pyclass(frozen, module = "fcm_solve._core")]
+pub struct Simulation {
+    run: Confined<Run>,
+    notes: Vec<String>,
+}
+
+/// A row of the time series: name and unit of each quantity, names of its rows and columns if it is a table, and its
+/// numbers.
+type Observables = Vec<(&'static str, &'static str, Option<(Vec<String>, Vec<String>)>, Vec<f64>)>;
+
+#[pymethods]
+impl Simulation {
+    /// A scene at its start; `scene` is its text and name, `out` the folder of the results and whether a run that it
+    /// holds is replaced.
+    #[staticmethod]
+    #[pyo3(signature = (scene, out, comm))]
+    fn start(
+        py: Python<'_>,
+        scene: (String, String),
+        out: Option<(PathBuf, bool)>,
+        comm: Option<(i32, String)>,
+    ) -> PyResult<Self> {
+        let comm = ranks(comm)?;
+        let text = comm.broadcast_text(&scene.0);
+        let scene = parsed(&text, &scene.1, &[])?;
+        let folder = out.or_else(|| scene.kind().folder().map(|folder| (folder.to_owned(), false)));
+        let former = |force| if force { Former::IsReplaced } else { Former::Stays };
+        let folder = folder.as_ref().map(|(path, force)| (path.as_path(), former(*force)));
+        let run = without_lock(py, || Run::start(scene, folder, &comm)).map_err(|cause| of_run(&cause))?;
+        Ok(Self { run: Confined::new(run), notes: Vec::new() })
+    }
+
+    /// The run of a folder, from its last checkpoint.
+    #[staticmethod]
+    #[pyo3(signature = (folder, comm))]
+    fn resume(py: Python<'_>, folder: PathBuf, comm: Option<(i32, String)>) -> PyResult<Self> {
+        let comm = ranks(comm)?;
+        let (run, notes) = without_lock(py, || Run::resume(&folder, &comm)).map_err(|cause| of_run(&cause))?;
+        Ok(Self { run: Confined::new(run), notes })
+    }
+
+    /// Steps until a step.
+    fn run_to(&self, py: Python<'_>, step: u64) -> PyResult<()> {
+        let ended = self.run.with(py, |run| run.run_to(step))?;
+        if let Some(raised) = self.raised(py)? {
+            return Err(raised);
+        }
+        match ended.map_err(|cause| of_run(&cause))? {
+            Ended::AtItsStep => Ok(()),
+            Ended::Interrupted => Err(self.run.with(py, |run| run.interruption())?),
+        }
+    }
+
+    /// Adds a function `(positions, time) -> (N, 3)` of forces, or of torques.
+    fn add_loads(&self, py: Python<'_>, function: Py<PyAny>, torques: bool) -> PyResult<()> {
+        let added = self.run.with(py, |run| {
+            let loads = run.raised.loads(function, torques);
+            run.simulation.add_loads(loads)
+        })?;
+        match self.raised(py)? {
+            Some(raised) => Err(raised),
+            None => added.map_err(|cause: SimulationError| explained(&cause)),
+        }
+    }
+
+    /// Writes a checkpoint.
+    fn checkpoint(&self, py: Python<'_>) -> PyResult<()> {
+        self.run.with(py, Run::checkpoint)?.map_err(|cause: RunError| of_run(&cause))
+    }
+
+    /// Writes a last checkpoint and leaves the folder.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.run.with(py, Run::close)?.map_err(|cause: RunError| of_run(&cause))
+    }
+
+    /// Steps taken, and the time.
+    fn clock(&self, py: Python<'_>) -> PyResult<(u64, f64)> {
+        self.run.with(py, |run| (run.simulation.clock().step(), run.simulation.clock().time()))
+    }
+
+    /// The scene's last step.
+    fn end(&self, py: Python<'_>) -> PyResult<u64> {
+        self.run.with(py, |run| run.end())
+    }
+
+    /// The time of a step.
+    fn time_step(&self, py: Python<'_>) -> PyResult<f64> {
+        self.run.with(py, |run| run.simulation.clock().dt())
+    }
+
+    /// How it is computed, in words.
+    fn plan(&self, py: Python<'_>) -> PyResult<String> {
+        self.run.with(py, |run| run.simulation.plan())
+    }
+
+    /// What the user should know at the start.
+    fn cautions(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let cautions = self.run.with(py, |run| run.cautions())?;
+        Ok(self.notes.iter().cloned().chain(cautions).collect())
+    }
+
+    /// What the user should know at the end.
+    fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.run.with(py, |run| run.simulation.warnings())
+    }
+
+    /// The particles now, by name, on the first rank.
+    fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let frame = self.run.with(py, |run| run.simulation.frame())?;
+        by_name(py, &frame)
+    }
+
+    /// The time series' numbers of now.
+    fn observables(&self, py: Python<'_>) -> PyResult<Observables> {
+        self.run.with(py, |run| {
+            let numbers = run.simulation.look();
+            let quantities = run.simulation.quantities();
+            quantities.into_iter().zip(numbers).map(|(q, numbers)| (q.name, q.unit, q.table, numbers)).collect()
+        })
+    }
+}
+
+impl Simulation {
+    fn raised(&self, py: Python<'_>) -> PyResult<Option<PyErr>> {
+        self.run.with(py, |run| run.raised.take())
+    }
+}
+
+fn by_name<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
+    let Frame { particles, cell, .. } = frame;
+    let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps));
+    let items = PyDict::new(py);
+    items.set_item("positions", of_vectors(py, &particles.positions)?)?;
+    items.set_item("images", of_rows(py, particles.steps.as_flattened().to_vec(), 3)?)?;
+    items.set_item("lattice", of_vectors(py, &lattice)?)?;
+    items.set_item("radii", numpy::PyArray1::from_slice(py, &particles.radii))?;
+    items.set_item("species", numpy::PyArray1::from_slice(py, &particles.species))?;
+    items.set_item("ids", numpy::PyArray1::from_slice(py, &particles.ids))?;
+    columns(py, particles, &items)?;
+    Ok(items)
+}
+
+fn columns(py: Python<'_>, particles: &Particles, items: &Bound<'_, PyDict>) -> PyResult<()> {
+    for column in &particles.columns {
+        items.set_item(&column.name, of_rows(py, column.values.clone(), column.width)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,68 @@
+//! Scenes that are carried out as a whole.
+
+use crate::confined::without_lock;
+use crate::error::{error, of_run};
+use crate::scene::parsed;
+use crate::signals::Signals;
+use crate::threads::check_this_thread;
+use domain::Comm;
+use io::{Former, Listener, RunError, RunFolder, Scene, WholeScene};
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Passes lines on to a function of Python, and stops when a signal comes.
+struct Told {
+    line: Py<PyAny>,
+    signals: Signals,
+}
+
+impl Listener for Told {
+    fn line(&self, text: &str) {
+        // What hears of it has no say in the run.
+        let _ = Python::attach(|py| self.line.call1(py, (text,)).map(drop));
+    }
+
+    fn goes_on(&self) -> bool {
+        !self.signals.interrupt().is_requested()
+    }
+}
+
+/// Carries out a scene, given as text and name; `out` is the folder, if the scene does not name one, and whether a run
+/// that it holds is replaced; `goes_on` says that it goes on.
+#[pyfunction]
+#[pyo3(signature = (scene, out, goes_on, tell))]
+pub fn carry_out(
+    py: Python<'_>,
+    scene: (String, String),
+    out: Option<(PathBuf, bool)>,
+    goes_on: bool,
+    tell: Py<PyAny>,
+) -> PyResult<()> {
+    check_this_thread()?;
+    let scene = parsed(&scene.0, &scene.1, &[])?;
+    let folder = out.or_else(|| scene.kind().folder().map(|folder| (folder.to_owned(), false)));
+    let nowhere = || error("a scene that is carried out as a whole needs a folder for its results: out=");
+    let (path, force) = folder.ok_or_else(nowhere)?;
+    let former = match (force, goes_on) {
+        (true, _) => Former::IsReplaced,
+        (_, true) => Former::GoesOn,
+        _ => Former::Stays,
+    };
+    let told = Told { line: tell, signals: Signals::default() };
+    let done = without_lock(py, || in_folder(&scene, (&path, former), &told));
+    match told.signals.take() {
+        Some(raised) => Err(raised),
+        None => done.map_err(|cause| of_run(&cause)),
+    }
+}
+
+fn in_folder(scene: &Scene, (path, former): (&Path, Former), listener: &Told) -> Result<(), RunError> {
+    let comm = Comm::alone();
+    let work = WholeScene::of(scene).ok_or(RunError::NoSteps)?;
+    let folder = RunFolder::claim(path, &comm, former)?;
+    io::check_room(scene.kind(), &comm)?;
+    if former != Former::GoesOn {
+        folder.start_with(scene.text())?;
+    }
+    work.carry_out(scene, &folder, &comm, listener)
+}

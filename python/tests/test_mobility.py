@@ -1,0 +1,159 @@
+"""The mobility, against the program's own answers and what mobilities have to be."""
+
+import json
+
+import fcm_solve as fcm
+import numpy as np
+import pytest
+
+BOX = (12.0, 11.0, 13.0)
+RADII = [1.0, 1.2, 0.8, 1.0, 0.9]
+POSITIONS = [[2.0, 2.0, 2.0], [6.0, 2.5, 3.0], [3.0, 7.0, 4.0], [9.0, 8.0, 9.0], [5.0, 5.0, 10.0]]
+rng = np.random.default_rng(5)
+FORCES, TORQUES, STRESSLETS = rng.normal(size=(5, 3)), rng.normal(size=(5, 3)), rng.normal(size=(5, 5))
+GRADIENT = [[0.0, 0.5, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+
+
+def mobility(**more):
+    made = fcm.Mobility(box=BOX, radii=RADII, viscosity=2.0, **more)
+    made.positions = POSITIONS
+    return made
+
+
+def asked(program, tmp_path, tolerance, **more):
+    case = {"box": BOX, "radii": RADII, "viscosity": 2.0, "positions": POSITIONS, **more}
+    path = tmp_path / "case.json"
+    path.write_text(json.dumps(case))
+    return json.loads(program("mobility", path, "--tolerance", tolerance))
+
+
+@pytest.mark.parametrize("more", [{}, {"lubrication": True}, {"strain": 0.2}])
+def test_rigid_spheres_are_those_of_the_program(program, tmp_path, more):
+    case = {"forces": FORCES.tolist(), "torques": TORQUES.tolist(), "background": {"velocity_gradient": GRADIENT}}
+    answer = asked(program, tmp_path, 1e-4, **case, **more)
+    motion = mobility(tolerance=1e-4, **more)(FORCES, TORQUES, background=GRADIENT)
+    for name in ("velocities", "angular_velocities", "stresslets", "strain_rates"):
+        assert np.array_equal(getattr(motion, name), answer[name]), name
+    assert (motion.iterations, motion.residual) == (answer["iterations"], answer["residual"])
+
+
+def test_spheres_that_are_not_rigid_and_points_are_those_of_the_program(program, tmp_path):
+    answer = asked(program, tmp_path, 1e-3, rigid=False, stresslets=STRESSLETS.tolist())
+    assert np.array_equal(mobility(rigid=False)(stresslets=STRESSLETS).strain_rates, answer["strain_rates"])
+    answer = asked(program, tmp_path, 1e-3, multipoles="monopole", forces=FORCES.tolist())
+    assert np.array_equal(mobility(multipoles="monopole")(FORCES).velocities, answer["velocities"])
+
+
+def test_arguments_are_any_arrays_of_numbers():
+    expected = mobility()(FORCES).velocities
+    transposed = np.asfortranarray(FORCES)
+    for forces in (FORCES.tolist(), transposed, np.repeat(FORCES, 2, axis=0)[::2]):
+        assert np.array_equal(mobility()(forces).velocities, expected)
+    single = mobility()(FORCES.astype(np.float32)).velocities
+    assert np.allclose(single, expected, rtol=1e-5) and not np.array_equal(single, expected)
+
+
+def test_positions_are_a_copy():
+    places = np.array(POSITIONS)
+    made = mobility()
+    made.positions = places
+    places[0, 0] = 5.0
+    assert np.array_equal(made.positions, POSITIONS)
+    with pytest.raises(ValueError, match="read-only"):
+        made.positions[0, 0] = 5.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"forces": FORCES[:4]}, r"forces has the shape \(4, 3\); it needs to be \(5, 3\)"),
+        ({"torques": FORCES[:, :2]}, r"torques has the shape \(5, 2\); it needs to be \(5, 3\)"),
+        ({"forces": FORCES * np.nan}, "forces contains nan; every number needs to be finite"),
+        ({"background": np.eye(3)}, "trace"),
+        ({"stresslets": STRESSLETS}, "rigid particles have their own; set rigid to false"),
+    ],
+)
+def test_bad_loads_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        mobility()(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"viscosity": -1.0}, "viscosity"),
+        ({"tolerance": 2.0}, "tolerance"),
+        ({"box": (1.0, 2.0)}, r"box has the shape \(2,\); it needs to be \(3,\)"),
+        ({"box": (1.0, 2.0, -3.0)}, "box edge z is -3"),
+        ({"radii": 1.0}, "a number with count=N"),
+        ({"radii": [1.0, -1.0]}, "radius|radii"),
+        ({"multipoles": "quadrupole"}, "monopole"),
+        ({"lubrication": True, "rigid": False}, "lubrication is for rigid particles"),
+        ({"threads": 0}, "threads is 0"),
+    ],
+)
+def test_bad_parameters_are_refused(more, message):
+    with pytest.raises(ValueError, match=message):
+        fcm.Mobility(**{"box": BOX, "radii": RADII, "viscosity": 1.0, **more})
+
+
+def test_what_lacks_positions_or_overlaps_is_said():
+    made = fcm.Mobility(box=BOX, radii=1.0, count=2, viscosity=1.0)
+    with pytest.raises(ValueError, match="no positions yet"):
+        made()
+    with pytest.raises(ValueError, match=r"positions has the shape \(3,\); it needs to be \(2, 3\)"):
+        made.positions = [1.0, 2.0, 3.0]
+    close = [[2.0, 2.0, 2.0], [3.0, 2.0, 2.0]]
+    with pytest.warns(fcm.Caution, match="overlap"):
+        made.positions = close
+    with pytest.raises(fcm.Error, match="move these apart, or leave out lubrication"):
+        fcm.Mobility(box=BOX, radii=[1.0, 1.0], viscosity=1.0, lubrication=True).positions = close
+
+
+def test_the_plan_is_that_of_the_program(program, tmp_path):
+    answer = asked(program, tmp_path, 1e-4)
+    plan = mobility(tolerance=1e-4).plan
+    assert plan.text == answer["plan"] and str(plan).startswith(plan.text)
+    assert plan.method in ("direct", "split") and len(plan.grid) == 3
+    assert plan.tolerance == 1e-4 and 0 < plan.expected_error <= 1e-4 and plan.expected_seconds > 0
+
+
+def test_the_number_of_threads_stays():
+    mobility()
+    with pytest.raises(fcm.InputError, match="compute already; their number is that of the first use"):
+        mobility(threads=1000)
+
+
+def matrix(operator):
+    return operator @ np.eye(operator.shape[1])
+
+
+@pytest.mark.parametrize(
+    ("rigid", "loads", "motions"),
+    [
+        (True, "forces", "velocities"),
+        (True, "torques", "angular_velocities"),
+        (True, "forces", "angular_velocities"),
+        (True, "torques", "velocities"),
+        (False, "forces", "strain_rates"),
+        (False, "stresslets", "velocities"),
+        (False, "stresslets", "strain_rates"),
+    ],
+)
+def test_operators_have_their_transposes(rigid, loads, motions):
+    operator = mobility(tolerance=1e-6, rigid=rigid).linear_operator(loads, motions)
+    found, transposed = matrix(operator), matrix(operator.T)
+    assert np.abs(found).max() > 1e-4
+    assert np.allclose(transposed, found.T, atol=1e-6 * np.abs(found).max())
+
+
+def test_operators_apply_the_mobility():
+    made = mobility()
+    motion = made(forces=FORCES)
+    for motions in ("velocities", "angular_velocities", "stresslets"):
+        operator = made.linear_operator("forces", motions)
+        assert np.array_equal(operator @ FORCES.ravel(), getattr(motion, motions).ravel())
+    with pytest.raises(NotImplementedError, match="no transpose"):
+        made.linear_operator("forces", "stresslets").T @ np.zeros(25)
+    with pytest.raises(ValueError, match="loads is 'force'; it needs to be one of forces, torques, stresslets"):
+        made.linear_operator("force", "velocities")
