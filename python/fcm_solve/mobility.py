@@ -117,7 +117,7 @@ class Mobility:
         spheres = (edges, float(strain), self._radii.tolist(), self._rigid)
         fluid = (float(viscosity), float(tolerance))
         self._core = _core.Mobility(spheres, fluid, (self._dipoles, _cutoff(lubrication)), handle(comm))
-        self._positions = None
+        self._positions: np.ndarray | None = None
         self._say(self._core.burden())
 
     @property
@@ -164,15 +164,16 @@ class Mobility:
             raise ValueError(_RIGID)
         if not self._dipoles and (torques is not None or stresslets is not None):
             raise ValueError(_POINTS)
-        loads = [
+        loads = (
             _load("forces", forces, self._radii, 3),
             _load("torques", torques, self._radii, 3),
             _load("stresslets", stresslets, self._radii, 5),
-        ]
-        if background is not None:
-            background = _arrays.exactly("background", background, (3, 3)).tolist()
-        (velocities, angular, strain_rates, stresslets, far, *solve), seconds = self._core.apply(*loads, background)
-        return Motion(velocities, angular, stresslets, far, strain_rates, *solve, seconds)
+        )
+        gradient = None if background is None else _arrays.exactly("background", background, (3, 3)).tolist()
+        (velocities, angular, strain_rates, stresslets, far, iterations, residual), seconds = self._core.apply(
+            *loads, gradient
+        )
+        return Motion(velocities, angular, stresslets, far, strain_rates, iterations, residual, seconds)
 
     def linear_operator(self, loads: str, motions: str) -> LinearOperator:
         """The part of the mobility from `loads` to `motions` as a scipy LinearOperator.

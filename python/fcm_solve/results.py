@@ -56,7 +56,7 @@ class Run:
 
     @cached_property
     def statistics(self) -> dict[str, pandas.DataFrame]:
-        """Tables of averages by name, as pandas DataFrames: of `[statistics]` or of `fcm-solve stats`, and of grains."""
+        """Tables of averages by name, as DataFrames: of `[statistics]` or `fcm-solve stats`, and of grains."""
         pandas = needed("pandas", "statistics")
         folders = [self.folder / name for name in ("statistics", "stats") if (self.folder / name).is_dir()]
         paths = [path for folder in [self.folder, *folders[:1]] for path in sorted(folder.glob("*.csv"))]

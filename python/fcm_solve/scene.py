@@ -60,7 +60,7 @@ class Scene:
         return f"<fcm_solve.Scene {self._name}>"
 
 
-def scene_of(scene):
+def scene_of(scene: Scene | dict[str, Any] | str | PathLike) -> Scene:
     """A scene from a scene, a dict or the path of a file."""
     if isinstance(scene, Scene):
         return scene

@@ -25,7 +25,7 @@ class Simulation(State):
     """A scene that is run, and its results in a folder.
 
     scene    a `Scene`, a dict, or the path of a scene file; of any kind
-    out      the folder of the results. If it is left out, that of the scene; if the scene names none, nothing is written
+    out      the folder of the results. If it is left out, that of the scene; if it names none, nothing is written
     force    replace the results of a former run in that folder
     threads  threads that compute; the same for all that a process computes. As many as there are cores if left out
     comm     an mpi4py communicator whose ranks work together: every call is then collective, functions of forces are
@@ -43,13 +43,13 @@ class Simulation(State):
         threads: int | None = None,
         comm: Any = None,
     ) -> None:
-        scene = scene_of(scene)
+        checked = scene_of(scene)
         _core.start_threads(threads)
         folder = None if out is None else (fspath(out), force)
-        if scene.is_whole:
-            self._core = WholeScene(scene, folder, False)
+        if checked.is_whole:
+            self._core = WholeScene(checked, folder, False)
         else:
-            self._core = _core.Simulation.start((scene.to_toml(), scene._name), folder, handle(comm))
+            self._core = _core.Simulation.start((checked.to_toml(), checked._name), folder, handle(comm))
         self._begin()
 
     @classmethod
@@ -98,9 +98,9 @@ class Simulation(State):
     def run(self, steps: int | None = None, time: float | None = None) -> None:
         """Takes so many steps more, or steps until so much more time has passed, or goes on to the scene's end.
 
-        A run that goes beyond the scene's end moves that end. Sweeps and the continuum model are carried out as a whole,
-        without `steps` and `time`. Ctrl-C ends the run between two evaluations; the checkpoint is written before
-        `KeyboardInterrupt` is raised.
+        A run that goes beyond the scene's end moves that end. Sweeps and the continuum model are carried out as a
+        whole, without `steps` and `time`. Ctrl-C ends the run between two evaluations; the checkpoint is written
+        before `KeyboardInterrupt` is raised.
         """
         if self._is_closed:
             raise Error("this simulation is closed; go on with fcm_solve.Simulation.resume(folder)")
@@ -110,7 +110,8 @@ class Simulation(State):
         last = self._last(steps, time)
         self._call_watchers()
         while self._core.clock()[0] < last:
-            self._core.run_to(min([last] + [watcher.next_after(self._core.clock()[0]) for watcher in self._watchers]))
+            now = self._core.clock()[0]
+            self._core.run_to(min([last, *(watcher.next_after(now) for watcher in self._watchers)]))
             self._call_watchers()
 
     def _last(self, steps, time):

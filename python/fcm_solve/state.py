@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ._errors import Error
@@ -9,6 +11,8 @@ from ._errors import Error
 
 class State:
     """Particles in the order of their ids, and what is observed of them now. Arrays are copies."""
+
+    _core: Any
 
     @property
     def positions(self) -> np.ndarray:

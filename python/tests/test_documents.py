@@ -36,7 +36,8 @@ def test_the_twenty_lines_run(tmp_path, monkeypatch, capsys, pair):
     page = PACKAGE.parent / "docs" / "src" / "python.md"
     monkeypatch.chdir(tmp_path)
     shear = {"kind": "shear", "rate": 1.0}
-    scene = fcm.Scene.from_dict(pair).set({"flow": shear, "output": {"trajectory_every": 100, "observables_every": 100}})
+    output = {"trajectory_every": 100, "observables_every": 100}
+    scene = fcm.Scene.from_dict(pair).set({"flow": shear, "output": output})
     (tmp_path / "my.toml").write_text(scene.to_toml())
     block = next(block for block in blocks(page) if "sim.run(steps=1000)" in block)
     names = {}

@@ -54,6 +54,7 @@ def test_dicts_are_written_as_toml(pair):
 def test_paths_are_relative_to_the_file(tmp_path, pair):
     (tmp_path / "places.csv").write_text("x,y,z\n4,4,4\n8,8,8\n")
     path = tmp_path / "scene.toml"
-    path.write_text(fcm.Scene.from_dict(pair | {"particles": {"initial": "file", "path": str(tmp_path / "places.csv")}}).to_toml().replace(f"{tmp_path}/", ""))
+    scene = fcm.Scene.from_dict(pair | {"particles": {"initial": "file", "path": str(tmp_path / "places.csv")}})
+    path.write_text(scene.to_toml().replace(f"{tmp_path}/", ""))
     with fcm.Simulation(path) as simulation:
         assert np.array_equal(simulation.positions, [[4.0, 4.0, 4.0], [8.0, 8.0, 8.0]])

@@ -18,7 +18,8 @@ def numbers_of(path):
     found = {}
 
     def keep(name, item):
-        if isinstance(item, h5py.Dataset) and not name.startswith("parameters") and name.rpartition("/")[0] not in TIMES:
+        is_kept = not name.startswith("parameters") and name.rpartition("/")[0] not in TIMES
+        if isinstance(item, h5py.Dataset) and is_kept:
             found[name] = item[()]
 
     with h5py.File(path, "r") as file:
