@@ -20,7 +20,10 @@ class Copy:
         names = subprocess.run(listed, cwd=self.root, check=True, capture_output=True, text=True).stdout.split("\0")
         for name in filter(None, names):
             source, copy = self.root / name, self.tree / name
-            if source.is_file() and not (copy.is_file() and copy.read_bytes() == source.read_bytes()):
+            if source.is_symlink() and not copy.is_symlink():
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                copy.symlink_to(source.readlink())
+            elif source.is_file() and not (copy.is_file() and copy.read_bytes() == source.read_bytes()):
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(source, copy)
         for copy in self.tree.rglob("*"):

@@ -15,6 +15,7 @@ class Mutation:
     # What is changed and how, with the line of source that it is in: the same after edits elsewhere, and in a file
     # that has moved.
     key: str
+    # The folder of the crate.
     crate: str
     file: str
     # Lines and columns, from 1, of the first character and of the one after the last.
@@ -57,7 +58,7 @@ def all_mutations(root):
         seen[key] += 1
         key += f" ({seen[key]})" if seen[key] > 1 else ""
         function = edges(one["function"]["span"]) if one["function"] else None
-        yield Mutation(key, one["package"], file, start, end, one["replacement"], function)
+        yield Mutation(key, file.split("/")[0], file, start, end, one["replacement"], function)
 
 
 def sampled(mutations, seed):
