@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt;
 
 /// Good command lines.
-const COMMANDS: [&[&str]; 12] = [
+const COMMANDS: [&[&str]; 15] = [
     &["run", "scene.toml", "--out", "out", "--set", "time.steps=1"],
     &["check", "scene.toml", "--set", "box.edges=[9,9,9]"],
     &["resume", "plain", "--steps", "3"],
@@ -19,6 +19,9 @@ const COMMANDS: [&[&str]; 12] = [
     &["new", "settling"],
     &["info", "plain/trajectory.h5", "--scene"],
     &["completions", "bash"],
+    &["report", "plain", "--out", "page.html"],
+    &["export", "plain", "--to", "xyz", "--frames", "0:2:1", "--out", "frames.xyz"],
+    &["check", "scene.toml", "--json", "--ranks", "2"],
     &["run", "scene.toml", "--force", "--threads", "1"],
     &["--help"],
 ];

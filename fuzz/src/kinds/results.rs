@@ -82,6 +82,9 @@ fn with_results(
             lab.results_are_numbers(&format!("{name}/stats"))?;
         }
     }
+    lab.ask(&["report", name])?;
+    let format = *lab.one_of(&["xyz", "gsd", "vtp"]);
+    lab.ask(&["export", name, "--to", format])?;
     lab.ask(&["resume", name]).map(|resumed| if resumed == End::Answered { resumed } else { end })
 }
 
@@ -101,6 +104,8 @@ pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
     let file = path.strip_prefix(&lab.folder).unwrap_or(&path).to_string_lossy().into_owned();
     lab.ask(&["info", &file])?;
     lab.ask(&["stats", name])?;
+    lab.ask(&["report", name])?;
+    lab.ask(&["export", name, "--to", "xyz"])?;
     lab.ask(&["check", &format!("{name}/scene.toml")])?;
     lab.ask(&["resume", name])
 }
