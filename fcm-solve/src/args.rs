@@ -115,8 +115,8 @@ impl Command {
             Self::New(args) => new::run(args, comm)?,
             Self::Info(args) => info::run(args, comm)?,
             Self::Schema => streams::print(comm, &streams::json(&io::scene_schema()))?,
-            Self::Man(pages) => manual::pages(pages, comm)?,
-            Self::Completions { shell } => manual::completions(*shell, comm)?,
+            Self::Man(pages) => manual::pages(pages, Args::command(), comm)?,
+            Self::Completions { shell } => manual::completions(*shell, &mut Args::command(), comm)?,
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -1,9 +1,8 @@
 //! Manual pages and completions, from the command line itself.
 
-use crate::args::Args;
 use crate::streams;
 use anyhow::Context;
-use clap::CommandFactory;
+use clap::Command;
 use clap_complete::Shell;
 use domain::Comm;
 use std::path::{Path, PathBuf};
@@ -17,24 +16,24 @@ pub struct Pages {
 }
 
 /// Prints the manual page of the program, or writes those of all commands. Collective.
-pub fn pages(asked: &Pages, comm: &Comm) -> anyhow::Result<()> {
+pub fn pages(asked: &Pages, program: Command, comm: &Comm) -> anyhow::Result<()> {
     let Some(folder) = &asked.out else {
         let mut page = Vec::new();
-        clap_mangen::Man::new(Args::command()).render(&mut page)?;
+        clap_mangen::Man::new(program).render(&mut page)?;
         return streams::print(comm, &String::from_utf8_lossy(&page));
     };
-    let written = if comm.is_first() { write(folder) } else { Ok(()) };
+    let written = if comm.is_first() { write(program, folder) } else { Ok(()) };
     Ok(comm.agree(written.map_err(|error| format!("{error:#}")))?)
 }
 
-fn write(folder: &Path) -> anyhow::Result<()> {
-    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Args::command(), folder));
+fn write(program: Command, folder: &Path) -> anyhow::Result<()> {
+    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(program, folder));
     written.with_context(|| format!("can't write manual pages into {}", folder.display()))
 }
 
 /// Prints a script that completes commands in a shell. Collective.
-pub fn completions(shell: Shell, comm: &Comm) -> anyhow::Result<()> {
+pub fn completions(shell: Shell, program: &mut Command, comm: &Comm) -> anyhow::Result<()> {
     let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Args::command(), "fcm-solve", &mut script);
+    clap_complete::generate(shell, program, "fcm-solve", &mut script);
     streams::print(comm, &String::from_utf8_lossy(&script))
 }

@@ -1,6 +1,7 @@
 //! What makes a plan cost more than anybody has, and what would help.
 
-use crate::cost::{self, Costs};
+use crate::cost;
+use crate::costs::Costs;
 use crate::plan::Plan;
 use crate::problem::{Method, Precision, Problem};
 use domain::{Number, readable_bytes};

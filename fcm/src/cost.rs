@@ -1,40 +1,24 @@
 //! What an evaluation costs.
 
+use crate::costs::Costs;
 use crate::gaussian::length;
 use crate::plan::Plan;
 use crate::problem::{Method, Multipoles, Precision};
-
-/// A number for each part of an evaluation: its seconds, or what those of a machine are over those that the planner was
-/// made on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Costs {
-    /// Loads to the grid, and the grid to motions.
-    pub stencils: f64,
-    /// The transforms and the Stokes solve between them.
-    pub transforms: f64,
-    /// Near pairs.
-    pub pairs: f64,
-}
-
-impl Default for Costs {
-    /// The machine that the planner was made on.
-    fn default() -> Self {
-        Self { stencils: 1.0, transforms: 1.0, pairs: 1.0 }
-    }
-}
-
-impl Costs {
-    /// All parts together, each times its factor.
-    pub(crate) fn total(&self, factors: &Self) -> f64 {
-        self.stencils * factors.stencils + self.transforms * factors.transforms + self.pairs * factors.pairs
-    }
-}
 
 /// Bytes of a grid that stay near a core: a few megabytes.
 const CACHE: f64 = 3.3e6;
 
 /// Seconds a byte that a rank writes to another's memory on the same machine.
 const SENT: f64 = 0.5e-9;
+
+impl Plan {
+    /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the
+    /// planner was made on.
+    #[must_use]
+    pub fn parts(&self, particles: usize) -> Costs {
+        seconds(self, particles, 0.0, 1)
+    }
+}
 
 /// Seconds for one evaluation in a box of the given strain by one thread on each of some ranks together, as measured on
 /// a Zen 4 processor. `fcm-solve bench` prints what follows from them beside what it measures.

@@ -43,6 +43,7 @@ mod burden;
 mod check;
 mod conjugate_gradients;
 mod cost;
+mod costs;
 mod described;
 mod envelope;
 mod far;
@@ -66,7 +67,7 @@ mod window;
 mod work;
 
 pub use conjugate_gradients::{Limits, Outcome, System, Unknowns, conjugate_gradients};
-pub use cost::Costs;
+pub use costs::Costs;
 pub use described::is_same_way;
 pub use envelope::Envelope;
 pub use hydrodynamics::{Hydrodynamics, SolveError, Solved};

@@ -1,6 +1,6 @@
 //! How an evaluation is to be made: grid, supports, cutoff, precision.
 
-use crate::cost::{self, Costs};
+use crate::costs::Costs;
 use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
@@ -171,13 +171,6 @@ impl Plan {
     /// Distances between grid points.
     pub(crate) fn spacing(&self) -> Vector {
         self.edges / Vector::from_array(self.grid.map(|n| n as f64))
-    }
-
-    /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the
-    /// planner was made on.
-    #[must_use]
-    pub fn parts(&self, particles: usize) -> Costs {
-        cost::seconds(self, particles, 0.0, 1)
     }
 
     /// What the split method spreads in place of the envelopes. The least is left to the grid: with dipoles, nothing of

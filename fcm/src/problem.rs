@@ -1,6 +1,6 @@
 //! What is to be evaluated, and in which ways it may be.
 
-use crate::cost::Costs;
+use crate::costs::Costs;
 use domain::Vector;
 
 /// How envelopes are evaluated.

@@ -3,7 +3,6 @@
 
 use crate::sized;
 use bytemuck::NoUninit;
-use hdf5::types::{IntSize, TypeDescriptor};
 use hdf5::{Dataset, Group, H5Type};
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -45,20 +44,7 @@ pub(crate) fn compare(dataset: &Dataset, found: impl FnOnce() -> u64) -> hdf5::R
     Err(format!("{} does not fit its checksum", dataset.name().trim_start_matches('/')).into())
 }
 
-/// `Err` if a dataset of any type that this program stores does not fit its checksum.
-pub(crate) fn verify(dataset: &Dataset) -> hdf5::Result<()> {
-    if !has_one(dataset)? {
-        return Ok(());
-    }
-    match dataset.dtype()?.to_descriptor()? {
-        TypeDescriptor::Float(_) => read::<f64>(dataset).map(drop),
-        TypeDescriptor::Unsigned(IntSize::U4) => read::<u32>(dataset).map(drop),
-        TypeDescriptor::Unsigned(_) => read::<u64>(dataset).map(drop),
-        TypeDescriptor::VarLenUnicode => crate::text::read(dataset).map(drop),
-        _ => Ok(()),
-    }
-}
-
-fn has_one(dataset: &Dataset) -> hdf5::Result<bool> {
+/// Whether a dataset has a checksum.
+pub(crate) fn has_one(dataset: &Dataset) -> hdf5::Result<bool> {
     Ok(dataset.attr_names()?.iter().any(|name| name == NAME))
 }

@@ -1,7 +1,7 @@
 //! What a result file holds, in words.
 
 use crate::frames::Sums;
-use crate::{FileError, checksum, sized, text};
+use crate::{FileError, sized, text, verified};
 use domain::Number;
 use hdf5::{Dataset, File, Group};
 use serde::Serialize;
@@ -113,7 +113,7 @@ impl Contents {
             if !name.ends_with("/step") && !name.ends_with("/time") && !name.starts_with("/parameters") {
                 self.datasets.push(describe(&dataset));
             }
-            self.damage.extend(checksum::verify(&dataset).err().map(|e| e.to_string()));
+            self.damage.extend(verified::verify(&dataset).err().map(|e| e.to_string()));
         }
         Ok(())
     }

@@ -37,6 +37,7 @@ mod sized;
 mod tables;
 mod text;
 mod trajectory;
+mod verified;
 mod whole;
 
 pub use case::{Answer, Background, Case, OneOrAll, Terms};

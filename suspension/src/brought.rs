@@ -2,7 +2,7 @@
 
 use crate::adaptive::AGES;
 use crate::applied::APPLIED;
-use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET};
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::warm_start::WarmStart;
 use domain::Particles;

@@ -1,7 +1,7 @@
 //! Why a suspension can't be started.
 
-use crate::dynamics::StepError;
 use crate::gap::Gap;
+use crate::step_error::StepError;
 use domain::{Failure, PackingError};
 use fcm::PlanError;
 use lubrication::{BarrierError, PairForceError, RangeError};

@@ -1,10 +1,8 @@
 //! Positions advanced in time.
 
+use crate::columns::VELOCITY;
 use domain::{Particles, Vector};
 use simulation::Clock;
-
-/// The column of velocities that a right-hand side fills in.
-pub const VELOCITY: &str = "velocity";
 
 /// Velocities of the steps before, the last one first.
 pub const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocity 3"];

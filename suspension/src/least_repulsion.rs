@@ -1,8 +1,8 @@
 //! The least repulsion that keeps spheres apart.
 
-use crate::dynamics::StepError;
 use crate::error::StartError;
 use crate::model::{Model, Parameters, Repulsion};
+use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use domain::{Comm, Number, ParameterError, Placed};
 

@@ -3,10 +3,11 @@
 #[cfg(test)]
 mod tests;
 
-use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET};
+use crate::columns::VELOCITY;
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::forces::barrier;
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
-use crate::integrator::{VELOCITY, VELOCITY_COLUMNS};
+use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::{Integrator, Model, Multipoles, Species, Start};
 use crate::plan::{Radii, largest_strain};
 use crate::sampling;

@@ -82,7 +82,8 @@ impl MovingBox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::{AdamsBashforth, VELOCITY, advance};
+    use crate::columns::VELOCITY;
+    use crate::integrator::{AdamsBashforth, advance};
     use simulation::Clock;
 
     /// Carried by the flow alone, a particle's place without periodicity is known: `x0 + rate y0 t + drift t`, and the

@@ -2,12 +2,13 @@
 
 use crate::averages::Averages;
 use crate::cautions::cautions;
-use crate::dynamics::{ANGULAR_VELOCITY, STRESSLET, StepError};
+use crate::columns::VELOCITY;
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::error::StartError;
-use crate::integrator::VELOCITY;
 use crate::model::Model;
 use crate::observe::Observer;
 use crate::plan::Radii;
+use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use domain::{Comm, Interrupt, Placed};
 use simulation::{Clock, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField};

@@ -1,6 +1,6 @@
 //! The stress that particles add to that of the fluid.
 
-use crate::dynamics::STRESSLET;
+use crate::columns::STRESSLET;
 use crate::warm_start::STRESSLET_FAR;
 use bytemuck::cast_slice;
 use domain::{Comm, Particles, Tensor, Traceless};

@@ -1,12 +1,13 @@
 //! A suspension of spheres in Stokes flow.
 
 use crate::applied;
-use crate::dynamics::{Dynamics, Moment, Outcome, StepError};
+use crate::columns::VELOCITY;
+use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
-use crate::integrator::VELOCITY;
 use crate::integrator::{self, AdamsBashforth};
 use crate::model::{Integrator, Model};
 use crate::setup::Setup;
+use crate::step_error::StepError;
 use crate::stress::ParticleStress;
 use crate::{adaptive, brought, initial, near};
 use domain::{Comm, Interrupt, Particles, PeriodicBox, Placed, Vector};

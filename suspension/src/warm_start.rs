@@ -1,6 +1,6 @@
 //! Initial guess of the Krylov solve: stresslets and lubrication extrapolated from the last steps.
 
-use crate::dynamics::STRESSLET;
+use crate::columns::STRESSLET;
 use crate::extrapolation;
 use crate::hydrodynamics::{Guess, Solved};
 use domain::{Particles, Traceless, Vector};

@@ -1,10 +1,12 @@
 //! Steps as long as accuracy and near pairs allow.
 
-use crate::dynamics::{Dynamics, Moment, Outcome, StepError};
+use crate::columns::VELOCITY;
+use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::extrapolation::integral;
-use crate::integrator::{PAST, VELOCITY, move_by, remember};
+use crate::integrator::{PAST, move_by, remember};
 use crate::model::Adaptive;
 use crate::relative_motion::RelativeMotion;
+use crate::step_error::StepError;
 use domain::{Comm, Particles, Vector};
 use simulation::Clock;
 

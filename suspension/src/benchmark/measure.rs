@@ -1,7 +1,7 @@
 //! One case: its time and its error.
 
 use super::BenchmarkError;
-use super::spheres::{Spheres, loads};
+use super::spheres::{Kind, Spheres, loads};
 use crate::single_evaluation::SingleEvaluation;
 use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{
@@ -12,17 +12,6 @@ use std::time::Instant;
 
 /// What to change in a case that takes too much memory.
 const REMEDY: &str = "fewer --particles, a larger --tolerance or a smaller --grid";
-
-/// Which loads there are and which motions are asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Forces, torques and stresslets to velocities, angular velocities and rates of strain.
-    All,
-    /// Forces to velocities.
-    Forces,
-    /// Stresslets to angular velocities and rates of strain.
-    Stresslets,
-}
 
 /// What to measure.
 #[derive(Debug, Clone, Copy)]

@@ -5,8 +5,8 @@ mod measure;
 mod spheres;
 
 pub use costs::measured_costs;
-pub use measure::{Kind, Measurement, Task};
-pub use spheres::{Case, Spheres};
+pub use measure::{Measurement, Task};
+pub use spheres::{Case, Kind, Spheres};
 
 use domain::{BoxError, Failure};
 use fcm::PlanError;

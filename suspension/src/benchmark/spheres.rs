@@ -1,7 +1,6 @@
 //! Random spheres that move a little from evaluation to evaluation.
 
 use super::BenchmarkError;
-use super::measure::Kind;
 use domain::{
     Bytes, Comm, Need, Particles, Partition, PeriodicBox, Process, Random, Traceless, Vector, packing_bytes,
     random_packing,
@@ -9,6 +8,17 @@ use domain::{
 use fcm::Loads;
 use serde::Serialize;
 use std::f64::consts::PI;
+
+/// Which loads there are and which motions are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Forces, torques and stresslets to velocities, angular velocities and rates of strain.
+    All,
+    /// Forces to velocities.
+    Forces,
+    /// Stresslets to angular velocities and rates of strain.
+    Stresslets,
+}
 
 /// One combination of the lists.
 #[derive(Debug, Clone, Copy, Serialize)]

@@ -4,8 +4,8 @@ mod memory;
 mod paths;
 mod tables;
 
-use crate::dynamics::ANGULAR_VELOCITY;
-use crate::integrator::VELOCITY;
+use crate::columns::ANGULAR_VELOCITY;
+use crate::columns::VELOCITY;
 use crate::model::{Axis, Flow, Model, Multipoles, Species, Statistics as Wanted};
 use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};

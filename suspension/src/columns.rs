@@ -1,0 +1,10 @@
+//! Columns of the particles that hold what was computed.
+
+/// The column of velocities that a right-hand side fills in.
+pub const VELOCITY: &str = "velocity";
+
+/// The column of stresslets; with lubrication, of the whole hydrodynamic ones.
+pub const STRESSLET: &str = "stresslet";
+
+/// The column of angular velocities.
+pub const ANGULAR_VELOCITY: &str = "angular_velocity";
