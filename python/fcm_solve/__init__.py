@@ -4,6 +4,7 @@ Mobility    the mobility of spheres at given positions, planned once
 Scene       what to compute, as in a scene file
 Simulation  a scene that is run, with callbacks and forces of one's own
 open        the results of a run, for pandas and xarray
+report      a page about a run; show, the same in a notebook
 """
 
 import os
@@ -14,6 +15,7 @@ os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 from ._core import __version__  # noqa: E402
 from ._errors import Caution, Error, InputError  # noqa: E402
 from .mobility import Mobility, Motion, Plan  # noqa: E402
+from .pages import report, show  # noqa: E402
 from .results import Run, open  # noqa: A004, E402
 from .scene import Scene  # noqa: E402
 from .simulation import Simulation  # noqa: E402
@@ -30,4 +32,6 @@ __all__ = [
     "Simulation",
     "__version__",
     "open",
+    "report",
+    "show",
 ]

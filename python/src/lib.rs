@@ -9,6 +9,7 @@ mod confined;
 mod error;
 mod mobility;
 mod own_loads;
+mod report;
 mod run;
 mod scene;
 mod signals;
@@ -30,5 +31,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scene::template, module)?)?;
     module.add_function(wrap_pyfunction!(scene::read, module)?)?;
     module.add_function(wrap_pyfunction!(scene::check, module)?)?;
+    module.add_function(wrap_pyfunction!(report::write_report, module)?)?;
     module.add_function(wrap_pyfunction!(whole_scene::carry_out, module)?)
 }

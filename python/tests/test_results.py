@@ -129,6 +129,18 @@ def test_what_is_not_there_is_said(tmp_path, pair):
         run.trajectory  # noqa: B018
 
 
+def test_pages_are_the_program_s(program, sheared, tmp_path):
+    program("report", sheared, "--out", tmp_path / "program.html")
+    run = fcm.open(sheared)
+    assert fcm.report(run, tmp_path / "python.html") == tmp_path / "python.html"
+    assert (tmp_path / "python.html").read_text() == (tmp_path / "program.html").read_text()
+    assert fcm.report(sheared) == sheared / "report.html" and (sheared / "report.html").exists()
+    shown = fcm.show(run, height=400)._repr_html_()
+    assert shown.startswith("<iframe srcdoc=") and "height: 400px" in shown and shown.count('"') == 6
+    with pytest.raises(fcm.Error, match="holds no run"):
+        fcm.report(tmp_path / "elsewhere")
+
+
 @pytest.mark.parametrize("package", ["pandas", "h5py", "xarray"])
 def test_packages_that_are_missing_are_named(sheared, monkeypatch, package):
     run = fcm.open(sheared)
