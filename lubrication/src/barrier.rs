@@ -138,8 +138,8 @@ mod tests {
     #[test]
     fn strength_grows_with_a_power_of_the_harmonic_mean_radius() {
         let barrier = Barrier::new(5.0, 0.1).unwrap();
-        for (power, expected) in [(0, 5.0), (1, 7.5), (2, 11.25)] {
-            let force = barrier.growing(power).force(Vector::new(0.0, 4.0, 0.0), [1.0, 3.0]);
+        for (power, expected) in [(0, 5.0), (1, 15.0), (2, 45.0)] {
+            let force = barrier.growing(power).force(Vector::new(0.0, 8.0, 0.0), [2.0, 6.0]);
             assert!((force - Vector::new(0.0, -expected, 0.0)).length() < 1e-13, "power {power}: {force}");
         }
     }

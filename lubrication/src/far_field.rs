@@ -65,3 +65,20 @@ fn transverse(r: f64, f: &Derivatives, [velocity, angular, strain]: [[f64; 2]; 3
 fn symmetric(own: [f64; 2], mutual: f64) -> Square<2> {
     [[own[0], mutual], [mutual, own[1]]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Far apart the envelopes are points: a torque along the line of centres turns the fluid at a distance `r` at
+    /// `1 / (8 pi r^3)` times it.
+    #[test]
+    fn spheres_far_apart_turn_each_other_as_points_do() {
+        let distance = 20.0;
+        let mobility = inverse(resistance([1.0, 1.5], distance).spin);
+        let expected = 1.0 / (8.0 * PI * distance.powi(3));
+        for (row, column) in [(0, 1), (1, 0)] {
+            assert!((mobility[row][column] / expected - 1.0).abs() < 1e-9, "{}", mobility[row][column]);
+        }
+    }
+}
