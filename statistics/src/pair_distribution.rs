@@ -168,6 +168,7 @@ mod tests {
         for (angle, strain) in [(Angle::Azimuth, 0.3), (Angle::Cosine(2), 0.0)] {
             let found = ideal_gas(angle, strain);
             for pair in found.species_pairs() {
+                assert_eq!(found.radial(pair).len(), DISTANCES);
                 for (bin, (r, g)) in found.radial(pair).into_iter().enumerate() {
                     // Five standard deviations of the number of pairs.
                     assert!((g - 1.0).abs() < 5.0 / found.ideal(pair, bin).sqrt(), "{pair:?} {r} {g}");

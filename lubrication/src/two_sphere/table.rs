@@ -167,6 +167,16 @@ mod tests {
         }
     }
 
+    /// Where the last piece ends, rounding of the logarithm counts one piece too many.
+    #[test]
+    fn tables_have_no_gap_where_the_far_one_begins() {
+        for ratio in [0.5, 1.25, 2.0] {
+            let far_from = TwoSphere::with_ratio(ratio).unwrap().far_from;
+            let error = worst(ratio, [far_from.next_down(), far_from].into_iter());
+            assert!(error < 1e-8, "ratio {ratio}: {error}");
+        }
+    }
+
     #[test]
     fn near_contact_expansion_agrees_with_the_solution() {
         let error = worst(1.0, [1e-5, 1e-4].into_iter()).max(worst(2.0, [2e-5].into_iter()));
