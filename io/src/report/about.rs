@@ -5,7 +5,7 @@ use super::playback::Colours;
 use crate::{Kind, Scene};
 use domain::Vector;
 use drivers::disks::Flow as DiskFlow;
-use suspension::{Flow, Species};
+use suspension::Flow;
 use toml::Table;
 
 /// The scene of a run. One that this version can't read, such as a later one's, has a text only.
@@ -59,17 +59,10 @@ impl About {
         }
     }
 
-    /// The axis along which most of the species' force and weight acts, and its name; `None` without forces.
+    /// The axis along which forces act most, and its name; `None` without forces.
     pub(super) fn force_axis(&self) -> Option<(usize, char)> {
         let Some(Kind::Suspension(scene)) = self.kind() else { return None };
-        let model = &scene.model;
-        let force = |species: &Species| {
-            let volume = 4.0 / 3.0 * std::f64::consts::PI * species.radius.powi(3);
-            (species.force + model.gravity * (species.density_difference * volume)).abs()
-        };
-        let total = model.species.iter().map(force).sum::<Vector>().to_array();
-        let axis = (0..3).max_by(|&i, &j| total[i].total_cmp(&total[j]))?;
-        (total[axis] > 0.0).then_some((axis, ['x', 'y', 'z'][axis]))
+        scene.model.force_axis().map(|axis| (axis, ['x', 'y', 'z'][axis]))
     }
 
     /// The axis that is drawn upwards: that of the gradient in a shear flow and of the height of a cell.

@@ -120,6 +120,13 @@ impl Model {
         check::check(&parameters)?;
         Ok(Self(parameters))
     }
+
+    /// The axis along which the species' steady forces, added up by their sizes, act most; `None` without forces.
+    pub fn force_axis(&self) -> Option<usize> {
+        let sum: Vector = self.species.iter().map(|s| s.force_on(s.radius, self.gravity).abs()).sum();
+        let most = (0..3).max_by(|&a, &b| sum[a].total_cmp(&sum[b]));
+        most.filter(|_| sum != Vector::ZERO)
+    }
 }
 
 impl Deref for Model {

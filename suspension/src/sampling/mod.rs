@@ -142,7 +142,7 @@ impl About {
             species: model.species.iter().enumerate().map(|(index, s)| (s.radius, fraction(index))).collect(),
             flow,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
-            axis: wanted.axis.map_or_else(|| default_axis(model), index),
+            axis: wanted.axis.map_or_else(|| model.force_axis().unwrap_or(GRADIENT), index),
             columns: columns(model),
             wanted,
         }
@@ -162,8 +162,13 @@ pub fn column_bytes(model: &Model) -> Bytes {
     columns.then(columns.freed())
 }
 
+/// The axis of the gradient of a shear flow.
+const GRADIENT: usize = 1;
+
+/// The axis of the columns, by default that of the forces or the gradient, and their width.
 fn axis_and_width(model: &Model) -> (usize, f64) {
-    let axis = model.statistics.and_then(|wanted| wanted.axis).map_or_else(|| default_axis(model), index);
+    let axis =
+        model.statistics.and_then(|wanted| wanted.axis).map_or_else(|| model.force_axis().unwrap_or(GRADIENT), index);
     (axis, COLUMN_WIDTH * model.species.iter().map(|s| s.radius).fold(0.0, f64::max))
 }
 
@@ -174,13 +179,6 @@ pub fn counted(empty: &Columns, particles: &Particles) -> Columns {
         columns.add(position, species);
     }
     columns
-}
-
-/// The axis along which forces act most; without forces, that of the gradient.
-fn default_axis(model: &Model) -> usize {
-    let forces = model.species.iter().map(|s| s.force_on(s.radius, model.gravity).abs());
-    let sum: Vector = forces.sum();
-    if sum == Vector::ZERO { 1 } else { (0..3).max_by(|&a, &b| sum[a].total_cmp(&sum[b])).expect("three axes") }
 }
 
 /// About how fast spheres move in a scene relative to the flow: the fastest that a force on one, the repulsion of two or
