@@ -10,11 +10,14 @@ import subprocess
 import tomllib
 import xml.etree.ElementTree
 
-# A test's first failure ends the run, and the fastest tests come first.
+# A test's first failure ends the run, and the fastest tests come first. The report is in a folder that is asked for:
+# nextest's own choice depends on its version.
 PROFILE = """
+[store]
+dir = '{}'
 [profile.mutants]
-fail-fast = { max-fail = 1, terminate = "immediate" }
-slow-timeout = { period = "600s" }
+fail-fast = {{ max-fail = 1, terminate = "immediate" }}
+slow-timeout = {{ period = "600s" }}
 junit.path = "junit.xml"
 """
 OVERRIDE = """
@@ -62,20 +65,22 @@ class CrateTests:
 
     def measure(self):
         """Runs the tests of the crate as it is, notes how long each takes and puts the fast ones first."""
-        report, reached = (self.build_folder / "nextest" / "mutants" / name for name in ("junit.xml", "reached"))
+        store = self.build_folder / "nextest"
+        report, reached = (store / "mutants" / name for name in ("junit.xml", "reached"))
         shutil.rmtree(reached, ignore_errors=True)
         reached.mkdir(parents=True)
         profile = self.tree / ".config" / "nextest.toml"
-        profile.write_text(PROFILE)
+        always = PROFILE.format(store)
+        profile.write_text(always)
         overrides = []
         for stage in self.stages():
             report.unlink(missing_ok=True)
             if (outcome := self.built_and_tested(stage, MUTATIONS_REACHED=str(reached))) != "missed":
                 raise SystemExit(f"the tests of {self.crate} don't pass even unchanged ({outcome})")
-            for case in xml.etree.ElementTree.parse(report).iter("testcase") if report.exists() else []:
+            for case in xml.etree.ElementTree.parse(report).iter("testcase"):
                 name, seconds = case.get("name"), float(case.get("time"))
                 overrides.append(OVERRIDE.format(name, priority(seconds), round(max(SECONDS, HUNG * seconds))))
-        profile.write_text(PROFILE + "".join(overrides))
+        profile.write_text(always + "".join(overrides))
         for note in reached.iterdir():
             function, test = note.name.split(" ", 1)
             self.reaching[int(function)].append(test)

@@ -67,9 +67,9 @@ class Planted:
 
     @staticmethod
     def body(source, start):
-        """Where the body of a function begins: at the first brace outside of parentheses and brackets."""
+        """Where the body of a function begins: at the first brace outside of comments, parentheses and brackets."""
         depth = 0
-        for place in re.finditer(r"[](){[]", source[start:]):
+        for place in re.finditer(r"//.*|[](){[]", source[start:]):
             if place[0] == "{" and depth == 0:
                 return start + place.start()
             depth += {"(": 1, "[": 1, ")": -1, "]": -1}.get(place[0], 0)
