@@ -94,7 +94,7 @@ class Place:
         if code != 0:
             code, said = self.call(self.run.go_on(self.out))
             if code != 0:
-                return f"it does not go on: {said}"
+                return f"going on ended with {code}: {said}"
         missed = differences(end_state(self.out), self.expected)
         return f"other results: {missed}" if missed else None
 

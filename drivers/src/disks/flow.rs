@@ -113,5 +113,6 @@ mod tests {
         assert_eq!((pipe.speed(0.0), pipe.speed(5.0)), (0.0, 2.0));
         assert_eq!((pipe.speed(-2.0), pipe.speed(12.0)), (pipe.speed(8.0), pipe.speed(2.0)));
         assert_eq!((pipe.slope(0.0), pipe.slope(5.0), pipe.steepest), (0.8, 0.0, 0.8));
+        assert!((pipe.curvature() + 0.16).abs() < 1e-16);
     }
 }

@@ -173,3 +173,34 @@ impl Pass {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{
+        Contact, Flow, Gear,
+        state::{Identity, Motion},
+    };
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// `dv/dt = U(y(t)) - v` with `U = 4/5 y - 2/25 y^2`, and `y = 5/2 + 1 - exp(-t)`: derivatives at the start by hand.
+    #[test]
+    fn a_start_has_the_derivatives_of_a_disk_that_crosses_a_parabolic_flow() {
+        let law = Law {
+            contact: Contact::new(1.0, false),
+            viscosity: 1.0 / (6.0 * PI),
+            profile: Flow::Poiseuille { peak: 2.0 }.profile(10.0),
+            gear: Gear::FiveValue,
+            dt: 1.0,
+            steps: None,
+        };
+        let disk = Identity { id: 0, species: 0, radius: 1.0, rank: 0, is_large: false, lightness: 1.0 };
+        let body = Body { place: DVec2::new(0.0, 2.5), velocity: DVec2::new(0.0, 1.0) };
+        let mut state = State::new(vec![disk], &[Motion { body, ..Motion::default() }]);
+        state.start(&law, |_| 1.0);
+        let derivatives = [DVec2::new(1.5, -1.0), DVec2::new(-1.1, 1.0), DVec2::new(0.54, -1.0)];
+        for ((found, derivative), factorial) in state.motion(0).higher.iter().zip(derivatives).zip([2.0, 6.0, 24.0]) {
+            assert!((*found - derivative / factorial).length() < 1e-15, "{found} is not {derivative} / {factorial}");
+        }
+    }
+}

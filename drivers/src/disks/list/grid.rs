@@ -130,3 +130,15 @@ fn split(cell: i64, count: i64) -> (i32, i64) {
         (0, cell)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_cell_has_what_round_off_puts_on_the_edge() {
+        let edges = DVec2::new(30.0, 20.0);
+        let grid = Grid { counts: [3, 2], starts: vec![], entries: vec![], edges, strain: 0.0 };
+        assert_eq!([DVec2::ZERO, 0.5 * edges, edges].map(|place| grid.home(place)), [0, 4, 5]);
+    }
+}

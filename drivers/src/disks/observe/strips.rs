@@ -104,6 +104,11 @@ mod tests {
         // One disk of radius 1 in two of twenty strips: fractions a = pi/20 there, so delta^2 = 2 a^2/20 - (2 a/20)^2.
         let a = PI / 20.0;
         let expected = (2.0 * a * a / 20.0 - (2.0 * a / 20.0_f64).powi(2)).sqrt();
-        assert!((snapshot(&[(5.0, 1.0)]).segregation() - expected).abs() < 1e-15);
+        let centred = snapshot(&[(5.0, 1.0)]);
+        assert!((centred.segregation() - expected).abs() < 1e-15);
+        // From half a strip further up it is in three.
+        let shifted = Strips::of(&centred, 1.0, 0.5).segregation();
+        assert!((shifted - expected).abs() > 1e-3);
+        assert!((centred.mean_segregation(2) - 0.5 * (expected + shifted)).abs() < 1e-15);
     }
 }

@@ -183,3 +183,16 @@ struct Row {
     places: [usize; 3],
     count: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_box_has_no_more_cells_than_allowed_for_its_grains() {
+        let counts = |length| Cells::counts((Vector::new(length, 8.0, 1.0), [true; 3]), (1.0, 0.5), 1.0);
+        assert_eq!(counts(8.0), [8.0, 8.0, 1.0]);
+        assert_eq!(counts(9.0), [5.0, 8.0, 1.0]);
+        assert_eq!(counts(16.0), [8.0, 8.0, 1.0]);
+    }
+}

@@ -113,3 +113,23 @@ impl EventDriven {
         separation
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::{Grains, Model, Parameters, State};
+    use super::*;
+
+    #[test]
+    fn two_grains_see_each_other_in_opposite_directions() {
+        let straight = Parameters { circumference: None, ..Parameters::default() };
+        let parameters = Parameters { length: 24.0, height: 8.0, width: 8.0, diameter: 1.0, ..straight };
+        let model = Model::new(parameters).unwrap();
+        let grains = Grains { positions: vec![], motions: vec![] };
+        let engine = EventDriven::growing(&model, &State::new(&model, &grains), [1.0, 0.0]);
+        for (distance, nearest) in [(3.0, 3.0), (12.0, 12.0), (15.0, -9.0)] {
+            let separation = Vector::new(distance, 5.0, -6.0);
+            let expected = Vector::new(nearest, 5.0, -6.0);
+            assert_eq!((engine.nearest(separation), engine.nearest(-separation)), (expected, -expected));
+        }
+    }
+}

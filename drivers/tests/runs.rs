@@ -1,0 +1,47 @@
+//! Runs of grains as what writes their results sees them.
+
+use domain::Comm;
+use drivers::disks::{self, Course, DiskRun, Preparation};
+use drivers::shear_cell::{self, CellRun, Collisions, Experiment, Sampling};
+use simulation::Simulation;
+
+/// What is observed is what the columns are named for, and all of it numbers.
+fn is_observed_as_named(run: &mut impl Simulation) {
+    let expected: Vec<usize> = run.quantities().iter().map(|quantity| quantity.columns().len()).collect();
+    let values = run.observe();
+    assert!(expected.len() > 1);
+    assert_eq!(values.iter().map(Vec::len).collect::<Vec<_>>(), expected);
+    assert!(values.iter().flatten().all(|value| value.is_finite()), "{values:?}");
+}
+
+#[test]
+fn a_run_of_disks_says_its_plan_and_what_it_observes() {
+    let preparation = Preparation { settled: 2.0, mixed: 4.0, ..disks::Parameters::default().preparation };
+    let parameters = disks::Parameters { edges: [40.0; 2], preparation, ..disks::Parameters::default() };
+    let model = disks::Model::new(parameters).unwrap();
+    let course = Course { steps: 10, profile_strips: 4 };
+    let mut run = DiskRun::start(&model, course, None, (&Comm::alone(), &mut |_| {})).unwrap();
+    assert_eq!(run.plan(), disks::outline(&model, 10).text());
+    run.advance(10).unwrap();
+    is_observed_as_named(&mut run);
+}
+
+#[test]
+fn a_run_of_a_shear_cell_says_its_plan_and_what_it_observes() {
+    let parameters = shear_cell::Parameters { length: 4e-3, width: 4e-3, ..shear_cell::Parameters::default() };
+    let experiment = Experiment {
+        model: shear_cell::Model::new(parameters).unwrap(),
+        seed: 1,
+        count: 20,
+        agitation: 0.1,
+        collisions: Collisions::EventDriven,
+        sampling: Sampling { layers: 4, pixels: [3, 2], ..Sampling::default() },
+        settle: 0,
+        time_step: 1e-3,
+        steps: 1,
+    };
+    let mut run = CellRun::start(&experiment, &Comm::alone(), &mut |_| {}).unwrap();
+    assert_eq!(run.plan(), experiment.outline().text());
+    run.advance(1).unwrap();
+    is_observed_as_named(&mut run);
+}
