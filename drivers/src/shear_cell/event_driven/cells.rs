@@ -190,9 +190,10 @@ mod tests {
 
     #[test]
     fn a_long_box_has_no_more_cells_than_allowed_for_its_grains() {
-        let counts = |length| Cells::counts((Vector::new(length, 8.0, 1.0), [true; 3]), (1.0, 0.5), 1.0);
-        assert_eq!(counts(8.0), [8.0, 8.0, 1.0]);
-        assert_eq!(counts(9.0), [5.0, 8.0, 1.0]);
-        assert_eq!(counts(16.0), [8.0, 8.0, 1.0]);
+        let extent = |length| Vector::new(length, 8.0, 1.0);
+        let counts = |length| Cells::counts((extent(length), [true; 3]), (1.0, 0.5), 1.0).map(|n| n as u32);
+        assert_eq!(counts(8.0), [8, 8, 1]);
+        assert_eq!(counts(9.0), [5, 8, 1]);
+        assert_eq!(counts(16.0), [8, 8, 1]);
     }
 }
