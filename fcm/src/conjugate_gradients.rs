@@ -2,11 +2,8 @@
 
 use domain::{Comm, Interrupt, Traceless};
 
-/// A list of unknowns, of which each rank holds its own part.
-pub trait Unknowns: Clone {
-    /// This rank's part of the inner product.
-    fn dot(&self, other: &Self) -> f64;
-
+/// Numbers that can be added, of which each rank holds its own part.
+pub trait Linear: Clone {
     /// `self += factor other`.
     fn add(&mut self, factor: f64, other: &Self);
 }
@@ -15,16 +12,22 @@ pub trait Unknowns: Clone {
 /// collective.
 pub trait System {
     /// What is solved for.
-    type Unknowns: Unknowns;
+    type Unknowns: Linear;
+
+    /// What is left over of the right-hand side.
+    type Residual: Linear;
+
+    /// This rank's part of `r . x`.
+    fn product(&self, residual: &Self::Residual, x: &Self::Unknowns) -> f64;
 
     /// `A p`.
-    fn apply(&mut self, direction: &Self::Unknowns) -> Self::Unknowns;
+    fn apply(&mut self, direction: &Self::Unknowns) -> Self::Residual;
 
     /// Told of each step `x += length p` along the last direction, to follow other linear functions of `x`.
     fn stepped(&mut self, length: f64);
 
     /// `P^-1 r`; need not be linear to the last digit.
-    fn precondition(&mut self, residual: &Self::Unknowns) -> Self::Unknowns;
+    fn precondition(&mut self, residual: &Self::Residual) -> Self::Unknowns;
 
     /// Makes the preconditioner more exact, if it can be: asked for when `r . P^-1 r` came out below zero. All ranks
     /// must answer alike.
@@ -70,7 +73,7 @@ pub struct Limits<'a> {
 pub fn conjugate_gradients<S: System>(
     comm: &Comm,
     system: &mut S,
-    (x, residual): (&mut S::Unknowns, &mut S::Unknowns),
+    (x, residual): (&mut S::Unknowns, &mut S::Residual),
     limits: Limits<'_>,
 ) -> Outcome {
     let small = |sums: [f64; 4]| sums[0].abs() <= limits.tolerance * limits.tolerance * sums[1] || sums[0] == 0.0;
@@ -81,7 +84,7 @@ pub fn conjugate_gradients<S: System>(
     while !small(sums) && iterations < limits.iterations && goes_on(sums) {
         let image = system.apply(&direction);
         iterations += 1;
-        let mut curvature = [direction.dot(&image)];
+        let mut curvature = [system.product(&image, &direction)];
         comm.sum(&mut curvature);
         // The residual is orthogonal to the former direction, so this is the step to the minimum along this one.
         let length = sums[0] / curvature[0];
@@ -105,13 +108,14 @@ pub fn conjugate_gradients<S: System>(
 fn precondition<S: System>(
     comm: &Comm,
     system: &mut S,
-    (x, residual, interrupt): (&S::Unknowns, &S::Unknowns, &Interrupt),
+    (x, residual, interrupt): (&S::Unknowns, &S::Residual, &Interrupt),
     former: Option<&S::Unknowns>,
 ) -> (S::Unknowns, [f64; 4]) {
     loop {
         let z = system.precondition(residual);
         let asked = f64::from(u8::from(interrupt.is_requested()));
-        let mut sums = [residual.dot(&z), system.size(x), former.map_or(0.0, |former| residual.dot(former)), asked];
+        let again = former.map_or(0.0, |former| system.product(residual, former));
+        let mut sums = [system.product(residual, &z), system.size(x), again, asked];
         comm.sum(&mut sums);
         if sums[0] >= 0.0 || sums[0].is_nan() || !system.sharpen() {
             return (z, sums);
@@ -119,11 +123,7 @@ fn precondition<S: System>(
     }
 }
 
-impl Unknowns for Vec<Traceless> {
-    fn dot(&self, other: &Self) -> f64 {
-        self.iter().zip(other).map(|(&a, &b)| a.contract(b)).sum()
-    }
-
+impl Linear for Vec<Traceless> {
     fn add(&mut self, factor: f64, other: &Self) {
         for (a, &b) in self.iter_mut().zip(other) {
             *a += b * factor;
@@ -136,11 +136,7 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    impl Unknowns for [f64; 2] {
-        fn dot(&self, other: &Self) -> f64 {
-            self[0] * other[0] + self[1] * other[1]
-        }
-
+    impl Linear for [f64; 2] {
         fn add(&mut self, factor: f64, other: &Self) {
             (0..2).for_each(|k| self[k] += factor * other[k]);
         }
@@ -154,6 +150,11 @@ mod tests {
 
     impl System for Wrong {
         type Unknowns = [f64; 2];
+        type Residual = [f64; 2];
+
+        fn product(&self, residual: &[f64; 2], x: &[f64; 2]) -> f64 {
+            residual[0] * x[0] + residual[1] * x[1]
+        }
 
         fn apply(&mut self, direction: &[f64; 2]) -> [f64; 2] {
             [direction[0], 4.0 * direction[1]]
@@ -173,7 +174,7 @@ mod tests {
         }
 
         fn size(&self, x: &[f64; 2]) -> f64 {
-            x.dot(x)
+            self.product(x, x)
         }
     }
 

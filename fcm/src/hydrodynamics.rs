@@ -165,6 +165,11 @@ struct Strain<'a> {
 
 impl System for Strain<'_> {
     type Unknowns = Vec<Traceless>;
+    type Residual = Vec<Traceless>;
+
+    fn product(&self, residual: &Vec<Traceless>, x: &Vec<Traceless>) -> f64 {
+        residual.iter().zip(x).map(|(&r, &x)| r.contract(x)).sum()
+    }
 
     fn apply(&mut self, direction: &Vec<Traceless>) -> Vec<Traceless> {
         let stresslets = direction.iter().map(|&d| -d).collect();

@@ -66,7 +66,7 @@ mod totals;
 mod window;
 mod work;
 
-pub use conjugate_gradients::{Limits, Outcome, System, Unknowns, conjugate_gradients};
+pub use conjugate_gradients::{Limits, Linear, Outcome, System, conjugate_gradients};
 pub use costs::Costs;
 pub use described::is_same_way;
 pub use envelope::Envelope;

@@ -40,17 +40,20 @@ impl<const LANES: usize> Chebyshev<LANES> {
         }
     }
 
-    /// Values at `x`, by Clenshaw's recurrence.
+    /// Values at `x`, by Clenshaw's recurrence. Inlined, to be compiled for the vectors of its caller.
+    #[inline(always)]
     pub fn at(&self, x: f64) -> [f64; LANES] {
         let x = (x - self.middle) / self.half;
-        let (mut sum, mut next) = (&mut [0.0; LANES], &mut [0.0; LANES]);
+        let (mut sum, mut next) = ([0.0; LANES], [0.0; LANES]);
         for line in self.coefficients[1..].iter().rev() {
-            for ((next, sum), c) in next.iter_mut().zip(sum.iter()).zip(line) {
-                *next = 2.0 * x * sum - *next + c;
+            for i in 0..LANES {
+                (sum[i], next[i]) = (2.0 * x * sum[i] - next[i] + line[i], sum[i]);
             }
-            std::mem::swap(&mut sum, &mut next);
         }
-        std::array::from_fn(|i| x * sum[i] - next[i] + self.coefficients[0][i])
+        for i in 0..LANES {
+            sum[i] = x * sum[i] - next[i] + self.coefficients[0][i];
+        }
+        sum
     }
 }
 

@@ -15,6 +15,7 @@
 mod barrier;
 mod blocks;
 mod chebyshev;
+mod coefficients;
 mod dense;
 mod far_field;
 #[cfg(test)]
@@ -32,6 +33,7 @@ mod root_table;
 pub mod two_sphere;
 
 pub use barrier::{Barrier, BarrierError};
+pub use coefficients::{Arithmetic, Coefficients, RECORD};
 pub use opening::{Detail, opening_mobility};
 pub use pair_factor::PairFactor;
 pub use pair_force::{PairForce, PairForceError};

@@ -9,7 +9,7 @@ use crate::rigid_resistance::RigidResistance;
 use crate::root::{Part, Roots};
 
 /// Velocity of a sphere's pole per radius and unit axial strain, `sqrt(2/3)`.
-const LEVER: f64 = 0.816496580927726;
+pub(crate) const LEVER: f64 = 0.816496580927726;
 
 /// The lubrication resistance of one near pair. What resists the spheres' motions is `B B^T`, with 12 modes of which
 /// the first is the approach of the surfaces; what couples motions and rates of strain comes besides.

@@ -10,8 +10,8 @@ use crate::dense::{Square, eigen};
 const SOFTNESS: f64 = 1e-5;
 /// Resistance over single spheres' that is too small to be divided by.
 const FAINT: f64 = 1e-5;
-/// Numbers in a flattened pair.
-pub const LANES: usize = 37;
+/// Numbers in a flattened pair, filled up with zeros to whole vectors.
+pub const LANES: usize = 40;
 
 /// One block of the resistance: `N` velocities `u` and the two spheres' rate of strain `e` cause the loads
 ///

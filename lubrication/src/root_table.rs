@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::blocks::Blocks;
 use crate::chebyshev::{Chebyshev, Samples};
+use crate::coefficients::sizes;
 use crate::far_field;
 use crate::root::{LANES, Roots, Scales, flat_roots};
 use crate::two_sphere::{TwoSphere, TwoSphereError};
@@ -21,6 +22,7 @@ const GROWTH: f64 = 2.0;
 pub struct RootTable {
     pieces: Vec<Chebyshev<LANES>>,
     scales: Scales,
+    sizes: [f64; 4],
 }
 
 /// The table of one ratio, computed by whoever asks first while others wait.
@@ -39,10 +41,24 @@ impl RootTable {
 
     /// Roots at a gap between the closest and the farthest, times `factor`.
     pub fn at(&self, gap: f64, factor: f64) -> Roots {
+        Roots::from_flat(&self.lanes(gap), factor, &self.scales)
+    }
+
+    /// Writes what coefficients are computed from, at such a gap and for a smaller radius, of a resistance that is
+    /// `factor` times as large.
+    #[inline(always)]
+    pub fn record(&self, gap: f64, [factor, radius]: [f64; 2], record: &mut [f64]) {
+        let (lanes, others) = record.split_at_mut(LANES);
+        lanes.copy_from_slice(&self.lanes(gap));
+        others[..2].copy_from_slice(&[factor, radius]);
+        others[2..].copy_from_slice(&self.sizes);
+    }
+
+    #[inline(always)]
+    fn lanes(&self, gap: f64) -> [f64; LANES] {
         let log = gap.ln();
         let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
-        let lanes = self.pieces[piece.min(self.pieces.len() - 1)].at(log);
-        Roots::from_flat(&lanes, factor, &self.scales)
+        self.pieces[piece.min(self.pieces.len() - 1)].at(log)
     }
 
     /// Bytes of the table of a ratio.
@@ -61,7 +77,7 @@ impl RootTable {
             let values = Chebyshev::<LANES>::nodes(edge(k), edge(k + 1)).map(|log| roots(exact, log.exp()));
             Chebyshev::through(edge(k), edge(k + 1), &values)
         };
-        Self { pieces: (0..count).map(piece).collect(), scales: Scales::new(exact.ratio()) }
+        Self { pieces: (0..count).map(piece).collect(), scales: Scales::new(exact.ratio()), sizes: sizes(exact.ratio()) }
     }
 }
 

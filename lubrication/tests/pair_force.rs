@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use domain::{Tensor, Traceless, Vector};
-use lubrication::{PairFactor, PairForce, PairForceError, PairLoads, PairMotion, Range, RangeError};
+use lubrication::{Coefficients, PairFactor, PairForce, PairForceError, PairLoads, PairMotion, Range, RangeError};
 use proptest::prelude::*;
 
 fn force(radii: &[f64]) -> PairForce {
@@ -274,36 +274,56 @@ proptest! {
 }
 
 proptest! {
-    /// Column by column, for spheres in either order.
+    /// In whatever order the spheres come, and whether they are alike.
     #[test]
-    fn the_matrix_is_what_the_modes_make(direction in vector(), gap in 1e-4..1.0_f64, order in 0..2_u32) {
+    fn coefficients_give_the_loads(
+        direction in vector(), gap in 1e-4..2.0_f64, ratio in prop::sample::select(vec![1.0, 2.0]), order in 0..2_u32,
+        mut motion in motion(), strain in prop::array::uniform5(-1.0..1.0_f64),
+    ) {
         prop_assume!(direction.length() > 0.1);
-        let factor = force(&[1.0, 2.0]).factor(direction.normalize() * (3.0 + gap), [order, 1 - order]).unwrap();
-        let matrix = factor.rigid_resistance();
-        for (moves, column) in (0..12).map(|k| (k / 6, k % 6)) {
-            let mut motion = [[[0.0; 3]; 2]; 2];
-            motion[column / 3][moves][column % 3] = 1.0;
-            let [velocity, angular_velocity] = motion.map(|spheres| spheres.map(Vector::from_array));
-            let [forces, torques] = factor.rigid_loads(&factor.rigid_modes(velocity, angular_velocity));
-            for sphere in [0, 1] {
-                let (block, [force, torque]) = (matrix.block(sphere, moves), [forces[sphere], torques[sphere]]);
-                for (row, expected) in force.to_array().into_iter().chain(torque.to_array()).enumerate() {
-                    prop_assert!((block[row][column] - expected).abs() < 1e-9, "{row}, {column}: {} {expected}", block[row][column]);
-                }
-                if sphere == moves {
-                    prop_assert!((matrix.diagonal(sphere)[column] - block[column][column]).abs() < 1e-9);
-                }
-            }
-        }
+        let (force, species) = (force(&[1.0, ratio]), [order, 1 - order]);
+        motion.strain_rate = [Traceless(strain); 2];
+        let separation = direction.normalize() * (1.0 + ratio + gap);
+        let expected = force.loads(separation, species, &motion).unwrap();
+        let coefficients = force.coefficients(separation.length(), species).unwrap();
+        let found = loads_by(&coefficients, direction.normalize(), order == 1, &motion);
+        prop_assert!(size(&(found + times(&expected, -1.0))) < 1e-11 * size(&expected), "{found:?}, not {expected:?}");
     }
+}
 
-    #[test]
-    fn moments_with_known_modes_are_those_of_the_resistance(direction in vector(), gap in 1e-4..1.0_f64, motion in motion()) {
-        prop_assume!(direction.length() > 0.1);
-        let factor = force(&[1.0, 2.0]).factor(direction.normalize() * (3.0 + gap), [1, 0]).unwrap();
-        let (found, expected) = (factor.moments_on(&motion, &factor.modes(&motion)), factor.resistance(&motion).moment);
-        for (a, b) in found.into_iter().zip(expected) {
-            prop_assert!((a - b).contract(a - b).sqrt() < 1e-10 * (1.0 + b.contract(b).sqrt()));
-        }
+fn times(loads: &PairLoads, factor: f64) -> PairLoads {
+    PairLoads {
+        force: loads.force.map(|f| f * factor),
+        torque: loads.torque.map(|t| t * factor),
+        moment: loads.moment.map(|m| m * factor),
     }
+}
+
+/// The loads by the definition of the coefficients, with the direction to the second sphere, of which the first is the
+/// larger one if `is_swapped`.
+fn loads_by(c: &Coefficients<f64>, direction: Vector, is_swapped: bool, motion: &PairMotion) -> PairLoads {
+    let (z, order) = if is_swapped { (-direction, [1, 0]) } else { (direction, [0, 1]) };
+    let product = |a: Vector, b: Vector| Tensor::from_cols(a * b.x, a * b.y, a * b.z);
+    let across = |v: Vector| v - z.dot(v) * z;
+    let axial = product(z, z) * 3.0 - Tensor::IDENTITY;
+    let mut loads = PairLoads::default();
+    for k in 0..2 {
+        let (mut force, mut torque, mut moment) = (Vector::ZERO, Vector::ZERO, Tensor::ZERO);
+        for l in 0..2 {
+            let (u, o) = (motion.velocity[order[l]], motion.angular_velocity[order[l]]);
+            force += c.along[k][l] * z.dot(u) * z + c.across[k][l] * across(u) + c.coupling[k][l] * o.cross(z);
+            torque += c.spin[k][l] * z.dot(o) * z + c.roll[k][l] * across(o) + c.coupling[l][k] * z.cross(u);
+            let shear = c.drag[k][l] * across(u) + c.turn[k][l] * o.cross(z);
+            moment += axial * (c.pull[k][l] * z.dot(u)) + product(z, shear) + product(shear, z);
+        }
+        let strain = motion.strain_rate[0].tensor();
+        let (stretch, t) = (z.dot(strain * z), across(strain * z));
+        force += c.push[k] * stretch * z + c.slide[k] * t;
+        torque += c.twist[k] * z.cross(t);
+        moment += strain * c.bulk[k] + axial * (c.stretch[k] * stretch) + (product(z, t) + product(t, z)) * c.bend[k];
+        loads.force[order[k]] = force;
+        loads.torque[order[k]] = torque;
+        loads.moment[order[k]] = Traceless::part_of(&moment);
+    }
+    loads
 }

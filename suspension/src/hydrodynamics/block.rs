@@ -12,7 +12,13 @@ pub struct Block(pub [[f64; 6]; 6]);
 impl Block {
     /// The matrix times a screw.
     pub fn times(&self, screw: &Screw) -> Screw {
-        Screw(self.0.map(|row| row.iter().zip(screw.0).map(|(m, x)| m * x).sum()))
+        let mut product = [0.0; 6];
+        for (sum, row) in product.iter_mut().zip(&self.0) {
+            for k in 0..6 {
+                *sum += row[k] * screw.0[k];
+            }
+        }
+        Screw(product)
     }
 
     /// The inverse of a symmetric positive definite matrix, by Gauss's and Jordan's elimination without pivoting.

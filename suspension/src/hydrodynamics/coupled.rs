@@ -1,60 +1,109 @@
 //! The coupled system of lubrication forces and stresslets.
 
-use super::near_pairs::{Modes, NearPairs};
+use super::near_pairs::NearPairs;
+use super::pair_matrix::PairMatrix;
 use super::particle_matrix::ParticleMatrix;
 use super::scaled::Scaled;
 use super::screw::{Screw, Screws};
 use domain::Traceless;
-use fcm::{Loads, Motion, System, Unknowns};
+use fcm::{Linear, Loads, Motion, System};
 
-/// Amplitudes of the modes of the pairs that a rank keeps, `g`, and first moments of the particles that it owns,
-/// `D = -S`.
-#[derive(Debug, Clone)]
-pub struct PairsAndMoments {
-    /// `g`
-    pub modes: Vec<Modes>,
+/// Motions of the particles that a rank owns, and what some pairs resist to them.
+#[derive(Debug, Clone, Default)]
+pub struct Resisted {
+    /// `y`
+    pub motions: Screws,
+    /// `R y`
+    pub loads: Screws,
+}
+
+/// What is solved for: minus the motions as stiff pairs and as the others feel them, and first moments `D = -S`.
+#[derive(Debug, Clone, Default)]
+pub struct Unknowns {
+    /// `y_s`
+    pub stiff: Resisted,
+    /// `y_f`
+    pub soft: Resisted,
     /// `D`
     pub moments: Vec<Traceless>,
 }
 
-impl Unknowns for PairsAndMoments {
-    fn dot(&self, other: &Self) -> f64 {
-        let (a, b) = (self.modes.as_flattened(), other.modes.as_flattened());
-        a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() + self.moments.dot(&other.moments)
-    }
+/// What is left over: motions of the fluid that those of the particles do not follow, and rates of strain within them.
+#[derive(Debug, Clone)]
+pub struct Residual {
+    pub stiff: Screws,
+    pub soft: Screws,
+    pub strain_rates: Vec<Traceless>,
+}
 
+impl Linear for Resisted {
     fn add(&mut self, factor: f64, other: &Self) {
-        let (a, b) = (self.modes.as_flattened_mut(), other.modes.as_flattened());
-        a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+        self.motions.add(factor, &other.motions);
+        self.loads.add(factor, &other.loads);
+    }
+}
+
+impl Linear for Unknowns {
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.stiff.add(factor, &other.stiff);
+        self.soft.add(factor, &other.soft);
         self.moments.add(factor, &other.moments);
     }
 }
 
-/// With `M` the mobility of the method, `B B^T` what near pairs resist to motions and `C` their coupling to rates of
-/// strain, the forces that the method sees are `F + C E_inf + B g` with
-/// `g = -B^T (U - U_inf, Omega - Omega_inf, -E_inf)`, and its first moments `D` leave no strain within the spheres.
-/// With `F` for all that is known from the start,
+impl Linear for Residual {
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.stiff.add(factor, &other.stiff);
+        self.soft.add(factor, &other.soft);
+        self.strain_rates.add(factor, &other.strain_rates);
+    }
+}
+
+impl Unknowns {
+    /// The loads of lubrication on the far field.
+    pub fn loads(&self) -> Screws {
+        let mut loads = self.stiff.loads.clone();
+        loads.add(1.0, &self.soft.loads);
+        loads
+    }
+}
+
+/// With `M` the mobility of the method, `R = B B^T` what near pairs resist to motions `U` relative to the ambient flow
+/// and `F` the loads that are known, the forces that the method sees are `F - R U`, and its first moments `D` leave no
+/// strain within the spheres. Amplitudes of the pairs' modes, `g = -B^T U`, solve
 ///
 /// ```text
-/// [ I + B^T M_UF B   B^T M_UD ] [g]   [ -B^T M_UF F + B_E^T E_inf ]
-/// [ M_EF B           M_ED     ] [D] = [ -E_inf - M_EF F           ]
+/// [ I + B^T M_UF B   B^T M_UD ] [g]   [ -B^T M_UF F    ]
+/// [ M_EF B           M_ED     ] [D] = [ -E_inf - M_EF F ]
 /// ```
 ///
-/// with `B` for its rows of forces and torques and `B_E` for those of first moments. It is symmetric and positive
-/// definite. The preconditioner has the mobility `M_0` of single spheres in the place of `M`, and the stiff pairs'
-/// columns alone of `B`: for `g` the inverse is `I - B^T (M_0^-1 + B B^T)^-1 B`, by Woodbury's identity.
+/// which is symmetric and positive definite. The preconditioner has the mobility `M_0` of single spheres in the place of
+/// `M` and the stiff pairs' columns `B_s` alone of `B`: for `g` its inverse is `I - B_s^T (M_0^-1 + R_s)^-1 B_s`, by
+/// Woodbury's identity.
+///
+/// There are more modes than motions, and all that the iteration meets is `B^T` times some motions. So these are what
+/// is kept: `g_s = B_s^T y_s` of the stiff pairs and `g_f = B_f^T y_f` of the others, and residuals likewise. Then
+///
+/// ```text
+/// B g = R_s y_s + R_f y_f
+/// A (y_s, y_f, D) = (y_s + V, y_f + V, E)         with V, E the method's motions under B g and D
+/// P^-1 (r_s, r_f, e) = ((M_0^-1 + R_s)^-1 M_0^-1 r_s, r_f, d e)
+/// r . y = r_s . R_s y_s + r_f . R_f y_f + e : D
+/// ```
+///
+/// with `d` the resistance of single spheres to strain. No small difference of large numbers is ever taken, however
+/// near pairs are.
 pub struct Coupled<'a> {
     mobility: Scaled<'a>,
     near: &'a NearPairs,
-    /// What preconditions the modes, if anything does.
-    matrix: Option<ParticleMatrix<'a>>,
+    /// What preconditions the motions of stiff pairs, if anything does.
+    pub(super) matrix: Option<ParticleMatrix<'a>>,
     /// Resistances of single spheres to motion and to strain.
     single: &'a [Screw],
     strain_resistance: &'a [f64],
     motion: Motion,
-    loads: Screws,
-    step: (Motion, Screws),
-    correction: Screws,
+    step: Motion,
+    correction: Unknowns,
 }
 
 impl<'a> Coupled<'a> {
@@ -65,102 +114,97 @@ impl<'a> Coupled<'a> {
         near: &'a NearPairs,
         matrix: Option<ParticleMatrix<'a>>,
         (single, strain_resistance): (&'a [Screw], &'a [f64]),
-        (loads, start): (&Loads, &PairsAndMoments),
+        (loads, start): (&Screws, &Unknowns),
     ) -> Self {
-        let lubrication = near.loads(&start.modes);
-        let mut all = Screws::new(single.len(), &loads.forces, &loads.torques);
-        all.add(1.0, &lubrication);
+        let mut all = start.loads();
+        all.add(1.0, loads);
         let motion = mobility.apply(&far_loads(&all, &start.moments));
-        let nothing = Screws::default();
-        let step = (Motion::default(), nothing.clone());
-        Self {
-            mobility,
-            near,
-            matrix,
-            single,
-            strain_resistance,
-            motion,
-            loads: lubrication,
-            step,
-            correction: nothing,
-        }
+        let (step, correction) = (Motion::default(), Unknowns::default());
+        Self { mobility, near, matrix, single, strain_resistance, motion, step, correction }
     }
 
     /// What the unknowns of the start leave over, in an ambient flow of a rate of strain.
-    pub fn residual(&self, start: &PairsAndMoments, ambient: Traceless) -> PairsAndMoments {
-        let mut modes = self.near.modes(&self.rigid_motion(), ambient);
-        for (mode, g) in modes.as_flattened_mut().iter_mut().zip(start.modes.as_flattened()) {
-            *mode = -(*mode + g);
-        }
-        let moments = self.motion.strain_rates.iter().map(|&e| -(e + ambient)).collect();
-        PairsAndMoments { modes, moments }
+    pub fn residual(&self, start: &Unknowns, ambient: Traceless) -> Residual {
+        let mut sums = image(&start.stiff.motions, &start.soft.motions, &self.motion);
+        sums.strain_rates.iter_mut().for_each(|e| *e += ambient);
+        let mut residual = sums.clone();
+        residual.add(-2.0, &sums);
+        residual
     }
 
     /// The motions of the particles and the unknowns after a last step of the preconditioner alone, which is known
-    /// already: the motions `U` then have `g = -B^T U` exactly, so that near pairs do not run into each other by the
+    /// already: lubrication is that of these motions exactly, so that near pairs do not run into each other by the
     /// error of their forces.
-    pub fn finish(
-        self,
-        (mut x, residual): (PairsAndMoments, &PairsAndMoments),
-        ambient: Traceless,
-    ) -> (Motion, PairsAndMoments) {
-        let mut rigid = self.rigid_motion();
-        rigid.add(1.0, &self.correction);
-        x.modes = self.near.modes(&rigid, ambient);
-        x.modes.as_flattened_mut().iter_mut().for_each(|g| *g = -*g);
-        for ((d, &r), &resistance) in x.moments.iter_mut().zip(&residual.moments).zip(self.strain_resistance) {
-            *d += r * resistance;
-        }
-        let strain_rates = self.motion.strain_rates;
-        (Motion { velocities: rigid.linear(), angular_velocities: rigid.angular(), strain_rates }, x)
-    }
-
-    fn rigid_motion(&self) -> Screws {
-        Screws::new(self.single.len(), &self.motion.velocities, &self.motion.angular_velocities)
+    pub fn finish(self, mut x: Unknowns) -> (Motion, Unknowns) {
+        x.add(1.0, &self.correction);
+        let rigid = Screws(x.stiff.motions.0.iter().map(|&y| -y).collect());
+        let (velocities, angular_velocities) = (rigid.linear(), rigid.angular());
+        (Motion { velocities, angular_velocities, strain_rates: self.motion.strain_rates }, x)
     }
 }
 
-impl System for Coupled<'_> {
-    type Unknowns = PairsAndMoments;
+/// What unknowns and the motion that they cause make of the left-hand side.
+fn image(stiff: &Screws, soft: &Screws, motion: &Motion) -> Residual {
+    let rigid = Screws::new(stiff.0.len(), &motion.velocities, &motion.angular_velocities);
+    let plus = |motions: &Screws| {
+        let mut sum = rigid.clone();
+        sum.add(1.0, motions);
+        sum
+    };
+    Residual { stiff: plus(stiff), soft: plus(soft), strain_rates: motion.strain_rates.clone() }
+}
 
-    fn apply(&mut self, direction: &PairsAndMoments) -> PairsAndMoments {
-        let loads = self.near.loads(&direction.modes);
-        let motion = self.mobility.apply(&far_loads(&loads, &direction.moments));
-        let rigid = Screws::new(self.single.len(), &motion.velocities, &motion.angular_velocities);
-        let mut modes = self.near.rigid_modes(&rigid, direction.modes.len());
-        for (mode, g) in modes.as_flattened_mut().iter_mut().zip(direction.modes.as_flattened()) {
-            *mode += g;
-        }
-        let moments = motion.strain_rates.clone();
-        self.step = (motion, loads);
-        PairsAndMoments { modes, moments }
+impl System for Coupled<'_> {
+    type Unknowns = Unknowns;
+    type Residual = Residual;
+
+    fn product(&self, residual: &Residual, x: &Unknowns) -> f64 {
+        let strained = residual.strain_rates.iter().zip(&x.moments).map(|(&e, &d)| e.contract(d));
+        residual.stiff.dot(&x.stiff.loads) + residual.soft.dot(&x.soft.loads) + strained.sum::<f64>()
+    }
+
+    fn apply(&mut self, direction: &Unknowns) -> Residual {
+        self.step = self.mobility.apply(&far_loads(&direction.loads(), &direction.moments));
+        image(&direction.stiff.motions, &direction.soft.motions, &self.step)
     }
 
     fn stepped(&mut self, length: f64) {
-        self.motion.add(length, &self.step.0);
-        self.loads.add(length, &self.step.1);
+        self.motion.add(length, &self.step);
     }
 
-    fn precondition(&mut self, residual: &PairsAndMoments) -> PairsAndMoments {
-        let mut modes = residual.modes.clone();
-        if let Some(matrix) = &mut self.matrix {
-            self.correction = matrix.relieve(&mut modes);
-        }
-        let moments = residual.moments.iter().zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
-        PairsAndMoments { modes, moments }
+    fn precondition(&mut self, residual: &Residual) -> Unknowns {
+        let stiff = match &mut self.matrix {
+            Some(matrix) => {
+                let scaled = residual.stiff.0.iter().zip(self.single);
+                let loads = scaled.map(|(r, single)| Screw(std::array::from_fn(|k| single.0[k] * r.0[k])));
+                let [motions, loads] = matrix.solve(&Screws(loads.collect()));
+                Resisted { motions, loads }
+            }
+            None => resisted(self.near, self.near.stiff(), &residual.stiff),
+        };
+        let soft = resisted(self.near, self.near.soft(), &residual.soft);
+        let moments = residual.strain_rates.iter().zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
+        self.correction = Unknowns { stiff, soft, moments };
+        self.correction.clone()
     }
 
     fn sharpen(&mut self) -> bool {
         self.matrix.as_mut().is_some_and(ParticleMatrix::sharpen)
     }
 
-    fn size(&self, x: &PairsAndMoments) -> f64 {
+    fn size(&self, x: &Unknowns) -> f64 {
         let moved = |(load, single): (&Screw, &Screw)| -> f64 { (0..6).map(|k| load.0[k].powi(2) / single.0[k]).sum() };
         let strained = |(d, &resistance): (&Traceless, &f64)| d.contract(*d) / resistance;
-        x.modes.as_flattened().iter().map(|g| g * g).sum::<f64>()
-            + self.loads.0.iter().zip(self.single).map(moved).sum::<f64>()
+        x.stiff.motions.dot(&x.stiff.loads)
+            + x.soft.motions.dot(&x.soft.loads)
+            + x.loads().0.iter().zip(self.single).map(moved).sum::<f64>()
             + x.moments.iter().zip(self.strain_resistance).map(strained).sum::<f64>()
     }
+}
+
+/// Motions and what some pairs resist to them. Collective.
+pub fn resisted(near: &NearPairs, pairs: &PairMatrix, motions: &Screws) -> Resisted {
+    Resisted { loads: near.times(pairs, motions), motions: motions.clone() }
 }
 
 /// Loads on the far field: forces, torques, and stresslets `-D`.

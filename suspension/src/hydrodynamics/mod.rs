@@ -1,18 +1,23 @@
 //! Rigid spheres with lubrication: the far field and the near field, solved together.
 
+mod assembly;
 mod block;
 mod coupled;
+mod lanes;
 pub mod memory;
 mod near_pairs;
+mod pair_matrix;
 mod particle_matrix;
 mod scaled;
 mod screw;
 mod stiffness;
 
-use coupled::{Coupled, PairsAndMoments};
-use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector};
-use fcm::{Limits, Loads, Mobility, Motion, Plan, SolveError, Unknowns, conjugate_gradients};
-use lubrication::{PairFactor, PairForce, PairForceError, Range};
+use coupled::{Coupled, Unknowns, resisted};
+use domain::{
+    Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList,
+};
+use fcm::{Limits, Linear, Loads, Mobility, Motion, Plan, SolveError, conjugate_gradients};
+use lubrication::{PairForce, PairForceError, Range};
 use near_pairs::NearPairs;
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
@@ -25,10 +30,17 @@ use stiffness::Stiffness;
 pub struct Hydrodynamics {
     far: fcm::Hydrodynamics,
     /// In units of length and viscosity in which the particles' and the fluid's are about 1.
-    lubrication: Option<(PairForce, Stiffness)>,
+    lubrication: Option<Lubrication>,
     units: Units,
     preconditioned: bool,
     partition: Partition,
+}
+
+/// Lubrication between near pairs, and the lists of who is near.
+struct Lubrication {
+    force: PairForce,
+    stiffness: Stiffness,
+    lists: VerletList,
 }
 
 /// The motions of the spheres and what was needed to find them.
@@ -71,7 +83,8 @@ impl Hydrodynamics {
         let lubrication = force.map(|force| {
             let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
             let stiffness = Stiffness::new(&force, &single);
-            (force, stiffness)
+            let lists = VerletList::new(force.reach(), partition);
+            Lubrication { force, stiffness, lists }
         });
         let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
         Ok(Self { far, lubrication, units, preconditioned: true, partition })
@@ -109,19 +122,19 @@ impl Hydrodynamics {
         background: Traceless,
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
-        if let Some((force, stiffness)) = &self.lubrication {
+        if let Some(Lubrication { force, stiffness, lists }) = &mut self.lubrication {
             let (units, own) = (self.units, scaled::particles(particles, &self.units));
-            let near = NearPairs::find((force, stiffness), &own, &cell.scaled(1.0 / units.length), &self.partition);
-            if self.partition.comm().any(!near.list().is_empty()) {
+            let scaled_background = background * (1.0 / units.rate());
+            let flow = (&cell.scaled(1.0 / units.length), scaled_background);
+            let near = NearPairs::find((force, stiffness, lists), &own, flow, &self.partition);
+            if self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
                 mobility.arrange(cell, particles);
                 let parts = (Scaled { mobility, units }, &near, self.preconditioned);
                 let group = (self.partition.comm(), &interrupt);
-                let (loads, background) =
-                    (scaled::times(loads, 1.0 / units.torque()), background * (1.0 / units.rate()));
-                let guess = scaled::guess(guess, &units);
-                let found = lubricated(group, parts, &own.radii, (&loads, background), &guess)?;
+                let (loads, guess) = (scaled::times(loads, 1.0 / units.torque()), scaled::guess(guess, &units));
+                let found = lubricated(group, parts, &own.radii, (&loads, scaled_background), &guess)?;
                 return Ok(scaled::solution(&found, &units));
             }
         }
@@ -149,10 +162,11 @@ fn lubricated(
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
     let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
-    let mut x = start(comm, near, background, guess, radii.len());
-    let matrix = preconditioned.then(|| ParticleMatrix::new(comm, near, &single));
-    let loads = with_strain(near, loads, background, radii.len());
-    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&loads, &x));
+    let mut matrix = preconditioned.then(|| ParticleMatrix::new(comm, near, &single));
+    let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
+    known.add(1.0, near.ambient_loads());
+    let mut x = start((comm, near), matrix.as_mut(), &known, guess);
+    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
     if outcome.interrupted {
@@ -165,36 +179,15 @@ fn lubricated(
         let (iterations, residual) = (outcome.iterations, outcome.residual);
         return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
     }
-    let (motion, x) = system.finish((x, &residual), background);
-    let (far, stresslets) = loads_of(near, &loads, (&motion, &x), background);
-    let finite = motion.velocities.iter().all(|v| v.is_finite());
-    if comm.any(!finite) {
+    let (motion, x) = system.finish(x);
+    if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
         return Err(SolveError::NotFinite);
     }
-    Ok(Solved { motion, stresslets, far, iterations: outcome.iterations, residual: outcome.residual })
-}
-
-/// The loads given and those of lubrication in the ambient rate of strain. Collective.
-fn with_strain(near: &NearPairs, loads: &Loads, background: Traceless, particles: usize) -> Loads {
-    let mut all = Screws::new(particles, &loads.forces, &loads.torques);
-    all.add(1.0, &near.loads_in(background));
-    Loads { forces: all.linear(), torques: all.angular(), stresslets: Vec::new() }
-}
-
-/// The loads that the far field sees, and the whole stresslets. Collective.
-fn loads_of(
-    near: &NearPairs,
-    loads: &Loads,
-    (motion, x): (&Motion, &PairsAndMoments),
-    background: Traceless,
-) -> (Loads, Vec<Traceless>) {
-    let mut all = Screws::new(x.moments.len(), &loads.forces, &loads.torques);
-    all.add(1.0, &near.loads(&x.modes));
-    let far = coupled::far_loads(&all, &x.moments);
-    let motions = Screws::new(x.moments.len(), &motion.velocities, &motion.angular_velocities);
-    let near = near.stresslets(&motions, background, &x.modes);
+    known.add(1.0, &x.loads());
+    let far = coupled::far_loads(&known, &x.moments);
+    let near = near.stresslets(&Screws::new(radii.len(), &motion.velocities, &motion.angular_velocities));
     let stresslets = far.stresslets.iter().zip(near).map(|(&far, near)| far + near).collect();
-    (far, stresslets)
+    Ok(Solved { motion, stresslets, far, iterations: outcome.iterations, residual: outcome.residual })
 }
 
 /// The resistance of a sphere on its own.
@@ -203,16 +196,25 @@ fn single(viscosity: f64, radius: f64) -> Screw {
     Screw::new(Vector::splat(force), Vector::splat(torque))
 }
 
-/// The unknowns that go with a guess. Collective.
-fn start(comm: &Comm, near: &NearPairs, background: Traceless, guess: &Guess, particles: usize) -> PairsAndMoments {
-    let mut modes = vec![[0.0; PairFactor::MODES]; near.list().len()];
-    if comm.any(!guess.velocities.is_empty()) {
-        modes = near.modes(&Screws::new(particles, &guess.velocities, &guess.angular_velocities), background);
-        modes.as_flattened_mut().iter_mut().for_each(|g| *g = -*g);
+/// The unknowns that go with a guess, or where there is none with the motions by lubrication alone. Collective.
+fn start(
+    (comm, near): (&Comm, &NearPairs),
+    matrix: Option<&mut ParticleMatrix>,
+    known: &Screws,
+    guess: &Guess,
+) -> Unknowns {
+    let count = known.0.len();
+    let mut motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
+    if !comm.any(!guess.velocities.is_empty())
+        && let Some(matrix) = matrix
+    {
+        [motions, _] = matrix.solve(known);
     }
+    let against = Screws(motions.0.iter().map(|&u| -u).collect());
+    let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
-    moments.resize(particles, Traceless::ZERO);
-    PairsAndMoments { modes, moments }
+    moments.resize(count, Traceless::ZERO);
+    Unknowns { stiff, soft, moments }
 }
 
 #[cfg(test)]

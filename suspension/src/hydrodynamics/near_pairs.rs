@@ -1,167 +1,100 @@
 //! The pairs that feel lubrication, and their resistance.
 
-use super::screw::{Screw, Screws};
+use super::assembly::{Arrangement, Assembled, Assembly};
+use super::pair_matrix::{PairMatrix, ROWS};
+use super::screw::Screws;
 use super::stiffness::Stiffness;
-use bytemuck::Pod;
-use domain::{Halo, Pair, Pairs, Particles, Partition, PeriodicBox, Traceless, Vector};
-use lubrication::{PairFactor, PairForce, PairLoads, PairMotion};
+use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, VerletList};
+use lubrication::PairForce;
 use rayon::prelude::*;
-use std::ops::AddAssign;
+use solver::Real;
 
-/// Amplitudes of the modes of one pair.
-pub type Modes = [f64; PairFactor::MODES];
-
-/// A pair and its resistance.
-pub struct NearPair {
-    /// Rows of the two particles among those present.
-    pub rows: [usize; 2],
-    /// Its part of `B`, and what comes besides.
-    pub factor: PairFactor,
-}
-
-/// The pairs that this rank keeps, with what is needed of images that other ranks own.
+/// The lubrication resistance of the near pairs of the particles that a rank owns, with what is needed of ghosts.
 pub struct NearPairs {
     halo: Halo,
-    /// The stiff ones come first.
-    list: Vec<NearPair>,
-    stiff: usize,
+    stiff: PairMatrix,
+    soft: PairMatrix,
+    /// Loads and moments in the ambient flow of particles that do not move relative to it.
+    loads: Screws,
+    moments: Vec<Traceless>,
 }
 
-/// Pairs whose loads are computed before they are added up.
-const BATCH: usize = 4096;
-
 impl NearPairs {
-    /// Finds the pairs within reach of lubrication. Collective.
+    /// Finds the pairs within reach of lubrication, in a flow whose rate of strain is `ambient`, by lists that reach as
+    /// far. Collective.
     pub fn find(
-        (force, stiffness): (&PairForce, &Stiffness),
+        (force, stiffness, lists): (&PairForce, &Stiffness, &mut VerletList),
         particles: &Particles,
-        cell: &PeriodicBox,
+        (cell, ambient): (&PeriodicBox, Traceless),
         partition: &Partition,
     ) -> Self {
-        let reach = force.reach();
+        let (owned, reach) = (particles.len(), force.reach());
         let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
         let class = |a: &f64| force.radii().partition_point(|radius| radius < a) as u32;
         let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
-        let mut classes: Vec<u32> = particles.radii.iter().map(class).collect();
+        let mut species: Vec<u32> = particles.radii.iter().map(class).collect();
         halo.extend(&mut positions);
         halo.extend(&mut ids);
-        halo.extend(&mut classes);
-        let pairs = Pairs::find(cell, &positions, &ids, particles.len(), reach);
-        let species = |pair: &Pair| [classes[pair.i as usize], classes[pair.j as usize]];
-        let kind = |pair: &Pair| {
-            let gap = force.gap(pair.separation(cell, &positions).length(), species(pair))?;
-            Some(stiffness.holds(species(pair), gap))
+        halo.extend(&mut species);
+        lists.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &positions });
+        let neighbours = lists.neighbours();
+        let arrangement =
+            Arrangement { force, stiffness, cell, positions: &positions, species: &species, neighbours, ambient };
+        let part = |k: usize| {
+            let first = k * ROWS;
+            f64::dispatch(Assembly { arrangement: &arrangement, first, rows: ROWS.min(owned - first) })
         };
-        let kinds: Vec<Option<bool>> = pairs.list().par_iter().map(kind).collect();
-        let kinds = kinds.as_slice();
-        let of = |is_stiff| (0..kinds.len()).filter(move |&k| kinds[k] == Some(is_stiff));
-        let mut order: Vec<usize> = of(true).collect();
-        let stiff = order.len();
-        order.extend(of(false));
-        let near = |&k: &usize| {
-            let pair = &pairs.list()[k];
-            let factor = force.factor(pair.separation(cell, &positions), species(pair));
-            NearPair { rows: [pair.i as usize, pair.j as usize], factor: factor.expect("a pair within the cutoff") }
-        };
-        let list = order.par_iter().map(near).collect();
-        Self { halo, list, stiff }
-    }
-
-    /// The pairs.
-    pub fn list(&self) -> &[NearPair] {
-        &self.list
-    }
-
-    /// How many of them are stiff: the first ones.
-    pub fn stiff(&self) -> usize {
-        self.stiff
-    }
-
-    /// Who has images of whom.
-    pub fn halo(&self) -> &Halo {
-        &self.halo
-    }
-
-    /// `B^T` times motions relative to the ambient flow, whose rate of strain is `ambient`. Collective.
-    pub fn modes(&self, motions: &Screws, ambient: Traceless) -> Vec<Modes> {
-        let mut present = motions.0.clone();
-        self.halo.extend(&mut present);
-        self.list
-            .par_iter()
-            .map(|pair| pair.factor.modes(&motion(pair.rows.map(|row| present[row]), ambient)))
-            .collect()
-    }
-
-    /// `B^T` times motions in an ambient flow without strain, of the first pairs. Collective.
-    pub fn rigid_modes(&self, motions: &Screws, pairs: usize) -> Vec<Modes> {
-        let mut present = motions.0.clone();
-        self.halo.extend(&mut present);
-        let modes = |pair: &NearPair| {
-            let spheres = pair.rows.map(|row| present[row]);
-            pair.factor.rigid_modes(spheres.map(Screw::linear), spheres.map(Screw::angular))
-        };
-        self.list[..pairs].par_iter().map(modes).collect()
-    }
-
-    /// Forces and torques of `B` times the amplitudes of the first pairs. Collective.
-    pub fn loads(&self, modes: &[Modes]) -> Screws {
-        Screws(self.summed(modes.len(), |i, pair| screws(pair.factor.rigid_loads(&modes[i]))))
-    }
-
-    /// Forces and torques of lubrication in a flow whose rate of strain is `ambient`, besides those of the modes.
-    /// Collective.
-    pub fn loads_in(&self, ambient: Traceless) -> Screws {
-        let resting = motion([Screw::default(); 2], -ambient);
-        let on = |_: usize, pair: &NearPair| {
-            let PairLoads { force, torque, .. } = pair.factor.strain_loads(&resting);
-            screws([force, torque])
-        };
-        Screws(self.summed(self.list.len(), on))
-    }
-
-    /// The stresslets that lubrication adds to those of the far field, for motions and their amplitudes `g`, which are
-    /// minus `B^T` times them. Collective.
-    pub fn stresslets(&self, motions: &Screws, ambient: Traceless, amplitudes: &[Modes]) -> Vec<Traceless> {
-        let mut present = motions.0.clone();
-        self.halo.extend(&mut present);
-        let on = |i: usize, NearPair { rows, factor }: &NearPair| {
-            let modes = amplitudes[i].map(|g| -g);
-            factor.moments_on(&motion(rows.map(|row| present[row]), ambient), &modes).map(|moment| -moment)
-        };
-        self.summed(self.list.len(), on)
-    }
-
-    /// What the first pairs give their two particles, added up by particle in the order of the pairs.
-    fn summed<T: Pod + AddAssign + Send>(
-        &self,
-        pairs: usize,
-        of: impl Fn(usize, &NearPair) -> [T; 2] + Sync,
-    ) -> Vec<T> {
-        let mut sums = vec![T::zeroed(); self.halo.present()];
-        let mut batch = Vec::with_capacity(BATCH.min(pairs));
-        for (number, list) in self.list[..pairs].chunks(BATCH).enumerate() {
-            list.par_iter().enumerate().map(|(i, pair)| of(number * BATCH + i, pair)).collect_into_vec(&mut batch);
-            for (pair, both) in list.iter().zip(&batch) {
-                for (row, &one) in pair.rows.into_iter().zip(both) {
-                    sums[row] += one;
-                }
-            }
+        let parts: Vec<Assembled> = (0..Assembly::parts(owned)).into_par_iter().map(part).collect();
+        let (mut loads, mut moments) = (Vec::with_capacity(owned), Vec::with_capacity(owned));
+        let (mut stiff, mut soft) = (Vec::with_capacity(parts.len()), Vec::with_capacity(parts.len()));
+        for part in parts {
+            loads.extend_from_slice(&part.loads);
+            moments.extend_from_slice(&part.moments);
+            stiff.push(part.stiff);
+            soft.push(part.soft);
         }
-        self.halo.collect(&mut sums);
-        sums
+        let (stiff, soft, loads) = (PairMatrix::new(stiff), PairMatrix::new(soft), Screws(loads));
+        Self { halo, stiff, soft, loads, moments }
     }
-}
 
-/// Forces and torques, by sphere.
-fn screws([forces, torques]: [[Vector; 2]; 2]) -> [Screw; 2] {
-    [0, 1].map(|sphere| Screw::new(forces[sphere], torques[sphere]))
-}
+    /// Whether no particle of this rank is near another.
+    pub fn is_empty(&self) -> bool {
+        self.stiff.is_empty() && self.soft.is_empty()
+    }
 
-/// The motion of two rigid spheres relative to a flow.
-fn motion(spheres: [Screw; 2], ambient: Traceless) -> PairMotion {
-    PairMotion {
-        velocity: spheres.map(Screw::linear),
-        angular_velocity: spheres.map(Screw::angular),
-        strain_rate: [-ambient; 2],
+    /// What resists motions of stiff pairs.
+    pub fn stiff(&self) -> &PairMatrix {
+        &self.stiff
+    }
+
+    /// What resists those of the others.
+    pub fn soft(&self) -> &PairMatrix {
+        &self.soft
+    }
+
+    /// One of the two times the motions of the particles that this rank owns. Collective.
+    pub fn times(&self, matrix: &PairMatrix, motions: &Screws) -> Screws {
+        Screws(matrix.times(&self.present(motions).0))
+    }
+
+    /// Loads of lubrication on the fluid in the ambient flow, with the particles not moving relative to it.
+    pub fn ambient_loads(&self) -> &Screws {
+        &self.loads
+    }
+
+    /// The stresslets that lubrication adds to those of the far field for motions relative to the ambient flow.
+    /// Collective.
+    pub fn stresslets(&self, motions: &Screws) -> Vec<Traceless> {
+        let present = self.present(motions);
+        let mut by_motions = vec![Traceless::ZERO; self.moments.len()];
+        self.stiff.add_moments(&present.0, &mut by_motions);
+        self.soft.add_moments(&present.0, &mut by_motions);
+        self.moments.iter().zip(by_motions).map(|(&by_strain, by_motion)| by_strain - by_motion).collect()
+    }
+
+    fn present(&self, motions: &Screws) -> Screws {
+        let mut present = motions.clone();
+        self.halo.extend(&mut present.0);
+        present
     }
 }

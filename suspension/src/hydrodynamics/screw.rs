@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
-use fcm::Unknowns;
+use fcm::Linear;
 use std::ops::{AddAssign, Neg};
 
 /// Velocity and angular velocity of a particle, or the force and the torque on it.
@@ -62,12 +62,15 @@ impl Screws {
     }
 }
 
-impl Unknowns for Screws {
-    fn dot(&self, other: &Self) -> f64 {
+impl Screws {
+    /// This rank's part of the inner product.
+    pub fn dot(&self, other: &Self) -> f64 {
         let (a, b): (&[f64], &[f64]) = (bytemuck::cast_slice(&self.0), bytemuck::cast_slice(&other.0));
         a.iter().zip(b).map(|(a, b)| a * b).sum()
     }
+}
 
+impl Linear for Screws {
     fn add(&mut self, factor: f64, other: &Self) {
         let (a, b): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(&mut self.0), bytemuck::cast_slice(&other.0));
         a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);

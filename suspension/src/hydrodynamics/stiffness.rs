@@ -1,7 +1,6 @@
 //! Stiff pairs, which the preconditioner solves with the particles.
 
 use super::screw::Screw;
-use domain::Vector;
 use lubrication::PairForce;
 
 /// Up to which gap the pairs of each two species are stiff.
@@ -33,13 +32,15 @@ impl Stiffness {
 /// The gap at which a pair ceases to be stiff, since resistance falls as it grows.
 fn largest_gap(force: &PairForce, species: [usize; 2], single: &[Screw]) -> f64 {
     let radii = species.map(|s| force.radii()[s]);
+    let order = if radii[0] > radii[1] { [species[1], species[0]] } else { species };
     let is_stiff = |gap: f64| {
-        let separation = Vector::X * (radii[0] + radii[1] + gap);
-        let factor = force.factor(separation, species.map(|s| s as u32));
-        let resistance = factor.map(|factor| factor.rigid_resistance());
-        let exceeds = |sphere: usize| {
-            let alone = single[species[sphere]].0;
-            resistance.is_some_and(|matrix| matrix.diagonal(sphere).iter().zip(alone).any(|(&r, a)| r > STIFF * a))
+        let Some(resistance) = force.coefficients(radii[0] + radii[1] + gap, order.map(|s| s as u32)) else {
+            return false;
+        };
+        let exceeds = |k: usize| {
+            let (alone, [u, v]) = (single[order[k]].0, [resistance.along[k][k], resistance.across[k][k]]);
+            let [o, p] = [resistance.spin[k][k], resistance.roll[k][k]];
+            u.max(v) > STIFF * alone[0] || o.max(p) > STIFF * alone[3]
         };
         exceeds(0) || exceeds(1)
     };

@@ -1,6 +1,7 @@
 //! The coupled system as a matrix, column by column.
 
 use super::*;
+use crate::hydrodynamics::coupled::{Residual, Resisted};
 use fcm::System;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -16,42 +17,74 @@ fn orthonormal() -> [Traceless; 5] {
     ]
 }
 
-/// Unknowns as numbers: amplitudes of modes, then moments in an orthonormal basis, over the roots of single spheres'
-/// resistance.
-struct Basis<'a> {
-    pairs: usize,
-    strain_resistance: &'a [f64],
+/// Two sizes at random at 30%, with one pair near contact.
+fn suspension() -> (Plan, Particles) {
+    let radii = [1.0, 1.5, 1.0, 1.5, 1.0];
+    let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a * a * a).sum();
+    let edge = (volume / 0.3).cbrt();
+    let cell = cube(edge);
+    let mut positions = random_packing(&cell, &radii, 0.0, 3).unwrap();
+    let line = cell.nearest_image(positions[1] - positions[0]).normalize();
+    positions[1] = positions[0] + line * (2.5 + 1e-3);
+    let mut particles = placed(&positions, &radii);
+    particles.wrap(&cell);
+    (plan(edge, &radii[..2], (1e-3, 1e-3)), particles)
 }
 
-impl Basis<'_> {
-    fn size(&self) -> usize {
-        PairFactor::MODES * self.pairs + 5 * self.strain_resistance.len()
+/// A suspension on one rank, and what its system is made of.
+struct Setting {
+    mobility: Mobility,
+    near: NearPairs,
+    single: Vec<Screw>,
+    strain_resistance: Vec<f64>,
+}
+
+impl Setting {
+    fn new() -> Self {
+        let (plan, particles) = suspension();
+        let (cell, partition) = (plan.cell(), Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+        let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
+        let alone: Vec<Screw> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
+        let stiffness = Stiffness::new(&force, &alone);
+        let mut lists = VerletList::new(force.reach(), &partition);
+        let near =
+            NearPairs::find((&force, &stiffness, &mut lists), &particles, (&cell, Traceless::ZERO), &partition);
+        let mut mobility = Mobility::new(&plan, &partition);
+        mobility.arrange(&cell, &particles);
+        let radii = &particles.radii;
+        let strain_resistance = radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
+        Self { mobility, near, single: radii.iter().map(|&a| single(1.0, a)).collect(), strain_resistance }
     }
 
-    fn unit(&self, k: usize) -> PairsAndMoments {
-        let mut x = PairsAndMoments {
-            modes: vec![[0.0; PairFactor::MODES]; self.pairs],
-            moments: vec![Traceless::ZERO; self.strain_resistance.len()],
-        };
-        let amplitudes = PairFactor::MODES * self.pairs;
-        if k < amplitudes {
-            x.modes.as_flattened_mut()[k] = 1.0;
+    fn spheres(&self) -> usize {
+        self.single.len()
+    }
+
+    /// A unit of the unknowns: motions as stiff pairs feel them, as the others do, and moments in an orthonormal basis,
+    /// over the roots of single spheres' resistance.
+    fn unit(&self, k: usize) -> Unknowns {
+        let n = self.spheres();
+        let mut motions = [Screws(vec![Screw::default(); n]), Screws(vec![Screw::default(); n])];
+        let mut moments = vec![Traceless::ZERO; n];
+        if k < 12 * n {
+            motions[k / (6 * n)].0[k / 6 % n].0[k % 6] = 1.0;
         } else {
-            let (particle, component) = ((k - amplitudes) / 5, (k - amplitudes) % 5);
-            x.moments[particle] = orthonormal()[component] * self.strain_resistance[particle].sqrt();
+            let (particle, component) = ((k - 12 * n) / 5, (k - 12 * n) % 5);
+            moments[particle] = orthonormal()[component] * self.strain_resistance[particle].sqrt();
         }
-        x
+        let [stiff, soft] = motions;
+        let stiff = resisted(&self.near, self.near.stiff(), &stiff);
+        Unknowns { stiff, soft: resisted(&self.near, self.near.soft(), &soft), moments }
     }
 
-    /// All rows of a linear function, whose columns are its images of the units.
-    fn matrix(&self, mut image: impl FnMut(&PairsAndMoments) -> PairsAndMoments) -> Vec<Vec<f64>> {
-        let units: Vec<_> = (0..self.size()).map(|k| self.unit(k)).collect();
-        let mut rows = vec![Vec::new(); self.size()];
-        for unit in &units {
-            let image = image(unit);
-            rows.iter_mut().zip(&units).for_each(|(row, unit)| row.push(unit.dot(&image)));
-        }
-        rows
+    fn system(&mut self) -> Coupled<'_> {
+        let nothing = Screws(vec![Screw::default(); self.spheres()]);
+        let resisted = Resisted { motions: nothing.clone(), loads: nothing.clone() };
+        let moments = vec![Traceless::ZERO; self.spheres()];
+        let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
+        let matrix = Some(ParticleMatrix::new(&Comm::alone(), &self.near, &self.single));
+        let mobility = Scaled { mobility: &mut self.mobility, units: Units::ONE };
+        Coupled::new(mobility, &self.near, matrix, (&self.single, &self.strain_resistance), (&nothing, &start))
     }
 }
 
@@ -71,94 +104,76 @@ fn eigenvalues_exceed(bound: f64, matrix: &[Vec<f64>]) -> bool {
     true
 }
 
-/// Two sizes at random at 30%, with one pair near contact.
-fn suspension() -> (Plan, Particles) {
-    let radii = [1.0, 1.5, 1.0, 1.5, 1.0];
-    let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a * a * a).sum();
-    let edge = (volume / 0.3).cbrt();
-    let cell = cube(edge);
-    let mut positions = random_packing(&cell, &radii, 0.0, 3).unwrap();
-    let line = cell.nearest_image(positions[1] - positions[0]).normalize();
-    positions[1] = positions[0] + line * (2.5 + 1e-3);
-    (plan(edge, &radii[..2], (1e-3, 1e-3)), placed(&positions, &radii))
-}
-
-/// The near pairs of a suspension on one rank.
-fn near_pairs(plan: &Plan, particles: &mut Particles, partition: &Partition) -> NearPairs {
-    let cell = plan.cell();
-    particles.wrap(&cell);
-    let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
-    let alone: Vec<Screw> = plan.radii.iter().map(|&a| super::super::single(1.0, a)).collect();
-    let stiffness = Stiffness::new(&force, &alone);
-    NearPairs::find((&force, &stiffness), particles, &cell, partition)
-}
-
+/// The products of all units with their images, and with themselves as the pairs and single spheres measure them.
 #[test]
 fn the_system_is_symmetric_and_positive_definite() {
-    let (plan, mut particles) = suspension();
-    let comm = Comm::alone();
-    let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
-    let near = near_pairs(&plan, &mut particles, &partition);
-    let mut mobility = Mobility::new(&plan, &partition);
-    mobility.arrange(&plan.cell(), &particles);
-    let single: Vec<Screw> = particles.radii.iter().map(|&a| single(1.0, a)).collect();
-    let strain_resistance: Vec<f64> = particles.radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
-    let basis = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance };
-    let start = basis.unit(0);
-    let matrix = Some(ParticleMatrix::new(&comm, &near, &single));
-    let mut system = Coupled::new(
-        Scaled { mobility: &mut mobility, units: Units::ONE },
-        &near,
-        matrix,
-        (&single, &strain_resistance),
-        (&Loads::default(), &start),
-    );
-
-    let matrix = basis.matrix(|x| system.apply(x));
+    let mut setting = Setting::new();
+    let strain_resistance = setting.strain_resistance.clone();
+    let units: Vec<Unknowns> = (0..17 * setting.spheres()).map(|k| setting.unit(k)).collect();
+    let mut system = setting.system();
+    let (mut matrix, mut measure) = (vec![Vec::new(); units.len()], vec![Vec::new(); units.len()]);
+    for unit in &units {
+        let (image, itself) = (system.apply(unit), as_residual(unit, &strain_resistance));
+        for (k, other) in units.iter().enumerate() {
+            matrix[k].push(system.product(&image, other));
+            measure[k].push(system.product(&itself, other));
+        }
+    }
     let diagonal = |i: usize| matrix[i][i];
     for (i, j) in (0..matrix.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
         let (difference, size) = (matrix[i][j] - matrix[j][i], (diagonal(i) * diagonal(j)).sqrt());
         assert!(difference.abs() < 1e-12 * size, "{i}, {j}: {} and {}", matrix[i][j], matrix[j][i]);
     }
-    assert!((0..matrix.len()).any(|i| diagonal(i) > 100.0), "no pair is near");
-    assert!(eigenvalues_exceed(0.2, &matrix));
+    let largest = (0..matrix.len()).map(diagonal).fold(0.0, f64::max);
+    assert!(largest > 1e5, "no pair is near");
+    // Pairs resist nothing to the motion of all as one, which is zero in both.
+    for (row, measures) in matrix.iter_mut().zip(&measure) {
+        row.iter_mut().zip(measures).for_each(|(value, measure)| *value -= 0.2 * measure);
+    }
+    assert!(eigenvalues_exceed(-1e-12 * largest, &matrix));
+    assert!(!eigenvalues_exceed(1e-12 * largest, &matrix));
+}
+
+/// The residual whose products with unknowns are those of these unknowns.
+fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
+    let strain_rates = unknowns.moments.iter().zip(strain_resistance).map(|(&d, r)| d * (1.0 / r)).collect();
+    Residual { stiff: unknowns.stiff.motions.clone(), soft: unknowns.soft.motions.clone(), strain_rates }
 }
 
 /// The motions of the stiff pairs by themselves are more exact each time, until they are as exact as they can be; where
 /// there is no preconditioner, there is nothing to be made more exact.
 #[test]
 fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
-    let (plan, mut particles) = suspension();
-    let comm = Comm::alone();
-    let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
-    let near = near_pairs(&plan, &mut particles, &partition);
-    let single: Vec<Screw> = particles.radii.iter().map(|&a| single(1.0, a)).collect();
-    let mut matrix = ParticleMatrix::new(&comm, &near, &single);
-    let modes = vec![[1.0; PairFactor::MODES]; near.list().len()];
-    let loads = near.loads(&modes[..near.stiff()]);
+    let mut setting = Setting::new();
+    let (near, single) = (&setting.near, &setting.single);
+    let mut matrix = ParticleMatrix::new(&Comm::alone(), near, single);
+    let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
     let error = |matrix: &mut ParticleMatrix| {
-        let motions = matrix.relieve(&mut modes.clone());
+        let [motions, _] = matrix.solve(&loads);
         let mut residual = loads.clone();
         residual.add(-1.0, &matrix.apply(&motions));
-        (residual.dot(&matrix.precondition(&residual)) / matrix.size(&motions)).sqrt()
+        (residual.dot(&matrix.precondition(&residual)) / loads.dot(&matrix.precondition(&loads))).sqrt()
     };
     let mut errors = vec![error(&mut matrix)];
     while errors.len() < 9 && matrix.sharpen() {
         errors.push(error(&mut matrix));
     }
-    assert!(near.stiff() > 1 && errors[0] > 1e-9, "{errors:?}");
-    assert!((4..=5).contains(&errors.len()), "{errors:?}");
+    assert!(errors[0] > 1e-6, "{errors:?}");
+    assert!((4..=7).contains(&errors.len()), "{errors:?}");
     assert!(errors[..4].windows(2).all(|two| two[1] < 0.1 * two[0]), "{errors:?}");
+    assert!(setting.system().sharpen());
+    assert!(!Coupled { matrix: None, ..setting.system() }.sharpen());
+}
 
-    let strain_resistance: Vec<f64> = particles.radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
-    let start = Basis { pairs: near.list().len(), strain_resistance: &strain_resistance }.unit(0);
-    let sharpened = |matrix| {
-        let mut mobility = Mobility::new(&plan, &partition);
-        mobility.arrange(&plan.cell(), &particles);
-        let known = (&Loads::default(), &start);
-        let mobility = Scaled { mobility: &mut mobility, units: Units::ONE };
-        Coupled::new(mobility, &near, matrix, (&single, &strain_resistance), known).sharpen()
-    };
-    assert!(sharpened(Some(ParticleMatrix::new(&comm, &near, &single))));
-    assert!(!sharpened(Some(matrix)) && !sharpened(None));
+/// What is resisted comes out of a solve besides the motions.
+#[test]
+fn what_stiff_pairs_resist_is_known_from_the_solve() {
+    let setting = Setting::new();
+    let (near, single) = (&setting.near, &setting.single);
+    let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
+    let [motions, resisted] = ParticleMatrix::new(&Comm::alone(), near, single).solve(&loads);
+    let mut difference = near.times(near.stiff(), &motions);
+    let size = difference.dot(&difference).sqrt();
+    difference.add(-1.0, &resisted);
+    assert!(difference.dot(&difference).sqrt() < 1e-11 * size);
 }

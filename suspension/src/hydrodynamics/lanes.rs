@@ -1,0 +1,89 @@
+//! Vectors of the machine as numbers.
+
+use lubrication::Arithmetic;
+use solver::simd::Vector;
+use std::ops::{Add, Mul, Sub};
+
+/// The same number of several pairs, one a lane.
+#[derive(Clone, Copy)]
+pub struct Lanes<V>(pub V);
+
+impl<V: Vector<f64>> Lanes<V> {
+    /// Reads a number of each pair.
+    #[inline(always)]
+    pub fn load(from: &[f64; LANES]) -> Self {
+        const { assert!(V::LANES == LANES) };
+        // SAFETY: as many numbers as a vector has.
+        Self(unsafe { V::load(from.as_ptr()) })
+    }
+
+    /// Writes them.
+    #[inline(always)]
+    pub fn store(self, to: &mut [f64; LANES]) {
+        const { assert!(V::LANES == LANES) };
+        // SAFETY: as many numbers as a vector has.
+        unsafe { self.0.store(to.as_mut_ptr()) };
+    }
+
+    /// Adds them up, always in the same order.
+    #[inline(always)]
+    pub fn sum(self) -> f64 {
+        let mut lanes = [0.0; LANES];
+        self.store(&mut lanes);
+        let [a, b, c, d, e, f, g, h] = lanes;
+        ((a + b) + (c + d)) + ((e + f) + (g + h))
+    }
+
+    /// `self + factor * term`
+    #[inline(always)]
+    pub fn plus(self, factor: Self, term: Self) -> Self {
+        Self(factor.0.mul_add(term.0, self.0))
+    }
+}
+
+/// Pairs that are worked on at once.
+pub const LANES: usize = 8;
+
+/// Lanes and numbers exchanged: eight numbers of each pair, from the first on, become the lanes of eight numbers.
+#[inline(always)]
+pub fn turn<V: Vector<f64>, const N: usize>(
+    records: &[[f64; N]; LANES],
+    first: usize,
+    lanes: &mut [[f64; LANES]; LANES],
+) {
+    const { assert!(V::LANES == LANES) };
+    assert!(first + LANES <= N, "eight numbers of a record");
+    // SAFETY: there are as many records as lanes, `N` numbers apart, and eight numbers of each from the first one on.
+    unsafe { V::transpose((records.as_ptr().cast::<f64>().add(first), N), (lanes.as_mut_ptr().cast(), LANES)) };
+}
+
+impl<V: Vector<f64>> Arithmetic for Lanes<V> {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self(V::splat(value))
+    }
+}
+
+impl<V: Vector<f64>> Add for Lanes<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0.add(other.0))
+    }
+}
+
+impl<V: Vector<f64>> Sub for Lanes<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.sub(other.0))
+    }
+}
+
+impl<V: Vector<f64>> Mul for Lanes<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0.mul(other.0))
+    }
+}
