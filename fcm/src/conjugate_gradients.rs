@@ -35,7 +35,13 @@ pub trait System {
         false
     }
 
-    /// This rank's part of `x . P x`.
+    /// This rank's part of the square of the error that a preconditioned residual `z = P^-1 r` estimates: `r . z`, unless
+    /// another measure says more.
+    fn error(&self, residual: &Self::Residual, z: &Self::Unknowns) -> f64 {
+        self.product(residual, z)
+    }
+
+    /// This rank's part of the square of the size of `x` that goes with it: `x . P x`.
     fn size(&self, x: &Self::Unknowns) -> f64;
 }
 
@@ -44,7 +50,7 @@ pub trait System {
 pub struct Outcome {
     /// Applications of the matrix.
     pub iterations: usize,
-    /// The error left, `|r . P^-1 r / x . P x|^(1/2)`.
+    /// The error left, `|r . P^-1 r / x . P x|^(1/2)` or what the system measures in its place.
     pub residual: f64,
     /// Whether that is at most what was asked for.
     pub converged: bool,
@@ -55,7 +61,7 @@ pub struct Outcome {
 /// When to stop.
 #[derive(Clone, Copy)]
 pub struct Limits<'a> {
-    /// Largest error allowed, `(r . P^-1 r / x . P x)^(1/2)`.
+    /// Largest error allowed.
     pub tolerance: f64,
     /// Most applications of the matrix.
     pub iterations: usize,
@@ -68,7 +74,7 @@ pub struct Limits<'a> {
 ///
 /// Directions are made conjugate by the rule of Polak and Ribière, which bears a preconditioner that is itself an
 /// iteration (Golub & Ye 1999). It stops when the error that the preconditioned residual estimates is small against
-/// `x`, both in the energy norm of the preconditioner; or, not converged, when `r . P^-1 r` is below zero and the
+/// `x`, both as the system measures them, or in the energy norm of the preconditioner; or, not converged, when `r . P^-1 r` is below zero and the
 /// preconditioner can't be made more exact, or when any rank is asked to stop.
 pub fn conjugate_gradients<S: System>(
     comm: &Comm,
@@ -76,11 +82,11 @@ pub fn conjugate_gradients<S: System>(
     (x, residual): (&mut S::Unknowns, &mut S::Residual),
     limits: Limits<'_>,
 ) -> Outcome {
-    let small = |sums: [f64; 4]| sums[0].abs() <= limits.tolerance * limits.tolerance * sums[1] || sums[0] == 0.0;
+    let small = |sums: [f64; 5]| sums[4].abs() <= limits.tolerance * limits.tolerance * sums[1] || sums[4] == 0.0;
     let (mut z, mut sums) = precondition(comm, system, (x, residual, limits.interrupt), None);
     let mut direction = z.clone();
     let mut iterations = 0;
-    let goes_on = |sums: [f64; 4]| sums[0].is_finite() && sums[0] > 0.0 && sums[3] == 0.0;
+    let goes_on = |sums: [f64; 5]| sums[0].is_finite() && sums[0] > 0.0 && sums[3] == 0.0;
     while !small(sums) && iterations < limits.iterations && goes_on(sums) {
         let image = system.apply(&direction);
         iterations += 1;
@@ -98,24 +104,25 @@ pub fn conjugate_gradients<S: System>(
         direction = next;
     }
     // Not a number stays none, whatever it is measured against.
-    let residual = if sums[0] == 0.0 { 0.0 } else { (sums[0] / sums[1]).abs().sqrt() };
+    let residual = if sums[4] == 0.0 { 0.0 } else { (sums[4] / sums[1]).abs().sqrt() };
     let converged = small(sums);
     Outcome { iterations, residual, converged, interrupted: !converged && sums[3] > 0.0 }
 }
 
 /// `z = P^-1 r`, as exact as `r . z` above zero needs, and the sums `r . z`, `x . P x`, `r` times the former `z`, and
-/// the number of ranks that are asked to stop. Collective.
+/// the number of ranks that are asked to stop, and the error. Collective.
 fn precondition<S: System>(
     comm: &Comm,
     system: &mut S,
     (x, residual, interrupt): (&S::Unknowns, &S::Residual, &Interrupt),
     former: Option<&S::Unknowns>,
-) -> (S::Unknowns, [f64; 4]) {
+) -> (S::Unknowns, [f64; 5]) {
     loop {
         let z = system.precondition(residual);
         let asked = f64::from(u8::from(interrupt.is_requested()));
         let again = former.map_or(0.0, |former| system.product(residual, former));
-        let mut sums = [system.product(residual, &z), system.size(x), again, asked];
+        let (product, error) = (system.product(residual, &z), system.error(residual, &z));
+        let mut sums = [product, system.size(x), again, asked, error];
         comm.sum(&mut sums);
         if sums[0] >= 0.0 || sums[0].is_nan() || !system.sharpen() {
             return (z, sums);

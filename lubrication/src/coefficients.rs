@@ -1,25 +1,10 @@
 //! A pair's lubrication resistance as coefficients of tensors of its axis.
 
 use std::f64::consts::PI;
-use std::ops::{Add, Mul, Sub};
 
+use crate::arithmetic::Arithmetic;
 use crate::pair_factor::LEVER;
 use crate::root::LANES;
-
-/// Numbers that coefficients are computed in: those of one pair, or of several pairs lane by lane.
-///
-/// Functions of them are all inlined, so that vectors of any width can stand for numbers.
-pub trait Arithmetic: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// The same number for all pairs.
-    fn constant(value: f64) -> Self;
-}
-
-impl Arithmetic for f64 {
-    #[inline(always)]
-    fn constant(value: f64) -> Self {
-        value
-    }
-}
 
 /// Numbers of a pair that its coefficients are computed from: those of its table, and its sizes.
 pub const RECORD: usize = LANES + 6;

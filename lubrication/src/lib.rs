@@ -12,6 +12,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arithmetic;
 mod barrier;
 mod blocks;
 mod chebyshev;
@@ -27,16 +28,15 @@ mod pair_factor;
 mod pair_force;
 mod pair_motion;
 mod range;
-mod rigid_resistance;
 mod root;
 mod root_table;
 pub mod two_sphere;
 
+pub use arithmetic::Arithmetic;
 pub use barrier::{Barrier, BarrierError};
-pub use coefficients::{Arithmetic, Coefficients, RECORD};
+pub use coefficients::{Coefficients, RECORD};
 pub use opening::{Detail, opening_mobility};
 pub use pair_factor::PairFactor;
 pub use pair_force::{PairForce, PairForceError};
 pub use pair_motion::{PairLoads, PairMotion};
 pub use range::{Range, RangeError};
-pub use rigid_resistance::RigidResistance;

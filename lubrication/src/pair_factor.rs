@@ -5,7 +5,6 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use domain::{Tensor, Traceless, Vector};
 
 use crate::pair_motion::{PairLoads, PairMotion};
-use crate::rigid_resistance::RigidResistance;
 use crate::root::{Part, Roots};
 
 /// Velocity of a sphere's pole per radius and unit axial strain, `sqrt(2/3)`.
@@ -57,19 +56,9 @@ impl PairFactor {
         self.modes_of(&self.components(motion))
     }
 
-    /// `B^T` times velocities and angular velocities in an ambient flow without strain.
-    pub fn rigid_modes(&self, velocity: [Vector; 2], angular_velocity: [Vector; 2]) -> [f64; Self::MODES] {
-        self.modes_of(&self.rigid_components(velocity, angular_velocity))
-    }
-
     /// `B` times the amplitudes of the modes.
     pub fn loads(&self, modes: &[f64; Self::MODES]) -> PairLoads {
         self.assembled(&self.components_of(modes))
-    }
-
-    /// Forces and torques of `B` times the amplitudes of the modes.
-    pub fn rigid_loads(&self, modes: &[f64; Self::MODES]) -> [[Vector; 2]; 2] {
-        self.forces(&self.components_of(modes))
     }
 
     /// Loads on a motion besides those of the modes: by the rates of strain, and first moments by the velocities.
@@ -83,49 +72,9 @@ impl PairFactor {
         })
     }
 
-    /// All first moments on a motion whose modes are known.
-    pub fn moments_on(&self, motion: &PairMotion, modes: &[f64; Self::MODES]) -> [Traceless; 2] {
-        let (rooted, parts) = (self.components_of(modes), self.components(motion));
-        let mut axial = self.roots.axial.coupled(&parts.axial);
-        axial.u[0] += rooted.axial.u[0];
-        let transverse = parts.transverse.map(|block| self.roots.transverse.coupled(&block));
-        let planar = parts.planar.map(|e| apply(&self.roots.planar, &e));
-        self.moments(&Components { axial, spin: [0.0; 2], transverse, planar })
-    }
-
     /// All loads on a motion, `R_lub` times it.
     pub fn resistance(&self, motion: &PairMotion) -> PairLoads {
         self.loads(&self.modes(motion)) + self.strain_loads(motion)
-    }
-
-    /// `B B^T`
-    pub fn rigid_resistance(&self) -> RigidResistance {
-        let Roots { axial, spin, transverse, .. } = &self.roots;
-        let [w, c] = axial.root;
-        // The forces of the axial modes, as in `forces`.
-        let share = [1.0 / (1.0 + self.ratio), self.ratio / (1.0 + self.ratio)];
-        let forces = [0, 1].map(|mode| [share[0] * c[mode] - w[mode], share[1] * c[mode] + w[mode]]);
-        let axial = [0, 1].map(|k| [forces[0][k], forces[1][k]]);
-        let [u, v, o, p] = transverse.root;
-        let square = self.radius * self.radius;
-        RigidResistance {
-            axis: self.frame.z_axis,
-            along: self.by_sphere(&axial, &axial, 1.0),
-            across: self.by_sphere(&[u, v], &[u, v], 1.0),
-            spin: self.by_sphere(spin, spin, square),
-            roll: self.by_sphere(&[o, p], &[o, p], square),
-            coupling: self.by_sphere(&[u, v], &[o, p], self.radius),
-        }
-    }
-
-    /// Products of rows of the smaller and the larger sphere, by their positions in the pair.
-    fn by_sphere<const N: usize>(&self, left: &[[f64; N]; 2], right: &[[f64; N]; 2], scale: f64) -> [[f64; 2]; 2] {
-        let mut products = [[0.0; 2]; 2];
-        for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let product: f64 = (0..N).map(|mode| left[k][mode] * right[l][mode]).sum();
-            products[self.order[k]][self.order[l]] = scale * product;
-        }
-        products
     }
 
     fn modes_of(&self, parts: &Components) -> [f64; Self::MODES] {

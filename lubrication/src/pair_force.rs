@@ -5,6 +5,7 @@ use std::sync::Arc;
 use domain::{Number, Vector};
 use thiserror::Error;
 
+use crate::arithmetic::Arithmetic;
 use crate::coefficients::{Coefficients, RECORD};
 use crate::pair_factor::PairFactor;
 use crate::pair_motion::{PairLoads, PairMotion};
@@ -99,23 +100,24 @@ impl PairForce {
         Some(PairFactor::new(&roots, axis, order, [small, large / small]))
     }
 
-    /// Writes what the [`Coefficients`](crate::Coefficients) of a pair are computed from, [`RECORD`](crate::RECORD)
-    /// numbers, at a distance of the centres within the cutoff.
+    /// Writes what the [`Coefficients`] of a pair are computed from, at a distance of the centres within the cutoff, by
+    /// numbers of any width.
     #[inline(always)]
-    pub fn record(&self, distance: f64, species: [u32; 2], record: &mut [f64]) {
+    pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
         let [first, second] = [self.radii[species[0] as usize], self.radii[species[1] as usize]];
         let (small, large) = (first.min(second), first.max(second));
         let gap = distance - first - second;
         let taper = self.range.taper(gap / large);
         let closest = self.range.closest() * 0.5 * (small + large);
-        self.table(species).record(gap.max(closest) / small, [self.viscosity * small * taper * taper, small], record);
+        let factor = self.viscosity * small * taper * taper;
+        self.table(species).record::<X>(gap.max(closest) / small, [factor, small], record);
     }
 
     /// The coefficients at a distance of the centres; none beyond the cutoff.
     pub fn coefficients(&self, distance: f64, species: [u32; 2]) -> Option<Coefficients<f64>> {
         self.gap(distance, species)?;
         let mut record = [0.0; RECORD];
-        self.record(distance, species, &mut record);
+        self.record::<f64>(distance, species, &mut record);
         Some(Coefficients::of(&record))
     }
 

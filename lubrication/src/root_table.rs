@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use crate::arithmetic::Arithmetic;
 use crate::blocks::Blocks;
-use crate::chebyshev::{Chebyshev, Samples};
-use crate::coefficients::sizes;
+use crate::chebyshev::{Chebyshev, Powers, Samples};
+use crate::coefficients::{RECORD, sizes};
 use crate::far_field;
 use crate::root::{LANES, Roots, Scales, flat_roots};
 use crate::two_sphere::{TwoSphere, TwoSphereError};
@@ -15,12 +16,14 @@ pub const CLOSEST: f64 = 1e-7;
 /// Largest tabulated gap over the larger radius.
 pub const FARTHEST: f64 = 8.0;
 /// Intervals of interpolation grow by this factor.
-const GROWTH: f64 = 2.0;
+const GROWTH: f64 = std::f64::consts::SQRT_2;
+/// Points of interpolation in each.
+const NODES: usize = 8;
 
-/// Roots of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1, as Chebyshev series in the logarithm of the gap.
+/// Roots of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1, interpolated in the logarithm of the gap.
 #[derive(Debug)]
 pub struct RootTable {
-    pieces: Vec<Chebyshev<LANES>>,
+    pieces: Vec<Powers<LANES, NODES>>,
     scales: Scales,
     sizes: [f64; 4],
 }
@@ -41,29 +44,32 @@ impl RootTable {
 
     /// Roots at a gap between the closest and the farthest, times `factor`.
     pub fn at(&self, gap: f64, factor: f64) -> Roots {
-        Roots::from_flat(&self.lanes(gap), factor, &self.scales)
+        let mut lanes = [0.0; LANES];
+        self.write::<f64>(gap, &mut lanes);
+        Roots::from_flat(&lanes, factor, &self.scales)
     }
 
     /// Writes what coefficients are computed from, at such a gap and for a smaller radius, of a resistance that is
     /// `factor` times as large.
     #[inline(always)]
-    pub fn record(&self, gap: f64, [factor, radius]: [f64; 2], record: &mut [f64]) {
-        let (lanes, others) = record.split_at_mut(LANES);
-        lanes.copy_from_slice(&self.lanes(gap));
+    pub fn record<X: Arithmetic>(&self, gap: f64, [factor, radius]: [f64; 2], record: &mut [f64; RECORD]) {
+        let (lanes, others) = record.split_first_chunk_mut().expect("a record begins with the lanes");
+        self.write::<X>(gap, lanes);
         others[..2].copy_from_slice(&[factor, radius]);
         others[2..].copy_from_slice(&self.sizes);
     }
 
     #[inline(always)]
-    fn lanes(&self, gap: f64) -> [f64; LANES] {
+    fn write<X: Arithmetic>(&self, gap: f64, lanes: &mut [f64; LANES]) {
         let log = gap.ln();
         let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
-        self.pieces[piece.min(self.pieces.len() - 1)].at(log)
+        self.pieces[piece.min(self.pieces.len() - 1)].write::<X>(log, lanes);
     }
 
     /// Bytes of the table of a ratio.
     pub fn bytes(ratio: f64) -> f64 {
-        f64::from(Self::pieces_of(ratio)) * (size_of::<Chebyshev<LANES>>() + size_of::<Samples<LANES>>()) as f64
+        f64::from(Self::pieces_of(ratio))
+            * (size_of::<Powers<LANES, NODES>>() + size_of::<Samples<LANES, NODES>>()) as f64
     }
 
     fn pieces_of(ratio: f64) -> i32 {
@@ -74,10 +80,14 @@ impl RootTable {
         let count = Self::pieces_of(exact.ratio());
         let edge = |k: i32| (CLOSEST * GROWTH.powi(k)).ln();
         let piece = |k: i32| {
-            let values = Chebyshev::<LANES>::nodes(edge(k), edge(k + 1)).map(|log| roots(exact, log.exp()));
-            Chebyshev::through(edge(k), edge(k + 1), &values)
+            let values = Chebyshev::<LANES, NODES>::nodes(edge(k), edge(k + 1)).map(|log| roots(exact, log.exp()));
+            Powers::from(&Chebyshev::through(edge(k), edge(k + 1), &values))
         };
-        Self { pieces: (0..count).map(piece).collect(), scales: Scales::new(exact.ratio()), sizes: sizes(exact.ratio()) }
+        Self {
+            pieces: (0..count).map(piece).collect(),
+            scales: Scales::new(exact.ratio()),
+            sizes: sizes(exact.ratio()),
+        }
     }
 }
 
@@ -103,7 +113,7 @@ mod tests {
     fn bytes_are_those_of_its_pieces() {
         for ratio in [1.0, 2.0] {
             let table = RootTable::with_ratio(ratio).unwrap();
-            let piece = size_of_val(&table.pieces[0]) + size_of::<Samples<LANES>>();
+            let piece = size_of_val(&table.pieces[0]) + size_of::<Samples<LANES, NODES>>();
             assert_eq!(RootTable::bytes(ratio) as usize, table.pieces.len() * piece);
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::model::{Evaluation, Flow, Hydrodynamics, Model, Multipoles, Start};
 use domain::{Comm, Particles};
-use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Precision, Problem};
+use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Problem};
 
 /// The radii that occur, smallest first, and how many particles have each.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,8 +97,7 @@ pub fn largest_strain(model: &Model) -> f64 {
     if shears { 0.5 * edges.x / edges.y } else { 0.0 }
 }
 
-/// What the scene says of the plan. With lubrication the grid is in f64: the modes of a pair of gap `h` see differences
-/// of velocities over `sqrt(h)`, in which the noise of f32 would keep the solve from its end at gaps below 1e-5.
+/// What the scene says of the plan.
 fn fixed(chosen: &Hydrodynamics) -> Fixed {
     let method = match chosen.method {
         Evaluation::Auto => None,
@@ -106,6 +105,5 @@ fn fixed(chosen: &Hydrodynamics) -> Fixed {
         Evaluation::Split => Some(MethodName::Split),
     };
     let iteration_tolerance = chosen.iteration_tolerance;
-    let precision = chosen.lubrication.then_some(Precision::Double);
-    Fixed { method, precision, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
+    Fixed { method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
 }

@@ -17,6 +17,8 @@ use crate::chebyshev::{Chebyshev, Samples};
 const NEAREST: f64 = 2e-3;
 /// Intervals of interpolation grow by this factor.
 const GROWTH: f64 = 4.0;
+/// Points of interpolation in each.
+const NODES: usize = 14;
 /// Radii may differ by at most this factor.
 const LARGEST_RATIO: f64 = 20.0;
 
@@ -29,8 +31,8 @@ const LARGEST_RATIO: f64 = 20.0;
 pub struct TwoSphere {
     ratio: f64,
     near: NearContact,
-    pieces: Vec<Chebyshev<44>>,
-    far: Chebyshev<44>,
+    pieces: Vec<Chebyshev<44, NODES>>,
+    far: Chebyshev<44, NODES>,
     far_from: f64,
 }
 
@@ -118,8 +120,8 @@ impl TwoSphere {
 }
 
 /// Values at the nodes of an interval, in parallel.
-fn sampled(from: f64, to: f64, function: impl Fn(f64) -> [f64; 44] + Send + Sync) -> Samples<44> {
-    let values: Vec<_> = Chebyshev::<44>::nodes(from, to).into_par_iter().map(function).collect();
+fn sampled(from: f64, to: f64, function: impl Fn(f64) -> [f64; 44] + Send + Sync) -> Samples<44, NODES> {
+    let values: Vec<_> = Chebyshev::<44, NODES>::nodes(from, to).into_par_iter().map(function).collect();
     std::array::from_fn(|j| values[j])
 }
 

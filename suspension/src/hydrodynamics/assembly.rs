@@ -104,7 +104,8 @@ impl Assembly<'_> {
             let axis = separation * (if is_larger { -1.0 } else { 1.0 } / distance);
             let waiting = &mut *waiting[list];
             let numbers = waiting.next(neighbour.row);
-            force.record(distance, pair, &mut numbers[..RECORD]);
+            let record = numbers.first_chunk_mut().expect("numbers begin with a record");
+            force.record::<Lanes<V>>(distance, pair, record);
             numbers[AXIS..AXIS + 3].copy_from_slice(&axis.to_array());
             numbers[IS_LARGER] = f64::from(u8::from(is_larger));
             if waiting.count == LANES {
@@ -157,14 +158,14 @@ impl Waiting {
         }
         let mut record = [Lanes::<V>::constant(0.0); RECORD];
         for k in 0..RECORD {
-            record[k] = Lanes::load(&numbers[k]);
+            record[k] = Lanes::read(&numbers[k]);
         }
         let coefficients = Coefficients::of(&record);
         let mut z = [Lanes::constant(0.0); 3];
         for k in 0..3 {
-            z[k] = Lanes::load(&numbers[AXIS + k]);
+            z[k] = Lanes::read(&numbers[AXIS + k]);
         }
-        let is_larger = Lanes::load(&numbers[IS_LARGER]);
+        let is_larger = Lanes::read(&numbers[IS_LARGER]);
         let chosen = Chosen { is_larger, is_smaller: Lanes::constant(1.0) - is_larger };
         sums.add(&coefficients, &chosen, z);
         strained.add(&coefficients, &chosen, z, ambient);
@@ -211,19 +212,19 @@ impl<V: Width<f64>> Chosen<V> {
 
 #[inline(always)]
 fn set_group<V: Width<f64>>(group: &mut Group, c: &Coefficients<Lanes<V>>, chosen: &Chosen<V>) {
-    c.across[0][1].store(&mut group.across);
-    (c.along[0][1] - c.across[0][1]).store(&mut group.along);
-    c.roll[0][1].store(&mut group.roll);
-    (c.spin[0][1] - c.roll[0][1]).store(&mut group.spin);
-    chosen.by_other(c.coupling).store(&mut group.coupling[0]);
-    chosen.on_other(c.coupling).store(&mut group.coupling[1]);
+    c.across[0][1].write(&mut group.across);
+    (c.along[0][1] - c.across[0][1]).write(&mut group.along);
+    c.roll[0][1].write(&mut group.roll);
+    (c.spin[0][1] - c.roll[0][1]).write(&mut group.spin);
+    chosen.by_other(c.coupling).write(&mut group.coupling[0]);
+    chosen.on_other(c.coupling).write(&mut group.coupling[1]);
 }
 
 #[inline(always)]
 fn set_moments<V: Width<f64>>(moments: &mut MomentGroup, c: &Coefficients<Lanes<V>>, chosen: &Chosen<V>) {
     for (both, to) in [(c.pull, &mut moments.pull), (c.drag, &mut moments.drag), (c.turn, &mut moments.turn)] {
-        chosen.on_itself(both).store(&mut to[0]);
-        chosen.by_other(both).store(&mut to[1]);
+        chosen.on_itself(both).write(&mut to[0]);
+        chosen.by_other(both).write(&mut to[1]);
     }
 }
 

@@ -9,35 +9,13 @@ use std::ops::{Add, Mul, Sub};
 pub struct Lanes<V>(pub V);
 
 impl<V: Vector<f64>> Lanes<V> {
-    /// Reads a number of each pair.
-    #[inline(always)]
-    pub fn load(from: &[f64; LANES]) -> Self {
-        const { assert!(V::LANES == LANES) };
-        // SAFETY: as many numbers as a vector has.
-        Self(unsafe { V::load(from.as_ptr()) })
-    }
-
-    /// Writes them.
-    #[inline(always)]
-    pub fn store(self, to: &mut [f64; LANES]) {
-        const { assert!(V::LANES == LANES) };
-        // SAFETY: as many numbers as a vector has.
-        unsafe { self.0.store(to.as_mut_ptr()) };
-    }
-
     /// Adds them up, always in the same order.
     #[inline(always)]
     pub fn sum(self) -> f64 {
         let mut lanes = [0.0; LANES];
-        self.store(&mut lanes);
+        self.write(&mut lanes);
         let [a, b, c, d, e, f, g, h] = lanes;
         ((a + b) + (c + d)) + ((e + f) + (g + h))
-    }
-
-    /// `self + factor * term`
-    #[inline(always)]
-    pub fn plus(self, factor: Self, term: Self) -> Self {
-        Self(factor.0.mul_add(term.0, self.0))
     }
 }
 
@@ -58,9 +36,32 @@ pub fn turn<V: Vector<f64>, const N: usize>(
 }
 
 impl<V: Vector<f64>> Arithmetic for Lanes<V> {
+    const WIDTH: usize = LANES;
+
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Self(V::splat(value))
+    }
+
+    #[inline(always)]
+    fn plus(self, factor: Self, term: Self) -> Self {
+        Self(factor.0.mul_add(term.0, self.0))
+    }
+
+    #[inline(always)]
+    fn read(from: &[f64]) -> Self {
+        const { assert!(V::LANES == LANES) };
+        let from = &from[..LANES];
+        // SAFETY: as many numbers as a vector has.
+        Self(unsafe { V::load(from.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn write(self, to: &mut [f64]) {
+        const { assert!(V::LANES == LANES) };
+        let to = &mut to[..LANES];
+        // SAFETY: as many numbers as a vector has.
+        unsafe { self.0.store(to.as_mut_ptr()) };
     }
 }
 

@@ -13,9 +13,7 @@ mod screw;
 mod stiffness;
 
 use coupled::{Coupled, Unknowns, resisted};
-use domain::{
-    Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList,
-};
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{Limits, Linear, Loads, Mobility, Motion, Plan, SolveError, conjugate_gradients};
 use lubrication::{PairForce, PairForceError, Range};
 use near_pairs::NearPairs;
@@ -210,7 +208,7 @@ fn start(
     {
         [motions, _] = matrix.solve(known);
     }
-    let against = Screws(motions.0.iter().map(|&u| -u).collect());
+    let against = motions.negative();
     let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
     moments.resize(count, Traceless::ZERO);

@@ -118,7 +118,7 @@ impl PairMatrix {
     /// Adds the first moments by the motions of all particles present to those of the particles that the rank owns.
     pub fn add_moments(&self, present: &[Screw], moments: &mut [Traceless]) {
         moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (moments, part))| {
-            f64::dispatch(Moments { part, first: k * ROWS, present, moments });
+            f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
         });
     }
 }
@@ -169,8 +169,8 @@ fn gathered<V: Width<f64>>(present: &[Screw], others: &[u32; LANES]) -> [[Lanes<
     turn::<V, LANES>(&records, 0, &mut lanes);
     let mut motions = [[Lanes::constant(0.0); 3]; 2];
     for k in 0..3 {
-        motions[0][k] = Lanes::load(&lanes[k]);
-        motions[1][k] = Lanes::load(&lanes[3 + k]);
+        motions[0][k] = Lanes::read(&lanes[k]);
+        motions[1][k] = Lanes::read(&lanes[3 + k]);
     }
     motions
 }
@@ -187,7 +187,7 @@ fn cross<V: Width<f64>>(a: [Lanes<V>; 3], b: [Lanes<V>; 3]) -> [Lanes<V>; 3] {
 
 #[inline(always)]
 fn axis<V: Width<f64>>(group: &Group) -> [Lanes<V>; 3] {
-    [Lanes::load(&group.axis[0]), Lanes::load(&group.axis[1]), Lanes::load(&group.axis[2])]
+    [Lanes::read(&group.axis[0]), Lanes::read(&group.axis[1]), Lanes::read(&group.axis[2])]
 }
 
 /// Some rows of the matrix times motions.
@@ -225,11 +225,11 @@ impl Group {
     #[inline(always)]
     fn add<V: Width<f64>>(&self, present: &[Screw], sums: &mut [Lanes<V>; 6]) {
         let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<V>(self));
-        let along = dot(z, u) * Lanes::load(&self.along);
-        let spin = dot(z, o) * Lanes::load(&self.spin);
+        let along = dot(z, u) * Lanes::read(&self.along);
+        let spin = dot(z, o) * Lanes::read(&self.spin);
         let (turning, moving) = (cross(o, z), cross(z, u));
-        let (across, roll) = (Lanes::load(&self.across), Lanes::load(&self.roll));
-        let coupling = [Lanes::load(&self.coupling[0]), Lanes::load(&self.coupling[1])];
+        let (across, roll) = (Lanes::read(&self.across), Lanes::read(&self.roll));
+        let coupling = [Lanes::read(&self.coupling[0]), Lanes::read(&self.coupling[1])];
         for k in 0..3 {
             sums[k] = sums[k].plus(across, u[k]).plus(along, z[k]).plus(coupling[0], turning[k]);
             sums[3 + k] = sums[3 + k].plus(roll, o[k]).plus(spin, z[k]).plus(coupling[1], moving[k]);
@@ -238,26 +238,26 @@ impl Group {
 }
 
 /// First moments of some rows.
-struct Moments<'a> {
+struct MomentRows<'a> {
     part: &'a Part,
     first: usize,
     present: &'a [Screw],
-    moments: &'a mut [Traceless],
+    sums: &'a mut [Traceless],
 }
 
-impl Work<f64> for Moments<'_> {
+impl Work<f64> for MomentRows<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
-        for row in 0..self.moments.len() {
+        for row in 0..self.sums.len() {
             let own = self.present[self.first + row].0;
             let mut sums = [Lanes::<V>::constant(0.0); 5];
             for k in self.part.groups_of(row) {
                 self.part.moments[k].add(&self.part.groups[k], (self.present, &own), &mut sums);
             }
             for k in 0..5 {
-                self.moments[row].0[k] += sums[k].sum();
+                self.sums[row].0[k] += sums[k].sum();
             }
         }
     }
@@ -278,8 +278,8 @@ impl MomentGroup {
         let mut shear = [Lanes::constant(0.0); 3];
         for (k, [u, o]) in [of_own, of_others].into_iter().enumerate() {
             let (along, turning) = (dot(z, u), cross(o, z));
-            let (drag, turn) = (Lanes::load(&self.drag[k]), Lanes::load(&self.turn[k]));
-            stretch = stretch.plus(along, Lanes::load(&self.pull[k]));
+            let (drag, turn) = (Lanes::read(&self.drag[k]), Lanes::read(&self.turn[k]));
+            stretch = stretch.plus(along, Lanes::read(&self.pull[k]));
             for i in 0..3 {
                 shear[i] = shear[i].plus(drag, u[i] - along * z[i]).plus(turn, turning[i]);
             }
@@ -290,12 +290,7 @@ impl MomentGroup {
 
 /// Adds `stretch (3 zz - 1) + z s + s z` to the five components of symmetric traceless tensors.
 #[inline(always)]
-pub fn add_tensor<V: Width<f64>>(
-    stretch: Lanes<V>,
-    shear: [Lanes<V>; 3],
-    z: [Lanes<V>; 3],
-    sums: &mut [Lanes<V>; 5],
-) {
+pub fn add_tensor<V: Width<f64>>(stretch: Lanes<V>, shear: [Lanes<V>; 3], z: [Lanes<V>; 3], sums: &mut [Lanes<V>; 5]) {
     let three = Lanes::constant(3.0) * stretch;
     for (k, (i, j)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2)].into_iter().enumerate() {
         sums[k] = sums[k].plus(three * z[i], z[j]).plus(z[i], shear[j]).plus(shear[i], z[j]);

@@ -21,8 +21,10 @@ pub struct ParticleMatrix<'a> {
     goal: f64,
 }
 
-/// Error left in a solve at first, the least, and by what it is made smaller.
-const TOLERANCE: f64 = 1e-3;
+/// Error left in a solve at first, the least, and by what it is made smaller. The outer iteration corrects the error: at 40%
+/// it takes as many iterations as with exact solves, 15, and 17 instead of 15 if a pair is brought to a gap of 1e-5; with an
+/// error of 0.05 it would take 19 and 29.
+const TOLERANCE: f64 = 0.01;
 const LEAST_TOLERANCE: f64 = 1e-13;
 const SHARPER: f64 = 1e-2;
 
@@ -42,19 +44,16 @@ impl<'a> ParticleMatrix<'a> {
 
     /// The motions under the given loads, nearly, and what the stiff pairs resist to them. Collective.
     pub fn solve(&mut self, loads: &Screws) -> [Screws; 2] {
-        let (mut motions, mut residual) = (Screws(vec![Screw::default(); loads.0.len()]), loads.clone());
+        let (mut motions, mut residual) = (Screws::zero(loads.0.len()), loads.clone());
         let comm = self.comm.clone();
         let mut goal = [loads.dot(&self.precondition(loads))];
         comm.sum(&mut goal);
         self.goal = goal[0] / comm.size() as f64;
         let limits = Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
-        let outcome = conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
-        if std::env::var_os("INNER").is_some() { eprintln!("inner {} {:.1e}", outcome.iterations, outcome.residual); }
+        conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
         let mut resisted = loads.clone();
         resisted.add(-1.0, &residual);
-        for ((load, motion), single) in resisted.0.iter_mut().zip(&motions.0).zip(self.single) {
-            (0..6).for_each(|k| load.0[k] -= single.0[k] * motion.0[k]);
-        }
+        resisted.add_resisted(-1.0, self.single, &motions);
         [motions, resisted]
     }
 
@@ -76,16 +75,14 @@ impl System for ParticleMatrix<'_> {
 
     fn apply(&mut self, direction: &Screws) -> Screws {
         let mut loads = self.near.times(self.near.stiff(), direction);
-        for ((load, motion), single) in loads.0.iter_mut().zip(&direction.0).zip(self.single) {
-            (0..6).for_each(|k| load.0[k] += single.0[k] * motion.0[k]);
-        }
+        loads.add_resisted(1.0, self.single, direction);
         loads
     }
 
     fn stepped(&mut self, _: f64) {}
 
     fn precondition(&mut self, residual: &Screws) -> Screws {
-        Screws(self.inverse.par_iter().zip(&residual.0).map(|(block, r)| block.times(r)).collect())
+        Screws(self.inverse.par_iter().with_min_len(256).zip(&residual.0).map(|(block, r)| block.times(r)).collect())
     }
 
     /// That of the loads: the error left is relative to them.

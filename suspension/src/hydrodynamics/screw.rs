@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 use fcm::Linear;
+use rayon::prelude::*;
 use std::ops::{AddAssign, Neg};
 
 /// Velocity and angular velocity of a particle, or the force and the torque on it.
@@ -62,17 +63,50 @@ impl Screws {
     }
 }
 
+/// Screws that one thread works through at a time; sums of so many are added up in their order.
+const BATCH: usize = 1024;
+
 impl Screws {
+    /// No motion, or no load, of so many.
+    pub fn zero(count: usize) -> Self {
+        Self(vec![Screw::default(); count])
+    }
+
     /// This rank's part of the inner product.
     pub fn dot(&self, other: &Self) -> f64 {
-        let (a, b): (&[f64], &[f64]) = (bytemuck::cast_slice(&self.0), bytemuck::cast_slice(&other.0));
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
+        let product = |(a, b): (&[Screw], &[Screw])| {
+            let (a, b): (&[[f64; 6]], &[[f64; 6]]) = (bytemuck::cast_slice(a), bytemuck::cast_slice(b));
+            let mut sums = [0.0; 6];
+            for (a, b) in a.iter().zip(b) {
+                for k in 0..6 {
+                    sums[k] += a[k] * b[k];
+                }
+            }
+            sums.iter().sum::<f64>()
+        };
+        let sums: Vec<f64> = self.0.par_chunks(BATCH).zip(other.0.par_chunks(BATCH)).map(product).collect();
+        sums.iter().sum()
+    }
+
+    /// Minus all of them.
+    pub fn negative(&self) -> Self {
+        Self(self.0.par_iter().map(|&screw| -screw).collect())
+    }
+
+    /// Adds what single spheres of the given resistances resist to motions, times a factor.
+    pub fn add_resisted(&mut self, factor: f64, single: &[Screw], motions: &Self) {
+        let add = |((load, single), motion): ((&mut Screw, &Screw), &Screw)| {
+            (0..6).for_each(|k| load.0[k] += factor * single.0[k] * motion.0[k]);
+        };
+        self.0.par_iter_mut().with_min_len(BATCH).zip(single).zip(&motions.0).for_each(add);
     }
 }
 
 impl Linear for Screws {
     fn add(&mut self, factor: f64, other: &Self) {
-        let (a, b): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(&mut self.0), bytemuck::cast_slice(&other.0));
-        a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+        self.0.par_chunks_mut(BATCH).zip(other.0.par_chunks(BATCH)).for_each(|(a, b)| {
+            let (a, b): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(a), bytemuck::cast_slice(b));
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+        });
     }
 }

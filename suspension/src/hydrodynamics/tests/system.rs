@@ -47,8 +47,7 @@ impl Setting {
         let alone: Vec<Screw> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
         let stiffness = Stiffness::new(&force, &alone);
         let mut lists = VerletList::new(force.reach(), &partition);
-        let near =
-            NearPairs::find((&force, &stiffness, &mut lists), &particles, (&cell, Traceless::ZERO), &partition);
+        let near = NearPairs::find((&force, &stiffness, &mut lists), &particles, (&cell, Traceless::ZERO), &partition);
         let mut mobility = Mobility::new(&plan, &partition);
         mobility.arrange(&cell, &particles);
         let radii = &particles.radii;
@@ -162,7 +161,9 @@ fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     assert!((4..=7).contains(&errors.len()), "{errors:?}");
     assert!(errors[..4].windows(2).all(|two| two[1] < 0.1 * two[0]), "{errors:?}");
     assert!(setting.system().sharpen());
-    assert!(!Coupled { matrix: None, ..setting.system() }.sharpen());
+    let mut system = setting.system();
+    system.matrix = None;
+    assert!(!system.sharpen());
 }
 
 /// What is resisted comes out of a solve besides the motions.
@@ -175,5 +176,7 @@ fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let mut difference = near.times(near.stiff(), &motions);
     let size = difference.dot(&difference).sqrt();
     difference.add(-1.0, &resisted);
-    assert!(difference.dot(&difference).sqrt() < 1e-11 * size);
+    let error = difference.dot(&difference).sqrt();
+    // Round-off of resistances of up to 1e5.
+    assert!(error < 1e-9 * size, "{error:e} of {size}");
 }
