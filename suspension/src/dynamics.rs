@@ -137,6 +137,9 @@ impl Dynamics {
         let solved = self.hydrodynamics.solve(&cell, particles, &loads, ambient, &guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, clock.step()))?;
         self.record(particles, &loads, &solved);
+        if self.rigid {
+            self.warm_start.learn(particles, &moment.ages, moment.ahead, self.partition.comm());
+        }
         Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
     }
 

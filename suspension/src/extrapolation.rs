@@ -6,6 +6,28 @@ pub fn weight(times: &[f64], k: usize, time: f64) -> f64 {
     others.map(|(_, other)| (time - other) / (times[k] - other)).product()
 }
 
+/// Weights at `time` of the values at `times`, of the polynomial of a degree that fits them best.
+pub fn fitted(times: &[f64], degree: usize, time: f64) -> Vec<f64> {
+    // Orthogonal polynomials on the times, by Stieltjes' recurrence.
+    let n = times.len();
+    let (mut last, mut now) = (vec![0.0; n], vec![1.0; n]);
+    let (mut last_at, mut now_at) = (0.0, 1.0);
+    let mut weights = vec![0.0; n];
+    let mut last_norm = 1.0;
+    for k in 0..=degree.min(n - 1) {
+        let norm: f64 = now.iter().map(|p| p * p).sum();
+        weights.iter_mut().zip(&now).for_each(|(w, p)| *w += now_at * p / norm);
+        let mean = times.iter().zip(&now).map(|(t, p)| t * p * p).sum::<f64>() / norm;
+        let back = if k == 0 { 0.0 } else { norm / last_norm };
+        let next: Vec<f64> = (0..n).map(|i| (times[i] - mean) * now[i] - back * last[i]).collect();
+        let next_at = (time - mean) * now_at - back * last_at;
+        (last, now) = (now, next);
+        (last_at, now_at) = (now_at, next_at);
+        last_norm = norm;
+    }
+    weights
+}
+
 /// Weights of the integral from 0 to `end` of the polynomial through values at `times`, at most four of them: by
 /// Gauss's rule of two points, which is exact for cubics. For equal steps back from 0 they are those of Adams and
 /// Bashforth.
@@ -18,6 +40,24 @@ pub fn integral(times: &[f64], end: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn as_many_values_as_powers_are_met_exactly() {
+        let times = [0.0, -0.3, -0.37];
+        let fitted = fitted(&times, 2, 0.2);
+        for (k, found) in fitted.into_iter().enumerate() {
+            assert!((found - weight(&times, k, 0.2)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_line_through_three_values_is_that_of_least_squares() {
+        let found = fitted(&[0.0, -1.0, -2.0], 1, 1.0);
+        for (found, expected) in found.into_iter().zip([4.0 / 3.0, 1.0 / 3.0, -2.0 / 3.0]) {
+            assert!((found - expected).abs() < 1e-15);
+        }
+        assert_eq!(fitted(&[0.0], 1, 1.0), [1.0]);
+    }
 
     #[test]
     fn equal_steps_are_those_of_adams_and_bashforth() {
