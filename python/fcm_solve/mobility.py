@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from warnings import warn
@@ -55,14 +56,18 @@ class Plan:
 
     method: str
     """"direct": every envelope on the grid; "split": a common wider Gaussian, and pairs near by"""
-    grid: tuple[int, int, int]
+    grid: list[int]
     """Points along x, y and z."""
+    support: list[int]
+    """Points of a sphere's stencil along x, y and z."""
     precision: str
     """Of the grid's values: "f32" or "f64"."""
     tolerance: float
     """The relative error asked for."""
     expected_error: float
     """The relative error expected."""
+    iteration_tolerance: float
+    """The relative error left in the stresslets."""
     expected_seconds: float
     """Seconds expected for one evaluation by one thread; a solve takes one or two, and one for each iteration."""
     width: float | None
@@ -128,7 +133,8 @@ class Mobility:
     @property
     def plan(self) -> Plan:
         """How it is computed: method, grid, expected error and cost."""
-        return Plan(**self._core.plan())
+        values, text = self._core.plan()
+        return Plan(**json.loads(values), text=text)
 
     @property
     def positions(self) -> np.ndarray | None:

@@ -1,19 +1,18 @@
 //! The mobility of spheres.
 
-use crate::arrays::{Rows, of_tensors, of_vectors, tensors, vectors};
+use crate::arrays::{Rows, list_of, rows_of};
 use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
 use crate::error::{explained, refused};
 use crate::signals::Signals;
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
-use fcm::{Loads, Method, Multipoles, Plan, Precision};
+use fcm::{Loads, Multipoles};
 use lubrication::Range;
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use solver::BackgroundFlow;
 use std::time::Instant;
-use suspension::{MobilityError, MobilityParameters, Motions};
+use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
 
 /// A mobility that was planned.
 #[pyclass(frozen, module = "fcm_solve._core")]
@@ -60,7 +59,7 @@ impl Mobility {
 
     /// Puts the spheres into places `(N, 3)`; what to say of spheres that overlap.
     fn place(&self, py: Python<'_>, positions: Rows<'_>) -> PyResult<Option<String>> {
-        let positions = vectors(Some(positions))?;
+        let positions: Vec<Vector> = list_of(Some(positions))?;
         let overlaps = self.planned.with(py, |mobility| mobility.place(&positions))?.map_err(|cause| failed(&cause))?;
         Ok(overlaps.map(|overlaps| overlaps.to_string()))
     }
@@ -75,7 +74,7 @@ impl Mobility {
         stresslets: Option<Rows<'py>>,
         gradient: Option<[[f64; 3]; 3]>,
     ) -> PyResult<(Answer<'py>, f64)> {
-        let loads = Loads { forces: vectors(forces)?, torques: vectors(torques)?, stresslets: tensors(stresslets)? };
+        let loads = Loads { forces: list_of(forces)?, torques: list_of(torques)?, stresslets: list_of(stresslets)? };
         let gradient = Tensor::from_cols_array_2d(&gradient.unwrap_or_default()).transpose();
         let flow = BackgroundFlow::with_gradient(gradient).map_err(|cause| refused(&cause))?;
         let timed = |mobility: &mut suspension::Mobility| {
@@ -86,7 +85,7 @@ impl Mobility {
         if let Some(raised) = self.signals.take() {
             return Err(raised);
         }
-        Ok((answer(py, &applied.map_err(|cause| failed(&cause))?)?, seconds))
+        Ok((answer(py, applied.map_err(|cause| failed(&cause))?)?, seconds))
     }
 
     /// Whether this is the first rank, which has all arrays.
@@ -100,10 +99,9 @@ impl Mobility {
         self.planned.with(py, |mobility| mobility.burden())
     }
 
-    /// The plan by name.
-    fn plan<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let plan = self.planned.with(py, |mobility| mobility.plan().clone())?;
-        described(py, &plan)
+    /// The plan as JSON, and in words.
+    fn plan(&self, py: Python<'_>) -> PyResult<(String, String)> {
+        self.planned.with(py, |mobility| (plan_values(mobility.plan()).to_string(), mobility.plan().describe()))
     }
 }
 
@@ -130,33 +128,15 @@ fn failed(cause: &MobilityError) -> PyErr {
     }
 }
 
-fn answer<'py>(py: Python<'py>, motions: &Motions) -> PyResult<Answer<'py>> {
+fn answer(py: Python<'_>, motions: Motions) -> PyResult<Answer<'_>> {
     let Motions { motion, stresslets, stresslets_far, iterations, residual } = motions;
     Ok((
-        of_vectors(py, &motion.velocities)?,
-        of_vectors(py, &motion.angular_velocities)?,
-        of_tensors(py, &motion.strain_rates)?,
-        of_tensors(py, stresslets)?,
-        of_tensors(py, stresslets_far)?,
-        *iterations,
-        *residual,
+        rows_of(py, motion.velocities)?,
+        rows_of(py, motion.angular_velocities)?,
+        rows_of(py, motion.strain_rates)?,
+        rows_of(py, stresslets)?,
+        rows_of(py, stresslets_far)?,
+        iterations,
+        residual,
     ))
-}
-
-fn described<'py>(py: Python<'py>, plan: &Plan) -> PyResult<Bound<'py, PyDict>> {
-    let items = PyDict::new(py);
-    let (method, width, cutoff) = match plan.method {
-        Method::Direct => ("direct", None, None),
-        Method::Split { width, cutoff } => ("split", Some(width), Some(cutoff)),
-    };
-    items.set_item("method", method)?;
-    items.set_item("width", width)?;
-    items.set_item("cutoff", cutoff)?;
-    items.set_item("grid", plan.grid)?;
-    items.set_item("precision", if plan.precision == Precision::Single { "f32" } else { "f64" })?;
-    items.set_item("tolerance", plan.tolerance)?;
-    items.set_item("expected_error", plan.predicted_error)?;
-    items.set_item("expected_seconds", plan.predicted_seconds)?;
-    items.set_item("text", plan.describe())?;
-    Ok(items)
 }

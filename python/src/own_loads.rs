@@ -1,6 +1,6 @@
 //! Functions of Python that give forces or torques.
 
-use crate::arrays::{of_vectors, vectors};
+use crate::arrays::{list_of, rows_of};
 use domain::Vector;
 use pyo3::prelude::*;
 use simulation::{AppliedLoads, LoadFunction};
@@ -45,6 +45,6 @@ impl Raised {
 }
 
 fn called(py: Python<'_>, function: &Py<PyAny>, (positions, time): (&[Vector], f64)) -> PyResult<Vec<Vector>> {
-    let rows = function.bind(py).call1((of_vectors(py, positions)?, time))?;
-    vectors(Some(rows.extract()?))
+    let rows = function.bind(py).call1((rows_of::<_, f64>(py, positions.to_vec())?, time))?;
+    list_of(Some(rows.extract()?))
 }

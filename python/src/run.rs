@@ -3,7 +3,7 @@
 use crate::own_loads::Raised;
 use crate::signals::Signals;
 use domain::Comm;
-use io::{Checkpoints, Former, Recorder, RunError, RunFolder, Scene};
+use io::{Checkpoints, ExistingRun, Recorder, RunError, RunFolder, Scene};
 use pyo3::prelude::*;
 use simulation::Simulation;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub enum Ended {
 
 impl Run {
     /// A scene at its start. Collective.
-    pub fn start(scene: Scene, folder: Option<(&Path, Former)>, comm: &Comm) -> Result<Self, RunError> {
+    pub fn start(scene: Scene, folder: Option<(&Path, ExistingRun)>, comm: &Comm) -> Result<Self, RunError> {
         let claim = |(path, former)| RunFolder::claim(path, comm, former);
         let folder = comm.agree(folder.map(claim).transpose().map_err(|cause| io::in_full(&cause)))?;
         let (scene, _) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;

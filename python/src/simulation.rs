@@ -1,13 +1,13 @@
 //! Simulations of scenes that are advanced in steps.
 
-use crate::arrays::{of_rows, of_vectors};
+use crate::arrays::{rows_of, table_of};
 use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
 use crate::error::{explained, of_run};
 use crate::run::{Ended, Run};
 use crate::scene::parsed;
-use domain::Particles;
-use io::{Former, RunError};
+use io::{ExistingRun, RunError};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use simulation::{Frame, SimulationError};
@@ -40,7 +40,7 @@ impl Simulation {
         let text = comm.broadcast_text(&scene.0);
         let scene = parsed(&text, &scene.1, &[])?;
         let folder = out.or_else(|| scene.kind().folder().map(|folder| (folder.to_owned(), false)));
-        let former = |force| if force { Former::IsReplaced } else { Former::Stays };
+        let former = |force| if force { ExistingRun::Replace } else { ExistingRun::Keep };
         let folder = folder.as_ref().map(|(path, force)| (path.as_path(), former(*force)));
         let run = without_lock(py, || Run::start(scene, folder, &comm)).map_err(|cause| of_run(&cause))?;
         Ok(Self { run: Confined::new(run), notes: Vec::new() })
@@ -123,7 +123,7 @@ impl Simulation {
     /// The particles now, by name, on the first rank.
     fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let frame = self.run.with(py, |run| run.simulation.frame())?;
-        by_name(py, &frame)
+        by_name(py, frame)
     }
 
     /// The time series' numbers of now.
@@ -142,23 +142,18 @@ impl Simulation {
     }
 }
 
-fn by_name<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
+fn by_name(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, PyDict>> {
     let Frame { particles, cell, .. } = frame;
     let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps));
     let items = PyDict::new(py);
-    items.set_item("positions", of_vectors(py, &particles.positions)?)?;
-    items.set_item("images", of_rows(py, particles.steps.as_flattened().to_vec(), 3)?)?;
-    items.set_item("lattice", of_vectors(py, &lattice)?)?;
-    items.set_item("radii", numpy::PyArray1::from_slice(py, &particles.radii))?;
-    items.set_item("species", numpy::PyArray1::from_slice(py, &particles.species))?;
-    items.set_item("ids", numpy::PyArray1::from_slice(py, &particles.ids))?;
-    columns(py, particles, &items)?;
-    Ok(items)
-}
-
-fn columns(py: Python<'_>, particles: &Particles, items: &Bound<'_, PyDict>) -> PyResult<()> {
-    for column in &particles.columns {
-        items.set_item(&column.name, of_rows(py, column.values.clone(), column.width)?)?;
+    items.set_item("positions", rows_of::<_, f64>(py, particles.positions)?)?;
+    items.set_item("images", rows_of::<_, i32>(py, particles.steps)?)?;
+    items.set_item("lattice", rows_of::<_, f64>(py, lattice.to_vec())?)?;
+    items.set_item("radii", PyArray1::from_vec(py, particles.radii))?;
+    items.set_item("species", PyArray1::from_vec(py, particles.species))?;
+    items.set_item("ids", PyArray1::from_vec(py, particles.ids))?;
+    for column in particles.columns {
+        items.set_item(&column.name, table_of(py, column.values, column.width)?)?;
     }
-    Ok(())
+    Ok(items)
 }

@@ -6,7 +6,7 @@ use crate::scene::parsed;
 use crate::signals::Signals;
 use crate::threads::check_this_thread;
 use domain::Comm;
-use io::{Former, Listener, RunError, RunFolder, Scene, WholeScene};
+use io::{ExistingRun, Listener, RunError, RunFolder, Scene, WholeScene};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -44,9 +44,9 @@ pub fn carry_out(
     let nowhere = || error("a scene that is carried out as a whole needs a folder for its results: out=");
     let (path, force) = folder.ok_or_else(nowhere)?;
     let former = match (force, goes_on) {
-        (true, _) => Former::IsReplaced,
-        (_, true) => Former::GoesOn,
-        _ => Former::Stays,
+        (true, _) => ExistingRun::Replace,
+        (_, true) => ExistingRun::Continue,
+        _ => ExistingRun::Keep,
     };
     let told = Told { line: tell, signals: Signals::default() };
     let done = without_lock(py, || in_folder(&scene, (&path, former), &told));
@@ -56,12 +56,12 @@ pub fn carry_out(
     }
 }
 
-fn in_folder(scene: &Scene, (path, former): (&Path, Former), listener: &Told) -> Result<(), RunError> {
+fn in_folder(scene: &Scene, (path, former): (&Path, ExistingRun), listener: &Told) -> Result<(), RunError> {
     let comm = Comm::alone();
     let work = WholeScene::of(scene).ok_or(RunError::NoSteps)?;
     let folder = RunFolder::claim(path, &comm, former)?;
-    io::check_room(scene.kind(), &comm)?;
-    if former != Former::GoesOn {
+    io::check_memory(scene.kind(), &comm)?;
+    if former != ExistingRun::Continue {
         folder.start_with(scene.text())?;
     }
     work.carry_out(scene, &folder, &comm, listener)

@@ -7,7 +7,7 @@ use crate::memory::{self, Ranks};
 use crate::model::Model;
 use crate::plan::{Radii, problem};
 use crate::setup::{Planned, Setup};
-use domain::{Comm, Need, Number, Placed, readable_bytes};
+use domain::{Comm, GivenPositions, Need, Number, readable_bytes};
 use fcm::{Method, Plan, Precision, Support};
 use serde_json::{Value, json};
 use simulation::Outline;
@@ -31,9 +31,14 @@ struct Memory {
 }
 
 /// The outline of a scene on ranks that need not be present. Collective.
-pub fn outline(model: &Model, placed: Option<Placed>, asked: Asked, comm: &Comm) -> Result<Outline, StartError> {
+pub fn outline(
+    model: &Model,
+    placed: Option<GivenPositions>,
+    asked: Asked,
+    comm: &Comm,
+) -> Result<Outline, StartError> {
     let planned = Planned::of_model(model)?;
-    let fits = |planned: &Planned| comm.check_room(memory::placing(model, &planned.radii)).is_ok();
+    let fits = |planned: &Planned| comm.check_memory(memory::placing(model, &planned.radii)).is_ok();
     let (planned, gap) = match planned {
         Some(planned) if comm.any(!fits(&planned)) => (planned, None),
         planned => {
@@ -84,7 +89,7 @@ fn with_cost(outline: Outline, plan: &Plan, others: &[Plan]) -> Outline {
 }
 
 /// A plan as named values.
-fn plan_values(plan: &Plan) -> Value {
+pub fn plan_values(plan: &Plan) -> Value {
     let (method, width, cutoff) = match plan.method {
         Method::Direct => ("direct", None, None),
         Method::Split { width, cutoff } => ("split", Some(width), Some(cutoff)),
@@ -100,7 +105,7 @@ fn plan_values(plan: &Plan) -> Value {
         "tolerance": plan.tolerance,
         "expected_error": plan.predicted_error,
         "iteration_tolerance": plan.iteration_tolerance,
-        "seconds_per_evaluation": plan.predicted_seconds,
+        "expected_seconds": plan.predicted_seconds,
     })
 }
 
@@ -109,7 +114,7 @@ impl Memory {
         let needs = memory::needs(model, (&planned.radii, &planned.plan), asked.ranks);
         // The first ranks share a machine, and the first of them needs the most.
         let together = &needs[..asked.on_a_machine.min(needs.len())];
-        let missing = Comm::check_room_of(together).err();
+        let missing = Comm::check_memory_of(together).err();
         let remedy = memory::remedy(model, &planned.radii);
         Self { missing: missing.map(|error| format!("{error}, and `run` would refuse it here; {remedy}")), needs }
     }

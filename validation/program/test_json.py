@@ -31,7 +31,7 @@ class Values(unittest.TestCase):
         self.assertEqual((plan["method"], plan["tolerance"]), ("split", 1e-3))
         self.assertLess(plan["expected_error"], 1e-3)
         self.assertTrue(all(points % 2 == 0 for points in plan["grid"]))
-        seconds = [one["seconds_per_evaluation"] for one in (plan, *outline["other_plans"])]
+        seconds = [one["expected_seconds"] for one in (plan, *outline["other_plans"])]
         self.assertEqual(seconds, sorted(seconds))
 
     def test_files_and_statistics_are_described(self):
