@@ -1,54 +1,54 @@
-//! How much memory things take.
+//! Predictions of memory, in bytes.
 
-/// Bytes that something keeps, and the most that it takes at any time, what it keeps included. Numbers are those of
-/// predictions, which may be larger than any memory.
+/// The memory that a computation is predicted to keep, and its peak, which includes what is kept. Predictions may
+/// exceed any real memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bytes {
-    /// What stays.
+    /// Bytes still allocated at the end.
     pub kept: f64,
-    /// What it takes on the way there, at its most.
+    /// Bytes allocated at the peak.
     pub most: f64,
 }
 
-/// A list that is made by pushing is copied as it grows: of its values so many are there at once, about.
+/// The peak of a list that grows by `push`, over its final size, about: it is copied whenever it is enlarged.
 pub const GROWING: f64 = 1.5;
 
 impl Bytes {
-    /// What stays as it is made.
+    /// Memory that is allocated and kept.
     pub fn keep(bytes: f64) -> Self {
         Self { kept: bytes, most: bytes }
     }
 
-    /// What is needed for a while.
+    /// Memory that is allocated and freed again.
     pub fn pass(bytes: f64) -> Self {
         Self { kept: 0.0, most: bytes }
     }
 
-    /// So many values of a type, which stay.
+    /// A list of `count` values that is kept.
     pub fn list<T>(count: f64) -> Self {
         Self::keep(count * size_of::<T>() as f64)
     }
 
-    /// This, and then another while what this keeps is still there.
+    /// This computation followed by another, while what the first has kept stays allocated.
     #[must_use]
     pub fn then(self, next: Self) -> Self {
         Self { kept: self.kept + next.kept, most: self.most.max(self.kept + next.most) }
     }
 
-    /// This, or another: the larger of either.
+    /// One of two computations: the larger numbers of both.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { kept: self.kept.max(other.kept), most: self.most.max(other.most) }
     }
 
-    /// The same, of which nothing is kept in the end.
+    /// The same computation if nothing of it is kept.
     #[must_use]
     pub fn freed(self) -> Self {
         Self::pass(self.most)
     }
 }
 
-/// A number of bytes to be read: `512 kB`, `1.25 GB`.
+/// A number of bytes as text for people: `512 kB`, `1.25 GB`.
 pub fn readable_bytes(bytes: f64) -> String {
     let units = ["B", "kB", "MB", "GB", "TB", "PB"];
     let mut value = bytes;

@@ -1,4 +1,4 @@
-//! Particles sorted into cells, to find who is near.
+//! Cell lists: particles sorted into cells, for the search for neighbours.
 
 use crate::{Neighbour, PeriodicBox, Vector};
 use std::ops::Range;
@@ -13,7 +13,8 @@ pub(crate) struct Cells {
     reach: [i32; 3],
 }
 
-/// The particles, and the images of them, that may be near those of one cell.
+/// The particles, and their periodic images, in and around one cell: the candidates for neighbours of that cell's
+/// particles.
 #[derive(Default)]
 pub(crate) struct Around {
     who: Vec<Neighbour>,
@@ -23,7 +24,8 @@ pub(crate) struct Around {
 }
 
 impl Around {
-    /// Calls `visit` with the row of each that is within a distance of `centre` and comes after `itself`, and the way to it.
+    /// Calls `visit` with the row and the separation of each candidate that is within a distance of `centre` and has a
+    /// larger row than `itself`, so that each pair is visited once.
     pub fn each_later(&mut self, (centre, itself): (Vector, u32), distance: f64, mut visit: impl FnMut(u32, Vector)) {
         self.mark_near(centre, distance);
         self.found.resize(self.who.len(), 0);
@@ -39,7 +41,7 @@ impl Around {
         }
     }
 
-    /// Appends those within a distance of `centre`, but not the particle `itself`.
+    /// Appends the candidates within a distance of `centre`, except the particle `itself`.
     pub fn append_near(&mut self, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<Neighbour>) {
         self.mark_near(centre, distance);
         let itself = Neighbour { row: itself, steps: [0; 3] };
@@ -53,7 +55,7 @@ impl Around {
         near.truncate(found);
     }
 
-    /// Notes which are within a distance of `centre`.
+    /// Marks the candidates within a distance of `centre`.
     fn mark_near(&mut self, centre: Vector, distance: f64) {
         let [x, y, z] = &self.positions;
         self.is_near.clear();
@@ -64,12 +66,13 @@ impl Around {
     }
 }
 
-/// Particles in a cube of the cutoff's edge above which halved cells find neighbours faster: they leave out more of
-/// those that are not, but are more numerous.
+/// With more particles than this in a cube as wide as the cutoff, cells of half the width are faster: there are more of
+/// them, but they exclude more of the particles beyond the cutoff.
 const CROWDED: f64 = 12.0;
 
 impl Cells {
-    /// Cells about as wide as the cutoff, or half of it where they would be crowded, and the particles in each.
+    /// Sorts particles into cells about as wide as the cutoff, or half as wide where such cells would hold many
+    /// particles.
     pub fn sort(cell: &PeriodicBox, positions: &[Vector], cutoff: f64) -> Self {
         let edges = cell.edges();
         let expected = positions.len() as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
@@ -99,7 +102,7 @@ impl Cells {
         Self { counts, starts, rows, positions, reach }
     }
 
-    /// How many there are.
+    /// Number of cells.
     pub fn count(&self) -> usize {
         self.starts.len() - 1
     }
@@ -109,8 +112,7 @@ impl Cells {
         &self.rows[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
-    /// Collects the particles, and the images of them by lattice steps, in the cells that the cutoff around a position
-    /// in one cell may touch.
+    /// Collects the particles and images in all cells that are within the cutoff of a cell.
     pub fn collect_around(&self, cell: &PeriodicBox, home: usize, around: &mut Around) {
         around.who.clear();
         around.positions.iter_mut().for_each(Vec::clear);

@@ -1,20 +1,20 @@
-//! How many particles, ghosts and neighbours a rank has to expect.
+//! Expected numbers of particles, ghosts and neighbours of a rank, for predictions of memory.
 
 use crate::{Place, Vector};
 use std::f64::consts::PI;
 
-/// Particles spread evenly over a box, as a rank sees them whose place among the others is known.
+/// Particles spread evenly over a box, and the part of it that a rank owns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExpectedCounts {
     edges: Vector,
     /// Radii and how many particles have each.
     radii: Vec<(f64, f64)>,
-    /// The part of the box's edge along y and along z that is this rank's.
+    /// The fractions of the box's edges along y and z that this rank owns.
     share: [f64; 2],
 }
 
 impl ExpectedCounts {
-    /// Particles of these radii, so many of each, in a box, for a rank at a place.
+    /// For particles given by radius and number, in a box, on the rank at a place in the table of ranks.
     pub fn new(edges: Vector, radii: &[(f64, usize)], place: &Place) -> Self {
         let owned = place.owned();
         let share = [0, 1].map(|d| owned[d].len() as f64 / place.lines()[d] as f64);
@@ -36,7 +36,7 @@ impl ExpectedCounts {
         self.total() * self.share[0] * self.share[1]
     }
 
-    /// Those and the ghosts that reach into its pencil from as far as `reach`.
+    /// The particles that the rank owns, and the ghosts within the distance `reach` of its pencil.
     pub fn present(&self, reach: f64) -> f64 {
         let lengths = [self.edges.y, self.edges.z];
         let part =
@@ -44,13 +44,13 @@ impl ExpectedCounts {
         self.total() * part(0) * part(1)
     }
 
-    /// Particles, on average, within a distance of one of them: as many as in a sphere of that radius, one less, which
-    /// is itself; and no fewer than outside of what it fills by itself.
+    /// The mean number of neighbours within a distance: the particles in a sphere of that radius less the one at its
+    /// centre, and at least the density times the volume beyond contact.
     pub fn neighbours(&self, distance: f64) -> f64 {
         self.neighbours_of_pairs(|_, _| distance)
     }
 
-    /// The same where the distance depends on the radii of the two.
+    /// The same for a distance that depends on the two radii.
     pub fn neighbours_of_pairs(&self, distance: impl Fn(f64, f64) -> f64) -> f64 {
         let volume = self.edges.x * self.edges.y * self.edges.z;
         let sphere = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);
@@ -67,7 +67,7 @@ impl ExpectedCounts {
         (found - 1.0).max(beyond_contact)
     }
 
-    /// Radii, of which some of many stand for all.
+    /// Radii and numbers, neighbouring radii averaged where there are many.
     fn kinds(&self) -> Vec<(f64, f64)> {
         const MOST: usize = 64;
         let each = self.radii.len().div_ceil(MOST).max(1);
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::{Comm, Pairs, Partition, PeriodicBox, random_packing};
 
-    /// Numbers that are expected are those of spheres placed at random.
+    /// The expected numbers are found with spheres placed at random.
     #[test]
     fn expected_numbers_are_those_of_random_spheres() {
         let (cell, radii) = (PeriodicBox::new(Vector::splat(32.0)).unwrap(), vec![1.0; 1500]);

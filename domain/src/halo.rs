@@ -1,4 +1,5 @@
-//! The halo of a rank: ghosts, which are copies of other ranks' particles, and the way back of what is added to them.
+//! The halo of a rank: its ghosts, which are copies of other ranks' particles, and the return of sums from ghosts to
+//! owners.
 
 use crate::{Partition, PeriodicBox, Vector};
 use bytemuck::Pod;
@@ -7,9 +8,9 @@ use std::ops::AddAssign;
 /// How far a particle reaches beyond its own pencil, as lengths along y and along z.
 pub type Reach = [f64; 2];
 
-/// Who sends which of its particles to whom. A rank's list of values, one a particle that it owns, is extended by the
-/// values of its ghosts, the particles of other ranks that reach into its pencil; and what it has added up for ghosts
-/// is collected by their owners. One rank has no ghosts.
+/// The plan of the halo exchange: which particles each rank sends to which other rank. [`Halo::extend`] appends the
+/// values of ghosts, the particles of other ranks that reach into this rank's pencil, to those of the particles that
+/// the rank owns. [`Halo::collect`] returns what was summed for ghosts to their owners. A rank alone has no ghosts.
 pub struct Halo {
     comm: crate::Comm,
     owned: usize,
@@ -39,7 +40,7 @@ impl Halo {
         self.owned
     }
 
-    /// Owned particles and ghosts together.
+    /// Number of owned particles and ghosts.
     pub fn present(&self) -> usize {
         self.owned + self.arriving.iter().sum::<usize>()
     }
@@ -73,7 +74,7 @@ impl Halo {
     }
 }
 
-/// The share of a rank as intervals along y and z, with the periods.
+/// The pencil of a rank as intervals along y and z, with the periods.
 pub(crate) struct Pencil([Option<[f64; 2]>; 2], [f64; 2]);
 
 impl Pencil {
@@ -115,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Every rank counts what reaches into its pencil, and the owners must hear the sum.
+    /// Every rank counts the particles that reach into its pencil, and the owners must receive the sums.
     #[test]
     fn images_are_those_in_reach_and_their_sums_come_home() {
         let cell = PeriodicBox::new(Vector::splat(8.0)).unwrap();

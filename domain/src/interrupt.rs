@@ -2,26 +2,27 @@
 
 use std::sync::Arc;
 
-/// Whether a computation is asked to stop: it looks here now and then, and ends early with [`Interrupted`]. Cheap to
-/// copy, and the same for any of the program's threads.
+/// A flag that asks a computation to stop. The computation checks it regularly and ends early with [`Interrupted`].
+/// Copies are cheap and share the flag, also among threads.
 #[derive(Clone, Default)]
 pub struct Interrupt(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 
-/// What a computation ends with when it was asked to stop.
+/// The error of a computation that was asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("stopped on request")]
 pub struct Interrupted;
 
 impl Interrupt {
-    /// No request ever comes.
+    /// The flag that is never set.
     pub const NEVER: Self = Self(None);
 
-    /// A request has come as soon as `asked` says so; from then on it needs to say so for ever. It is asked often.
+    /// The flag is set when `asked` returns true, which it has to do from then on. It is called often.
     pub fn when(asked: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(asked)))
     }
 
-    /// Whether this rank is asked to stop. Others may not be: a computation of several ranks agrees before it does.
+    /// Whether this rank is asked to stop. Other ranks may not be: computations of several ranks agree before they
+    /// stop.
     pub fn is_requested(&self) -> bool {
         self.0.as_ref().is_some_and(|asked| asked())
     }

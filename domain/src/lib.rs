@@ -18,10 +18,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod available_memory;
 mod bytes;
 mod cells;
 mod comm;
 mod expected_counts;
+mod given_positions;
 mod halo;
 mod interrupt;
 mod memory;
@@ -33,18 +35,18 @@ mod parameter;
 mod particles;
 mod partition;
 mod periodic_box;
-mod placed;
 mod random;
 mod resident;
-mod room;
 mod rows;
 mod traceless;
 mod units;
 mod verlet_list;
 
+pub use available_memory::{AvailableMemory, ProcessMemory};
 pub use bytes::{Bytes, GROWING, readable_bytes};
-pub use comm::{Comm, CommError, Failure, Launcher, Need, NoRoom, Window};
+pub use comm::{Comm, CommError, Failure, Launcher, Need, NotEnoughMemory, Window};
 pub use expected_counts::ExpectedCounts;
+pub use given_positions::GivenPositions;
 pub use halo::{Halo, Reach};
 pub use interrupt::{Interrupt, Interrupted};
 pub use memory::packing_bytes;
@@ -56,10 +58,8 @@ pub use parameter::ParameterError;
 pub use particles::{Column, ColumnError, Particles};
 pub use partition::{Partition, Place, block, block_of};
 pub use periodic_box::{BoxError, PeriodicBox};
-pub use placed::Placed;
 pub use random::Random;
 pub use resident::Process;
-pub use room::{Room, Taken};
 pub use traceless::Traceless;
 pub use units::{Units, power_of_two};
 pub use verlet_list::{LocalAndGhosts, VerletList};

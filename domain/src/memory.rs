@@ -1,4 +1,4 @@
-//! What particles, their images and their neighbour lists take.
+//! Predicted memory of particles, ghosts and neighbour lists.
 
 use crate::{Bytes, GROWING, Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
 
@@ -6,19 +6,20 @@ use crate::{Bytes, GROWING, Halo, Neighbour, Neighbours, Pair, Pairs, Particles,
 const WIDEST: f64 = 6.0;
 
 impl Particles {
-    /// So many particles with columns of so many numbers together.
+    /// A store of `count` particles whose columns have `numbers` numbers in all.
     pub fn bytes(count: f64, numbers: usize) -> Bytes {
         let fixed =
             size_of::<u64>() + size_of::<Vector>() + size_of::<[i32; 3]>() + size_of::<f64>() + size_of::<u32>();
         Bytes::keep(count * (fixed + numbers * size_of::<f64>()) as f64)
     }
 
-    /// What [`Particles::migrate`] needs besides: one property on its way, and the order of the rows.
+    /// The additional memory of [`Particles::migrate`]: buffers for one property, and the order of the rows.
     pub fn migration_bytes(count: f64) -> Bytes {
         Bytes::list::<[usize; 2]>(count).then(Bytes::list::<f64>(2.0 * WIDEST * count)).freed()
     }
 
-    /// What [`Particles::gathered`] needs on a rank that owns some of all: the others send, the first receives all.
+    /// The memory of [`Particles::gathered`] on a rank that owns `owned` of `all` particles; the first rank receives
+    /// all.
     pub fn gathering_bytes(owned: f64, all: f64, numbers: usize, is_first: bool) -> Bytes {
         let send = Bytes::list::<[usize; 2]>(owned).then(Bytes::list::<f64>(WIDEST * owned));
         if !is_first {
@@ -30,19 +31,19 @@ impl Particles {
 }
 
 impl Halo {
-    /// The rows that a rank sends its images by, as many as it has images itself; and the lists that travel.
+    /// The rows that are sent, about as many as there are ghosts, and the buffers of an exchange.
     pub fn bytes(owned: f64, present: f64) -> Bytes {
         Bytes::list::<u32>(present - owned).then(Bytes::list::<[f64; 9]>(2.0 * (present - owned)).freed())
     }
 }
 
 impl Neighbours {
-    /// Lists of so many particles with so many neighbours each.
+    /// Lists of `listed` particles with `neighbours` neighbours each.
     pub fn bytes(listed: f64, neighbours: f64) -> Bytes {
         Bytes::list::<[usize; 2]>(listed).then(Bytes::list::<Neighbour>(listed * neighbours))
     }
 
-    /// What [`Neighbours::find`] needs besides: cells, about as many as particles, and the lists batch by batch.
+    /// The additional memory of [`Neighbours::find`]: cells, about as many as particles, and the lists of each batch.
     pub fn search_bytes(listed: f64, present: f64, neighbours: f64) -> Bytes {
         let cells = Bytes::list::<(usize, u32, [f64; 3], [u32; 2])>(present);
         cells.then(Self::batch_bytes(listed, neighbours)).then(Self::bytes(listed, neighbours))
@@ -54,7 +55,7 @@ impl Neighbours {
 }
 
 impl Pairs {
-    /// Pairs of so many particles present with so many neighbours each, each pair once.
+    /// The pairs of `present` particles and ghosts with `neighbours` neighbours each, each pair once.
     pub fn bytes(owned: f64, present: f64, neighbours: f64) -> Bytes {
         let search = Neighbours::search_bytes(present, present, neighbours);
         let pairs = 0.5 * owned * neighbours;
@@ -64,8 +65,8 @@ impl Pairs {
 }
 
 impl VerletList {
-    /// Lists of the particles that a rank owns: all that are present, or near enough to become so, who have so many
-    /// neighbours within the cutoff and so many within the reach of the lists, and the ids of all ranks' particles.
+    /// Lists of `owned` particles, among `present` particles and ghosts within the reach of the lists and `all`
+    /// particles of all ranks, with `near` neighbours within the cutoff and `reached` within the reach.
     pub fn bytes([owned, present, all]: [f64; 3], [near, reached]: [f64; 2]) -> Bytes {
         let found = Bytes::list::<(u32, Vector, bool)>(present).then(Bytes::list::<u32>(all));
         let search = Neighbours::search_bytes(owned, present, reached).freed();
@@ -76,8 +77,8 @@ impl VerletList {
     }
 }
 
-/// What [`crate::random_packing`] needs for so many spheres: sizes, order, cells and places, and where spheres are
-/// dense the descent that moves them apart.
+/// The memory of [`crate::random_packing`]: sizes, order, cells and positions, and for dense packings the minimisation
+/// that moves the spheres apart.
 pub fn packing_bytes(count: f64, is_dense: bool) -> Bytes {
     let one_by_one = Bytes::list::<(f64, f64, usize, [u32; 2], Vector)>(count);
     if !is_dense {

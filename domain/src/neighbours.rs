@@ -4,7 +4,7 @@ use crate::cells::{Around, Cells};
 use crate::{PeriodicBox, Vector};
 use rayon::prelude::*;
 
-/// A particle near another: its row among those present, and the lattice steps to the image of it that is meant.
+/// A neighbour of a particle: its row among local particles and ghosts, and the lattice steps to its nearest image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Neighbour {
     /// Row of the neighbour.
@@ -13,18 +13,18 @@ pub struct Neighbour {
     pub steps: [i8; 3],
 }
 
-/// The lists of some particles: where that of each row ends, and all one after the other.
+/// The lists of one batch of particles, concatenated, with the end of each.
 #[derive(Default)]
 pub(crate) struct Batch {
     pub ends: Vec<(u32, usize)>,
     pub list: Vec<Neighbour>,
 }
 
-/// Cells searched in one go by one thread.
+/// Cells that one thread searches in one batch.
 const BATCH: usize = 64;
 
-/// The neighbours within a cutoff of each particle that this rank owns: a pair stands in the lists of both, so that
-/// each list can be worked through by itself.
+/// Full neighbour lists: the neighbours within a cutoff of each particle that this rank owns. Each pair is in the lists
+/// of both particles, so that lists can be processed independently.
 #[derive(Debug, Clone, Default)]
 pub struct Neighbours {
     /// Where each particle's list begins and ends.
@@ -33,7 +33,7 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
-    /// Finds the neighbours, among all particles present, of the first `owned` of them.
+    /// Finds the neighbours of the first `owned` particles among all local particles and ghosts.
     pub fn find(cell: &PeriodicBox, positions: &[Vector], owned: usize, cutoff: f64) -> Self {
         if owned == 0 {
             return Self::default();
@@ -59,7 +59,7 @@ impl Neighbours {
         Self::join(batches, owned)
     }
 
-    /// Brings each list into the order of a key.
+    /// Sorts each list by a key.
     pub(crate) fn sort_by_key<K: Ord>(&mut self, key: impl Fn(&Neighbour) -> K + Sync) {
         let mut lists: Vec<&mut [Neighbour]> = Vec::with_capacity(self.ranges.len());
         let mut rest = self.list.as_mut_slice();
@@ -73,7 +73,7 @@ impl Neighbours {
         lists.into_par_iter().for_each(|list| list.sort_unstable_by_key(&key));
     }
 
-    /// The lists in the order of the batches, of so many particles.
+    /// Joins the lists of the batches, of `owned` particles in all.
     pub(crate) fn join(batches: Vec<Batch>, owned: usize) -> Self {
         let mut ranges = vec![[0; 2]; owned];
         let mut list = Vec::with_capacity(batches.iter().map(|batch| batch.list.len()).sum());

@@ -4,8 +4,8 @@ use crate::cells::{Around, Cells};
 use crate::{Neighbours, PeriodicBox, Vector};
 use rayon::prelude::*;
 
-/// Two particles near each other: rows `i` and `j` of the particles present, and the lattice steps from `j` to the
-/// image of it that is meant. A particle and its own image are a pair too.
+/// A pair of particles within a cutoff: rows `i` and `j` among local particles and ghosts, and the lattice steps from
+/// `j` to its image near `i`. A particle and its own image are a pair too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
     /// Row of the first, which this rank or another owns.
@@ -17,22 +17,23 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// The vector from the first particle to the meant image of the second.
+    /// The vector from the first particle to that image of the second.
     pub fn separation(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vector {
         let d = positions[self.j as usize] - positions[self.i as usize];
         if self.steps == [0; 3] { d } else { d + cell.lattice(self.steps.map(i32::from)) }
     }
 }
 
-/// All pairs within a cutoff, each once among all images and all ranks, ordered by the first particle.
+/// A half neighbour list: all pairs within a cutoff, each once over all images and ranks, ordered by the first
+/// particle.
 #[derive(Debug, Clone, Default)]
 pub struct Pairs {
     list: Vec<Pair>,
 }
 
 impl Pairs {
-    /// Finds the pairs among the particles present on this rank, the first `owned` of which it owns. `ids` are unique
-    /// names of the particles, the same on all ranks; they decide which rank keeps a pair that two ranks see.
+    /// Finds the pairs among the local particles and ghosts of this rank, the first `owned` of which it owns. `ids` are
+    /// unique and the same on all ranks; they decide which rank keeps a pair that two ranks find.
     pub fn find(cell: &PeriodicBox, positions: &[Vector], ids: &[u64], owned: usize, cutoff: f64) -> Self {
         if cutoff <= 0.0 || positions.is_empty() {
             return Self::default();
@@ -56,9 +57,9 @@ impl Pairs {
     }
 }
 
-/// Folds over the pairs of different particles within a cutoff, all of which are on this rank, without a list of them: each
-/// once, in no particular order, by the rows of its particles, the lesser first, and the vector from that to the image of
-/// the other that is meant. Some values that `start` begins come out, each of which has seen a part of the pairs.
+/// Folds over the pairs of different particles within a cutoff, all on this rank, without storing a list. Each pair is
+/// visited once, in no particular order, by its rows, the smaller first, and the vector from the first to the image of
+/// the second. Returns partial results, each begun by `start` and folded over a part of the pairs.
 pub fn fold_pairs<T: Send>(
     cell: &PeriodicBox,
     positions: &[Vector],
@@ -86,9 +87,9 @@ pub fn fold_pairs<T: Send>(
         .collect()
 }
 
-/// Of the two ways to write a pair, the one with the smaller id first is kept; of a particle and its own image, the one
-/// with positive steps. Of two owners, the pair goes to that of the first particle where the ids' sum is even, else to
-/// that of the second.
+/// Of the two orders of a pair, the one with the smaller id first is kept; of a particle and its own image, the one
+/// with positive steps. If two ranks own the particles, the owner of the first keeps the pair where the sum of the ids
+/// is even, else the owner of the second.
 fn is_kept(pair: &Pair, ids: &[u64], owned: usize) -> bool {
     let (i, j) = (pair.i as usize, pair.j as usize);
     let first = if i == j { pair.steps > [0; 3] } else { ids[i] < ids[j] };

@@ -15,7 +15,7 @@ pub struct Column {
     pub values: Vec<f64>,
 }
 
-/// The columns of two stores that should be alike are not.
+/// A column whose length does not fit the number of particles.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[error("particle column '{name}' has {found} values for {particles} particles; it needs {width} each")]
 pub struct ColumnError {
@@ -33,7 +33,7 @@ pub struct ColumnError {
 /// out of each on its way, so that `position + lattice(steps)` is where it would be without periodicity.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Particles {
-    /// Names that last: a particle keeps its id for life.
+    /// Unique ids; a particle keeps its id for the whole run.
     pub ids: Vec<u64>,
     /// Centres, inside the box.
     pub positions: Vec<Vector>,
@@ -109,15 +109,15 @@ impl Particles {
         }
     }
 
-    /// Names the images anew after the lattice's strain was turned back by `turns` whole periods: the lattice is the
-    /// same, but a step along its second vector now is that vector and `turns` steps along the first.
+    /// Updates the lattice steps after the box's strain was reduced by `turns` whole periods: the lattice is the same,
+    /// but its former second vector is now the second and `turns` times the first.
     pub fn relabel(&mut self, turns: i32) {
         for steps in &mut self.steps {
             steps[0] += turns * steps[1];
         }
     }
 
-    /// Puts the particles in the order of the list of rows given; rows that it does not name are dropped.
+    /// Reorders the particles by a list of rows; rows that are not in the list are dropped.
     pub fn arrange(&mut self, order: &[usize]) {
         self.each_property(&Picked(order));
     }
@@ -128,9 +128,9 @@ impl Particles {
         self.mapped(&Picked(rows), |_| true)
     }
 
-    /// Hands every particle, with all its columns, to the rank that owns the place where it is, and puts each rank's
-    /// particles in the order of the lines that they lie on, and of their ids within a line, so that the order does not
-    /// depend on where they came from. Positions must be inside the box; all ranks have the same columns.
+    /// Moves every particle, with all its columns, to the rank that owns its position, and sorts each rank's particles
+    /// by grid line and, within a line, by id, so that the order does not depend on where they came from. Positions
+    /// must be inside the box; all ranks have the same columns.
     pub fn migrate(&mut self, partition: &Partition, cell: &PeriodicBox) {
         if partition.comm().size() > 1 {
             let owners: Vec<usize> = self.positions.iter().map(|&p| partition.owner(cell, p)).collect();
@@ -177,7 +177,7 @@ impl Particles {
         self.mapped(&Sorted { delivery, order: Picked(&order) }, wanted)
     }
 
-    /// Each property in turn as a way to move rows has it, so that never more than one is there twice.
+    /// Moves the rows of one property after the other, so that only one is in memory twice.
     fn each_property(&mut self, way: &impl Way) {
         self.ids = way.of(&self.ids, 1);
         self.positions = way.of(&self.positions, 1);
@@ -189,7 +189,7 @@ impl Particles {
         }
     }
 
-    /// A store of its own of what a way to move rows makes of this one, with the columns that are wanted.
+    /// A new store with the moved rows of this one and the columns that are wanted.
     fn mapped(&self, way: &impl Way, wanted: impl Fn(&str) -> bool) -> Self {
         let column = |c: &Column| Column { name: c.name.clone(), width: c.width, values: way.of(&c.values, c.width) };
         Self {

@@ -14,8 +14,8 @@ pub fn block_of(count: usize, parts: usize, element: usize) -> usize {
     (parts * (element + 1) - 1) / count
 }
 
-/// Where a rank stands in the table of ranks, and what it owns there: as [`Partition`] has it, also for ranks that are
-/// only thought of.
+/// The place of a rank in the table of ranks and the grid lines that it owns, as in [`Partition`]; the rank need not
+/// exist.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     table: [usize; 2],
@@ -24,7 +24,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The place of one of so many ranks that share out grid lines as [`Partition::new`] does.
+    /// The place of a rank among `ranks` that divide the grid lines as [`Partition::new`] does.
     pub fn of(ranks: usize, rank: usize, lines: [usize; 2]) -> Self {
         Self::in_table(best_table(ranks, lines), rank, lines)
     }
@@ -38,7 +38,7 @@ impl Place {
         self.table
     }
 
-    /// The row and the column where the rank stands.
+    /// The rank's row and column in the table.
     pub fn index(&self) -> [usize; 2] {
         self.index
     }
@@ -54,16 +54,16 @@ impl Place {
     }
 }
 
-/// Slabs along z while each rank gets at least four lines, which needs one transposition fewer, pencils beyond.
+/// Slabs along z as long as each rank gets at least four lines, which saves a transposition, else pencils.
 fn best_table(ranks: usize, lines: [usize; 2]) -> [usize; 2] {
     let slabs = ranks <= 4 || ranks * 4 <= lines[1];
     let rows = if slabs { 1 } else { (1..=ranks.isqrt()).rev().find(|r| ranks.is_multiple_of(*r)).unwrap_or(1) };
     [rows, ranks / rows]
 }
 
-/// The ranks as a table of `rows x columns`: rank `r` stands in row `r / columns`. Real space is shared out in pencils
-/// along x: the row says which lines along y a rank owns, the column which along z. A particle lives with the rank
-/// whose pencil holds it.
+/// The domain decomposition: the ranks form a table of `rows x columns`, rank `r` in row `r / columns`. Real space is
+/// divided into pencils along x: the row determines which lines along y a rank owns, the column which along z. A
+/// particle is owned by the rank whose pencil contains it.
 #[derive(Clone)]
 pub struct Partition {
     all: Comm,
@@ -73,13 +73,13 @@ pub struct Partition {
 }
 
 impl Partition {
-    /// Shares out `lines = [along y, along z]` grid lines among the ranks: in slabs along z while each rank gets at
-    /// least four, which needs one transposition fewer, in pencils beyond.
+    /// Divides `lines = [along y, along z]` grid lines among the ranks: in slabs along z as long as each rank gets at
+    /// least four lines, which saves a transposition, else in pencils.
     pub fn new(comm: &Comm, lines: [usize; 2]) -> Self {
         Self::with_table(comm, lines, best_table(comm.size(), lines))
     }
 
-    /// Shares out grid lines among a table of ranks of the caller's choice.
+    /// Divides grid lines among a table of ranks chosen by the caller.
     ///
     /// # Panics
     /// If the table does not have as many places as there are ranks.
@@ -105,7 +105,7 @@ impl Partition {
         &self.column
     }
 
-    /// Where this rank stands.
+    /// This rank's place in the table.
     pub fn place(&self) -> &Place {
         &self.place
     }

@@ -2,7 +2,7 @@
 
 use crate::{Number, Vector};
 
-/// Why a box can't be.
+/// Why a box is refused.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum BoxError {
     /// An edge that is not a positive length.
@@ -18,9 +18,9 @@ pub enum BoxError {
     Strain(f64),
 }
 
-/// A periodic box with the lattice vectors `(Lx, 0, 0)`, `(s Ly, Ly, 0)` and `(0, 0, Lz)`: flow along x, gradient along
-/// y, vorticity along z, Lees-Edwards strain `s`. The lattices of `s` and of `s + Lx/Ly` are the same, and `s` is kept
-/// in `[-Lx/(2 Ly), Lx/(2 Ly))`.
+/// A periodic box, with Lees-Edwards boundary conditions if it is sheared. Its lattice vectors are `(Lx, 0, 0)`, `(s
+/// Ly, Ly, 0)` and `(0, 0, Lz)`: flow along x, gradient along y, vorticity along z, strain `s`. The lattices of `s` and
+/// of `s + Lx/Ly` are the same, and `s` is kept in `[-Lx/(2 Ly), Lx/(2 Ly))`.
 ///
 /// Positions in the box are named by lattice coordinates `(xi, eta, zeta) = (x - s y, y, z)`, each in `[0, L)` of its
 /// axis, which are periodic one by one.
@@ -36,7 +36,7 @@ impl PeriodicBox {
         Self::sheared(edges, 0.0)
     }
 
-    /// A box at a Lees-Edwards strain, which is brought into its range.
+    /// A box at a Lees-Edwards strain, which is reduced to its range.
     pub fn sheared(edges: Vector, strain: f64) -> Result<Self, BoxError> {
         for (axis, length) in "xyz".chars().zip(edges.to_array()) {
             if !(length.is_finite() && length > 0.0) {

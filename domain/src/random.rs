@@ -1,8 +1,8 @@
-//! Random numbers that depend on nothing but their name.
+//! Counter-based random numbers, which depend on a seed and a name only.
 
-/// A stream of random numbers that belongs to a seed and a name, such as a particle's id or a step's number. It is the
-/// same whoever asks, on any rank and in any order: `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014, Fig. 14), started
-/// at a place that seed and name are mixed into.
+/// A stream of random numbers of a seed and a name, such as a particle's id or the number of a step. It is the same on
+/// any rank and in any order of use: `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014, Fig. 14), started at a state mixed
+/// from seed and name.
 #[derive(Debug, Clone)]
 pub struct Random {
     state: u64,

@@ -1,5 +1,5 @@
-//! What can't be computed of a process's memory, but was measured: on Debian 12 with Open MPI 4.1 and HDF5 1.10, by
-//! `scripts/validate memory`.
+//! Measured parts of a process's resident memory, which can't be computed: on Debian 12 with Open MPI 4.1 and HDF5
+//! 1.10, by `scripts/validate memory`.
 
 /// The program itself, and the libraries that it is linked with, without anything of a scene.
 const PROGRAM: f64 = 18.5e6;
@@ -10,10 +10,10 @@ const LAUNCHED: f64 = 7e6;
 /// What HDF5 adds to the process that keeps files open to write to them, besides chunks.
 const WRITES: f64 = 7e6;
 
-/// Memory that the allocator holds, over what is allocated at the peak: places that are free between others.
+/// Memory held by the allocator over memory allocated at the peak, because of fragmentation.
 const ALLOCATOR: f64 = 1.1;
 
-/// What a process is among others.
+/// The kind of a process, which determines the memory of its libraries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Process {
     /// Whether a launcher started it, beside others.
@@ -23,15 +23,15 @@ pub struct Process {
 }
 
 impl Process {
-    /// A process on its own that keeps files open.
+    /// A single process that keeps files open.
     pub const ALONE: Self = Self { is_launched: false, writes: true };
 
-    /// A rank of so many, the first of which keeps files open.
+    /// One of several ranks, the first of which keeps files open.
     pub fn of(rank: usize, ranks: usize) -> Self {
         Self { is_launched: ranks > 1, writes: rank == 0 }
     }
 
-    /// What it keeps resident at its peak, if it allocates so many bytes then.
+    /// The resident memory at the peak, given the bytes allocated then.
     pub fn resident(self, allocated: f64) -> f64 {
         let launched = if self.is_launched { LAUNCHED } else { 0.0 };
         let writes = if self.writes { WRITES } else { 0.0 };

@@ -1,11 +1,11 @@
-//! Rows of a table on their way: picked, or sent to other ranks, one property after the other.
+//! Moving the rows of a table, one property after the other: reordering, and sending to other ranks.
 
 use crate::Comm;
 use bytemuck::Pod;
 
 /// Moves rows of values, `width` numbers each. May be collective.
 pub(crate) trait Way {
-    /// The values of the rows where they have come to.
+    /// The values of the rows after the move.
     fn of<T: Pod>(&self, values: &[T], width: usize) -> Vec<T>;
 }
 
@@ -23,17 +23,17 @@ impl Way for Picked<'_> {
     }
 }
 
-/// Each row goes to a rank; there rows stand by the ranks that they come from, and in the order that they had.
+/// Sends each row to a rank. Received rows are in the order of the sending ranks, and of each rank in its own order.
 pub(crate) struct Delivery {
     comm: Comm,
-    /// Rows in the order of the ranks that they go to.
+    /// Rows sorted by the receiving rank.
     order: Vec<usize>,
     leaving: Vec<usize>,
     arriving: Vec<usize>,
 }
 
 impl Delivery {
-    /// Of rows that go to the ranks of a list. Collective.
+    /// Plans the delivery of each row to the rank in a list. Collective.
     pub fn plan(owners: &[usize], comm: &Comm) -> Self {
         let mut leaving = vec![0; comm.size()];
         for &owner in owners {
@@ -60,7 +60,7 @@ impl Way for Delivery {
     }
 }
 
-/// Rows that are delivered and then picked.
+/// A delivery, followed by reordering.
 pub(crate) struct Sorted<'a> {
     pub delivery: Delivery,
     pub order: Picked<'a>,

@@ -1,16 +1,16 @@
 //! Units in which numbers are about 1.
 
-/// The largest power of two that is at most `|value|`, or 1 for what has none: zero, and what is not a normal number.
-/// To multiply by it and to divide by it rounds nothing.
+/// The largest power of two that is at most `|value|`, or 1 if there is none, for zero and numbers that are not normal.
+/// Multiplication and division by it are exact.
 #[must_use]
 pub fn power_of_two(value: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     if value.is_normal() { f64::from_bits(value.to_bits() & EXPONENT) } else { 1.0 }
 }
 
-/// Units of length, viscosity and force in which a problem in viscous flow is computed whatever units it comes in, so
-/// that what is computed in `f32`, and high powers of lengths, stay within range. All of them are powers of two:
-/// numbers that are brought into them and back keep every digit, and a problem whose numbers are about 1 stays as it is.
+/// Internal units of length, viscosity and force, in which a problem in viscous flow is computed whatever units it is
+/// given in, so that values in `f32`, and high powers of lengths, stay within range. All are powers of two: conversions
+/// are exact, and a problem whose numbers are about 1 is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
     /// The unit of length, `l`.
@@ -22,11 +22,10 @@ pub struct Units {
 }
 
 impl Units {
-    /// The units that numbers come in.
+    /// The units of the input.
     pub const ONE: Self = Self { length: 1.0, viscosity: 1.0, force: 1.0 };
 
-    /// Those of length and viscosity for a fluid and particles whose radii lie between two, in the middle of which the
-    /// unit of length is; the unit of force is that of a force of 1.
+    /// Units for a fluid and a range of radii: the unit of length is near their geometric mean. The unit of force is 1.
     #[must_use]
     pub fn of(viscosity: f64, [smallest, largest]: [f64; 2]) -> Self {
         let length = power_of_two(power_of_two(smallest).sqrt() * power_of_two(largest).sqrt());
@@ -39,19 +38,19 @@ impl Units {
         Self { force: power_of_two(force), ..self }
     }
 
-    /// That of torques and stresslets, `F l`.
+    /// The unit of torques and stresslets, `F l`.
     #[must_use]
     pub fn torque(&self) -> f64 {
         self.force * self.length
     }
 
-    /// That of velocities, `F / (mu l)`.
+    /// The unit of velocities, `F / (mu l)`.
     #[must_use]
     pub fn velocity(&self) -> f64 {
         self.force / (self.viscosity * self.length)
     }
 
-    /// That of angular velocities and rates of strain, `F / (mu l^2)`.
+    /// The unit of angular velocities and rates of strain, `F / (mu l^2)`.
     #[must_use]
     pub fn rate(&self) -> f64 {
         self.velocity() / self.length

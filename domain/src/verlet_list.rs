@@ -1,16 +1,17 @@
-//! Verlet lists: neighbour lists with a skin, which stay right while particles move less than half of it.
+//! Verlet lists: neighbour lists with a skin, which stay valid while no particle moves farther than half the skin.
 
 use crate::halo::Pencil;
 use crate::neighbours::Batch;
 use crate::{Halo, Neighbour, Neighbours, Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
 
-/// Neighbours of each particle within a cutoff. The lists reach farther by a skin, and are searched anew only when some
-/// particle has moved too far (Verlet, Phys. Rev. 159, 98, 1967); neighbours within the cutoff are picked from them.
+/// The neighbours of each particle within a cutoff. The lists extend beyond the cutoff by a skin and are rebuilt only
+/// when some particle has moved too far (Verlet, Phys. Rev. 159, 98, 1967); neighbours within the cutoff are selected
+/// from them.
 ///
-/// Lists name particles by the rows that they had at the search, since rows are sorted anew as particles move, and are
-/// in the order of the ids, so that they do not depend on when the search was. On several ranks there are lists of
-/// those too who may yet come over from other ranks.
+/// Lists refer to particles by their rows at the last rebuild, since rows are sorted again as particles move. Each is
+/// in the order of the ids, so that results do not depend on when lists were rebuilt. With several ranks there are
+/// lists also of particles that may migrate from other ranks.
 pub struct VerletList {
     cutoff: f64,
     partition: Partition,
@@ -22,55 +23,56 @@ pub struct VerletList {
 /// The local particles of a rank and, behind them, its ghosts: copies of particles of other ranks.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalAndGhosts<'a> {
-    /// Particles that the rank owns, which come first.
+    /// Number of particles that the rank owns, which come first.
     pub owned: usize,
-    /// Of all.
+    /// Ids of all of them.
     pub ids: &'a [u64],
-    /// Of all, inside the box.
+    /// Positions of all of them, inside the box.
     pub positions: &'a [Vector],
 }
 
-/// What a search has found, and where everybody was.
+/// The lists of a rebuild, and the positions at that time.
 struct Found {
     cell: PeriodicBox,
-    /// The row of each id then.
+    /// The row of each id at the rebuild.
     rows: Vec<u32>,
     positions: Vec<Vector>,
-    /// Whose lists are whole.
+    /// Whether the list of each row is complete.
     listed: Vec<bool>,
     reach: f64,
     lists: Neighbours,
 }
 
-/// The skin over the cutoff: a third more are looked at in a list, which is cheap beside a search.
+/// The skin over the cutoff. It makes lists a third longer, which costs little compared with a rebuild.
 const SKIN: f64 = 0.1;
 
 /// The largest id over the number of particles for which a table of ids is kept.
 const SPARSEST: usize = 16;
 
-/// Particles whose lists one thread goes through at a time.
+/// Particles whose lists one thread processes at a time.
 const BATCH: usize = 1024;
 
 impl VerletList {
-    /// How far the lists reach, over the cutoff.
+    /// The range of the lists over the cutoff.
     pub const REACH: f64 = 1.0 + SKIN;
 
-    /// Empty lists, on ranks that share out space by `partition`.
+    /// Empty lists, on the ranks of a domain decomposition.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
         Self { cutoff, partition: partition.clone(), found: None, near: Neighbours::default(), searches: 0 }
     }
 
-    /// Those within the cutoff of each particle owned at the last positions, by rows.
+    /// The neighbours of each owned particle within the cutoff at the last positions, by rows.
     pub fn neighbours(&self) -> &Neighbours {
         &self.near
     }
 
-    /// Searches so far.
+    /// Number of rebuilds so far.
     pub fn searches(&self) -> u64 {
         self.searches
     }
 
-    /// Takes those who are present: at least all within the cutoff of somebody owned. A collective call.
+    /// Updates the neighbours to new positions, and rebuilds the lists if necessary. The ghosts have to include all
+    /// particles within the cutoff of an owned one. Collective.
     pub fn update(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) {
         let cutoff = self.cutoff;
         let near = |found: &Found| Some(found.within(&found.follow(cell, present, cutoff)?, cutoff));
@@ -126,11 +128,11 @@ impl VerletList {
     }
 }
 
-/// The row of an id that nobody has.
+/// The row of an id without a particle.
 const NOBODY: u32 = u32::MAX;
 
-/// Who is where, by the rows of the search: in which row now, at which place if nobody had been wrapped since, and by
-/// which lattice steps each has been. Nobody is near those who are not here any more.
+/// The particles of the last rebuild now: the present row of each, its position without wrapping since then, and the
+/// lattice steps of that wrapping. Particles that have left this rank have no neighbours.
 struct Now<'a> {
     cell: &'a PeriodicBox,
     owned: usize,
@@ -140,10 +142,10 @@ struct Now<'a> {
 }
 
 impl Found {
-    /// Where everybody is now, or nothing if somebody may be within the cutoff who is in no list.
+    /// The present state of the listed particles; `None` if a pair within the cutoff may be missing in the lists.
     ///
-    /// In lattice coordinates the flow of a shear does not move anybody. What it does to a distance is at least the
-    /// factor `sqrt(1 + g^2/4) - g/2` at the strain `g` since.
+    /// In lattice coordinates simple shear moves no particle. It reduces distances at most by the factor `sqrt(1 +
+    /// g^2/4) - g/2` at the strain `g` since the rebuild.
     fn follow<'a>(&self, cell: &'a PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now<'a>> {
         if cell.edges() != self.cell.edges() {
             return None;
@@ -173,7 +175,7 @@ impl Found {
         Some(Now { cell, owned: present.owned, rows, places, wrapped })
     }
 
-    /// The rows now by those of the search, if nobody is owned who was not here.
+    /// The present rows by those of the rebuild; `None` if the rank owns a particle that was not here then.
     fn rows_now(&self, present: &LocalAndGhosts) -> Option<Vec<u32>> {
         let mut rows = vec![NOBODY; self.positions.len()];
         for (row, &id) in present.ids.iter().enumerate() {
@@ -186,7 +188,7 @@ impl Found {
         Some(rows)
     }
 
-    /// Those of the lists who are within a cutoff.
+    /// The neighbours in the lists that are within a cutoff.
     fn within(&self, now: &Now, cutoff: f64) -> Neighbours {
         let count = now.rows.len();
         let pick = |batch: usize| {
@@ -204,7 +206,7 @@ impl Found {
 }
 
 impl Now<'_> {
-    /// Appends those of a list who are within the cutoff.
+    /// Appends the neighbours in a list that are within the cutoff.
     fn pick(&self, row: usize, list: &[Neighbour], cutoff: f64, picked: &mut Vec<Neighbour>) {
         let (place, home) = (self.places[row], self.wrapped[row]);
         let mut found = picked.len();
@@ -252,8 +254,8 @@ mod tests {
         VerletList::new(cutoff, &Partition::new(&Comm::alone(), [8, 8]))
     }
 
-    /// Particles that wander in a box that shears, past its faces, its range of strains, and from rank to rank: the
-    /// lists are at all times those of a search.
+    /// Particles that move in a sheared box, across its faces, past its range of strains and from rank to rank: the
+    /// neighbours are always those of a new search.
     #[test]
     fn lists_are_those_of_a_search_at_all_times() {
         let (edges, cutoff) = (Vector::new(7.0, 5.0, 6.0), 1.4);

@@ -14,12 +14,12 @@ pub enum StartError {
     /// A parameter outside its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Grains that have no room.
+    /// Grains that can't be packed.
     #[error(transparent)]
     Packing(#[from] PackingError),
     /// Particles from outside that do not fit.
     #[error("{name}")]
-    Brought {
+    Given {
         /// Where they are from.
         name: String,
         /// What is wrong with them.
@@ -27,11 +27,11 @@ pub enum StartError {
     },
     /// Too little memory for particles from outside.
     #[error("particles.path brings {disks} disks; bring fewer: {missing}")]
-    Room {
+    Memory {
         /// How many there are.
         disks: usize,
         /// What they take and what there is.
-        missing: domain::NoRoom,
+        missing: domain::NotEnoughMemory,
     },
     /// A state without what a run goes on with.
     #[error("the checkpoint has no progress of disks; start the run anew")]

@@ -18,7 +18,7 @@ mod error;
 mod fraction;
 mod parameter;
 pub mod shear_cell;
-mod widest;
+mod simd;
 
 pub use error::StartError;
 pub use parameter::ParameterError;

@@ -1,4 +1,4 @@
-//! The one way in which a driver refuses its input.
+//! Checks of the drivers' parameters.
 
 pub use domain::ParameterError;
 use domain::{Number, Vector};

@@ -1,7 +1,7 @@
 //! Sweeps of sheared disks: which runs there are, what is recorded of them when, and their averages.
 
 use drivers::ParameterError;
-use drivers::disks::{Case, Disks, Estimate, Flow, Keeper, Parameters, Preparation, Record, Sweep, viscous_length};
+use drivers::disks::{Case, Disks, Estimate, Flow, Parameters, Preparation, Record, Sweep, SweepStore, viscous_length};
 use std::collections::HashMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -38,14 +38,14 @@ impl Shelf {
     }
 }
 
-impl Keeper for Shelf {
+impl SweepStore for Shelf {
     type Error = End;
 
-    fn kept(&self, case: &Case) -> Result<Option<Vec<Record>>, End> {
+    fn stored(&self, case: &Case) -> Result<Option<Vec<Record>>, End> {
         Ok(self.kept.lock().unwrap().get(&case.index).cloned())
     }
 
-    fn keep(&self, case: &Case, records: &[Record]) -> Result<(), End> {
+    fn store(&self, case: &Case, records: &[Record]) -> Result<(), End> {
         assert!(self.kept.lock().unwrap().insert(case.index, records.to_vec()).is_none(), "a run was made twice");
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! `fcm-solve check`: what a scene would cost.
+//! `fcm-solve check`: the plan, memory and cost of a scene.
 
 use crate::scene_file::read;
 use crate::streams::{self, json};

@@ -6,7 +6,7 @@ use crate::streams;
 use anyhow::ensure;
 use clap::ValueEnum;
 use domain::Comm;
-use io::{Format, FrameRange, Recorded, Snapshot};
+use io::{Format, FrameRange, Snapshot, TrajectoryReader};
 use std::path::PathBuf;
 
 /// Which run, and what of it.
@@ -58,7 +58,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 }
 
 fn write(args: &Args) -> anyhow::Result<()> {
-    let recorded = Recorded::open(&args.folder.join("trajectory.h5"))?;
+    let recorded = TrajectoryReader::open(&args.folder.join("trajectory.h5"))?;
     let format = args.to.format();
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("trajectory").with_extension(format.extension()));
     let mut count = 0;
@@ -76,7 +76,7 @@ fn write(args: &Args) -> anyhow::Result<()> {
 }
 
 /// The numbers of the frames that are asked for.
-fn meant(args: &Args, recorded: &Recorded) -> Vec<usize> {
+fn meant(args: &Args, recorded: &TrajectoryReader) -> Vec<usize> {
     let times = recorded.times();
     let span = args.from.unwrap_or(f64::NEG_INFINITY)..=args.until.unwrap_or(f64::INFINITY);
     let numbers: Vec<usize> =
@@ -85,7 +85,7 @@ fn meant(args: &Args, recorded: &Recorded) -> Vec<usize> {
 }
 
 /// A frame, unless it is damaged.
-fn whole(recorded: &Recorded, frame: usize) -> Option<Snapshot> {
+fn whole(recorded: &TrajectoryReader, frame: usize) -> Option<Snapshot> {
     let snapshot = recorded.snapshot(frame);
     snapshot.map_err(|error| streams::log(format_args!("warning: {error}; it is left out of what is exported"))).ok()
 }

@@ -1,4 +1,4 @@
-//! How the program was started: ranks, threads, and what to say when that went wrong.
+//! Starting the program: ranks, threads, and messages about what went wrong.
 
 use crate::streams;
 use anyhow::Context;
@@ -11,8 +11,8 @@ pub fn leave_files_unlocked() {
     unsafe { std::env::set_var("HDF5_USE_FILE_LOCKING", "FALSE") };
 }
 
-/// Keeps memory that was freed for the next step, which needs as much: given back to the system, it would come again
-/// page by page, each filled with zeros.
+/// Keeps freed memory for the next step, which needs as much: returned to the system, it would have to be mapped and
+/// zeroed again page by page.
 pub fn keep_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: two numbers are set, of which any value is allowed.

@@ -1,4 +1,4 @@
-//! How far a run is, for whoever waits.
+//! The progress of a run.
 
 use crate::streams;
 use domain::{Comm, Number};
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// Time between two lines where there is no terminal.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// A bar on a terminal, now and then a line elsewhere, nothing from other ranks than the first.
+/// A bar on a terminal, elsewhere a line now and then. Only the first rank shows it.
 pub struct Progress {
     display: Display,
     first: u64,

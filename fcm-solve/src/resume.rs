@@ -2,7 +2,7 @@
 
 use crate::causes::in_full;
 use crate::commands::resume_command;
-use crate::continuing::{go_on, kept_scene, latest};
+use crate::continuation::{go_on, kept_scene, latest};
 use crate::signals::Signals;
 use crate::walltime::{self, Walltime};
 use crate::whole_scene::carry_out;
@@ -31,7 +31,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let folder = comm.agree(RunFolder::reopen(&args.folder, comm).map_err(|e| in_full(&e.into())))?;
     let scene = kept_scene(&folder, args.steps, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
-        io::check_room(scene.kind(), comm)?;
+        io::check_memory(scene.kind(), comm)?;
         return carry_out(&work, (&scene, &folder), comm);
     }
     let state = comm.agree(latest(&folder, comm))?;

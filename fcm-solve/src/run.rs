@@ -1,18 +1,18 @@
-//! `fcm-solve run`: a scene from its start, or from where it stands.
+//! `fcm-solve run`: runs a scene from its start, or continues a run of it.
 
 use crate::causes::in_full;
 use crate::commands::{quoted, resume_command};
-use crate::continuing::{go_on, latest};
-use crate::preparing::Preparing;
+use crate::continuation::{go_on, latest};
+use crate::part_progress::PartProgress;
 use crate::run_loop::run_to_end;
 use crate::scene_file::read;
 use crate::signals::Signals;
 use crate::walltime::{self, Walltime};
 use crate::whole_scene::carry_out;
-use crate::{ready::made_ready, streams};
+use crate::{prepared_scene::prepared, streams};
 use anyhow::ensure;
 use domain::Comm;
-use io::{Checkpoints, Former, Kind, Recorder, RunFolder, Scene, WholeScene};
+use io::{Checkpoints, ExistingRun, Kind, Recorder, RunFolder, Scene, WholeScene};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -53,21 +53,21 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
 
 /// A run from its start. Collective.
 fn start(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
-    let scene = made_ready(scene, comm)?;
+    let scene = prepared(scene, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
-        io::check_room(scene.kind(), comm)?;
+        io::check_memory(scene.kind(), comm)?;
         folder.start_with(scene.text())?;
         signals.go_on_with(resume_command(folder.path(), None));
         return carry_out(&work, (&scene, &folder), comm);
     }
-    let mut preparing = Preparing::start(comm, "the particles are placed");
+    let mut preparing = PartProgress::start(comm, "the particles are placed");
     let mut started = io::start(&scene, comm, &mut |part| preparing.show(part))?;
     drop(preparing);
     let mut recorder = Recorder::create(folder, &scene, &mut *started)?;
     run_to_end(&mut *started, &mut recorder, scene.kind().steps(), signals)
 }
 
-/// The run that a folder holds, on to the end that the scene has now. Collective.
+/// Continues the run in a folder to the present end of the scene, or starts it. Collective.
 fn start_or_go_on(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     let kept = read(&folder.scene(), &[], comm)?;
     refuse_another(&scene, &kept, folder.path())?;
@@ -99,7 +99,7 @@ fn finished(when: &str, folder: &RunFolder, comm: &Comm) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Refuses to go on with the run of another scene. Its end may be another, for that says only how far the run goes.
+/// Refuses to continue the run of another scene. The end may differ, since it only says how far the run goes.
 fn refuse_another(scene: &Scene, kept: &Scene, folder: &Path) -> anyhow::Result<()> {
     let says = |key: &str| scene.differences(kept).iter().any(|d| d.key.starts_with(key) && d.values[0].is_some());
     let calibrates = matches!(scene.kind(), Kind::Suspension(s) if s.model.repulsion.is_some_and(|r| r.calibrate));
@@ -120,7 +120,7 @@ fn refuse_another(scene: &Scene, kept: &Scene, folder: &Path) -> anyhow::Result<
     Ok(())
 }
 
-/// What a run writes into its scene unless that has it: what evaluations cost on the machine where it started.
+/// The key that a run adds to its scene: the measured costs of the machine where it started.
 const COSTS: &str = "hydrodynamics.costs";
 /// Differences that are named.
 const NAMED: usize = 5;
@@ -131,15 +131,15 @@ impl Args {
         named.unwrap_or_else(|| default_folder(&self.scene))
     }
 
-    fn former(&self) -> Former {
+    fn former(&self) -> ExistingRun {
         match (self.force, self.goes_on) {
-            (true, _) => Former::IsReplaced,
-            (_, true) => Former::GoesOn,
-            _ => Former::Stays,
+            (true, _) => ExistingRun::Replace,
+            (_, true) => ExistingRun::Continue,
+            _ => ExistingRun::Keep,
         }
     }
 
-    /// What starts this run again, or goes on with it.
+    /// The command that starts this run again, or continues it.
     fn command(&self, folder: &Path) -> String {
         let how = if self.force { "force" } else { "continue" };
         let sets: String = self.overrides.iter().fold(String::new(), |sets, set| sets + " --set " + &quoted(set));

@@ -48,8 +48,8 @@ pub fn run_to_end(
     Ok(ExitCode::SUCCESS)
 }
 
-/// A run that stops after step `now`. One that was given too little time for a single step would be started again and
-/// again for nothing, so that is an error.
+/// Ends a run that stops after step `now`. It is an error if the time was too short for a single step: such a job would
+/// be started again and again in vain.
 fn stopped(stop: Stop, [first, now, last]: [u64; 3], progress: &Progress, command: &str) -> anyhow::Result<ExitCode> {
     if stop == Stop::TimeIsUp && now == first {
         bail!(

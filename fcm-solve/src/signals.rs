@@ -8,21 +8,21 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// All that stop a run alike.
+/// The signals that stop a run.
 const SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU];
 
 /// Time that the end of a program takes besides its last checkpoint.
 const ENDING: Duration = Duration::from_secs(1);
 
-/// Who hears signals, from now until the program ends. What has nothing to save yet is left at once; a run is told, and
-/// stops when it can be gone on with. A second Ctrl-C ends either at once; a second request to terminate does not, for
-/// launchers like to send several.
+/// The handler of signals until the program ends. As long as there is nothing to save, a signal ends the program at
+/// once; a run stops after its next checkpoint. A second Ctrl-C ends either at once; a second request to terminate does
+/// not, since launchers often send several.
 pub struct Signals {
     requests: Arc<Requests>,
     comm: Comm,
 }
 
-/// What this process has heard.
+/// The requests that this process has received.
 struct Requests {
     /// The number of the first [`Stop`]; 0 is none.
     stop: AtomicU8,
@@ -34,22 +34,22 @@ struct Requests {
     end: Option<Instant>,
     pace: Mutex<Pace>,
     is_first: bool,
-    /// The command that goes on.
+    /// The command that continues the run.
     command: Mutex<String>,
 }
 
-/// What a run takes to stop.
+/// The time that a run needs to stop.
 #[derive(Default)]
 struct Pace {
     looked: Option<Instant>,
-    /// The longest time between two looks: an evaluation, or what is written between two.
+    /// The longest time between two checks for requests: an evaluation, or writing output.
     pause: Duration,
     /// The longest time for a checkpoint.
     checkpoint: Duration,
 }
 
 impl Signals {
-    /// Listens from now on. `command` is what the user goes on with, and `end` when the run has to be over.
+    /// Starts to handle signals. `command` continues the run, and `end` is the time when it has to be over.
     pub fn watch(comm: &Comm, command: String, end: Option<Instant>) -> std::io::Result<Self> {
         let requests = Arc::new(Requests {
             stop: AtomicU8::new(0),
@@ -75,14 +75,14 @@ impl Signals {
         Ok(Self { requests, comm: comm.clone() })
     }
 
-    /// Says that from now on there is a run to save, which looks for requests, and how the user goes on with it.
+    /// Notes that there is now a run to save, which checks for requests, and the command that continues it.
     pub fn run_begins(&self, command: String) {
         self.go_on_with(command);
         self.requests.has_run.store(true, Ordering::SeqCst);
         self.requests.pace().looked = None;
     }
 
-    /// Whatever any rank is asked. Collective.
+    /// The request of any rank. Collective.
     pub fn received(&self) -> Option<Stop> {
         let mut number = [f64::from(self.requests.look())];
         self.comm.max(&mut number);
@@ -91,7 +91,7 @@ impl Signals {
         Some(stop)
     }
 
-    /// For computations to look at: whether this rank is asked to stop.
+    /// The flag for computations: whether this rank is asked to stop.
     pub fn interrupt(&self) -> Interrupt {
         let requests = self.requests.clone();
         Interrupt::when(move || requests.look() != 0)
@@ -103,20 +103,20 @@ impl Signals {
         pace.checkpoint = pace.checkpoint.max(time);
     }
 
-    /// Says what the user goes on with from now on.
+    /// Sets the command that continues the run.
     pub fn go_on_with(&self, command: String) {
         *self.requests.command() = command;
     }
 
-    /// The command that the user goes on with.
+    /// The command that continues the run.
     pub fn command(&self) -> String {
         self.requests.command().clone()
     }
 }
 
 impl Requests {
-    /// The number of what is asked, 0 for nothing. Asks to stop itself when there is just time enough left for what a
-    /// stop takes.
+    /// The number of the request, 0 for none. It is a request to stop, too, when only the time that a stop needs is
+    /// left.
     fn look(&self) -> u8 {
         if let Some(end) = self.end {
             let now = Instant::now();
@@ -159,8 +159,8 @@ impl Requests {
 }
 
 impl Pace {
-    /// Takes note of a look, and says how long a stop may take from here: until the next look, and two checkpoints, for
-    /// a file system may be busy when many jobs end.
+    /// Notes the time of this check and returns how long a stop can take from now: until the next check, and two
+    /// checkpoints, since a file system may be busy when many jobs end.
     fn look(&mut self, now: Instant) -> Duration {
         if let Some(before) = self.looked.replace(now) {
             self.pause = self.pause.max(now - before);
@@ -169,8 +169,7 @@ impl Pace {
     }
 }
 
-/// The signals that whoever started the program did not tell it to ignore, as `nohup` does with SIGHUP and shells with
-/// the SIGINT of what runs in the background.
+/// The signals that are not ignored from the start, as `nohup` ignores SIGHUP, and shells SIGINT for background jobs.
 fn heeded() -> Vec<i32> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());

@@ -5,7 +5,7 @@ use crate::number::{finite, positive};
 use crate::streams::{self, json};
 use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, Need, Particles, Process};
-use io::{Kind, Recorded, Scene, provenance, write_tables};
+use io::{Kind, Scene, TrajectoryReader, provenance, write_tables};
 use simulation::Table;
 use std::path::PathBuf;
 use suspension::{
@@ -45,8 +45,8 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 
 fn take(args: &Args) -> anyhow::Result<()> {
     let trajectory = args.folder.join("trajectory.h5");
-    let recorded = Recorded::open(&trajectory)?;
-    let scene = Scene::parse(recorded.scene(), "the scene of the run", &[])?;
+    let recorded = TrajectoryReader::open(&trajectory)?;
+    let scene = Scene::parse(&recorded.provenance().scene, "the scene of the run", &[])?;
     let Kind::Suspension(suspension) = scene.kind() else {
         bail!("{} is not of a suspension, and statistics are of those only", trajectory.display())
     };
@@ -73,7 +73,7 @@ fn take(args: &Args) -> anyhow::Result<()> {
         };
         fits(&particles, model).with_context(|| format!("frame {frame} of {}", trajectory.display()))?;
         if statistics.is_none() {
-            check_room(model, particles.len() as f64, samples)?;
+            check_memory(model, particles.len() as f64, samples)?;
         }
         let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles));
         statistics.sample(time, &cell, &particles);
@@ -83,7 +83,7 @@ fn take(args: &Args) -> anyhow::Result<()> {
     };
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("stats"));
     ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
-    let provenance = provenance(&scene, recorded.plan().to_owned(), &Comm::alone());
+    let provenance = provenance(&scene, recorded.provenance().plan.clone(), &Comm::alone());
     write_tables(&out, "statistics", &provenance, &statistics.tables()).context("the statistics are lost")?;
     let summary = statistics.summary();
     let words = || format!("{}tables     {}\n", in_columns(&summary), out.display());
@@ -106,11 +106,11 @@ fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
 }
 
 /// Refuses samples of so many particles of a model that there is no memory for.
-fn check_room(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
+fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
     let kept = statistics_bytes(particles, samples, (model.species.len(), rayon::current_num_threads()));
     let peak = kept.then(column_bytes(model)).then(Particles::bytes(particles, 11)).then(sample_bytes(particles));
     let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
-    Comm::check_room_of(&[need]).with_context(|| {
+    Comm::check_memory_of(&[need]).with_context(|| {
         format!("{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from and --to",
             model.species.len())
     })

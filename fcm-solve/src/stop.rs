@@ -13,7 +13,7 @@ pub enum Stop {
     TimeIsUp,
 }
 
-/// The exit code of a run that stopped and can be gone on with: `EX_TEMPFAIL` of sysexits.h, "try again later".
+/// The exit code of a run that stopped and can be resumed: `EX_TEMPFAIL` of sysexits.h, "try again later".
 const RESUME_ME: u8 = 75;
 
 /// No signal has this number.

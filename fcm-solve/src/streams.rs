@@ -1,5 +1,4 @@
-//! What the program says: results on the standard output, and a log of what goes on on the standard error. Whatever
-//! happens to a stream, nothing here panics.
+//! Standard output, for results, and standard error, for the log. Nothing here panics if a stream fails.
 
 use anyhow::Context;
 use domain::Comm;
@@ -15,7 +14,7 @@ const WAITING: usize = 1000;
 /// How long the program waits at its end for whoever reads the log.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Prints a result, which the first rank brings. Fails on all ranks if it can't be written. Collective.
+/// Prints a result of the first rank. Fails on all ranks if it can't be written. Collective.
 pub fn print(comm: &Comm, text: &str) -> anyhow::Result<()> {
     let printed = if comm.is_first() { print_here(text) } else { Ok(()) };
     Ok(comm.agree(printed.map_err(|e| format!("{e:#}")))?)
@@ -56,11 +55,11 @@ pub fn finish_log() {
 /// What goes to the thread that writes the log.
 enum Entry {
     Line(String),
-    /// Asks for word when all before it is written.
+    /// Asks for a notice when everything before it is written.
     End(SyncSender<()>),
 }
 
-/// The way to that thread; none where lines are written at once, on a terminal.
+/// The channel to that thread; `None` on a terminal, where lines are written at once.
 static LOG: OnceLock<Option<SyncSender<Entry>>> = OnceLock::new();
 
 fn start() -> Option<SyncSender<Entry>> {
@@ -81,7 +80,7 @@ fn write_all(entries: &Receiver<Entry>) {
     }
 }
 
-/// Nobody is left to be told of an error here.
+/// An error here can't be reported to anybody.
 fn write(line: &str) {
     let _ = std::io::stderr().write_all(line.as_bytes());
 }

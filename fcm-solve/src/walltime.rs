@@ -1,4 +1,4 @@
-//! The time that a run is given.
+//! The time limit of a run.
 
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};
@@ -8,14 +8,14 @@ use std::time::{Duration, Instant, SystemTime};
 pub enum Walltime {
     /// So long from the program's start.
     For(Duration),
-    /// For ever.
+    /// No limit.
     Unlimited,
 }
 
 /// When the program started.
 static START: OnceLock<Instant> = OnceLock::new();
 
-/// Counts the time that a run is given from here.
+/// Starts the time from which limits count.
 pub fn starts_now() {
     START.get_or_init(Instant::now);
 }
@@ -49,7 +49,7 @@ fn seconds(text: &str) -> Option<u64> {
     }
 }
 
-/// When the run has to be over: after the time that it was given, or when its job ends, if Slurm says.
+/// When the run has to be over: after its time limit, or at the end of its Slurm job.
 pub fn end(given: Option<Walltime>) -> Option<Instant> {
     match given {
         Some(Walltime::Unlimited) => None,

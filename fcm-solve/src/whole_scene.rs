@@ -1,14 +1,14 @@
-//! Scenes that are carried out as a whole.
+//! Carrying out scenes without time steps.
 
-use crate::preparing::Preparing;
+use crate::part_progress::PartProgress;
 use crate::streams;
 use domain::Comm;
 use io::{Listener, RunFolder, Scene, WholeScene};
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-/// Shows how far the work is.
-struct Shown(Mutex<Preparing>);
+/// Shows messages and progress.
+struct Shown(Mutex<PartProgress>);
 
 impl Listener for Shown {
     fn line(&self, text: &str) {
@@ -20,9 +20,10 @@ impl Listener for Shown {
     }
 }
 
-/// Does what is left to do of a scene without steps. A signal ends the program at once: what was done is kept.
+/// Does the work that is left of a scene without time steps. A signal ends the program at once; finished results are
+/// kept.
 pub fn carry_out(work: &WholeScene, (scene, folder): (&Scene, &RunFolder), comm: &Comm) -> anyhow::Result<ExitCode> {
-    let shown = Shown(Mutex::new(Preparing::start(comm, "all runs")));
+    let shown = Shown(Mutex::new(PartProgress::start(comm, "all runs")));
     let done = work.carry_out(scene, folder, comm, &shown);
     drop(shown);
     streams::log(format_args!("finished; results in {}", folder.path().display()));

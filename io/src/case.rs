@@ -1,6 +1,6 @@
-//! One configuration that a user brings, and its answer: JSON, or HDF5 with the same names.
+//! A single configuration given by the user, and its answer: JSON, or HDF5 with the same names.
 
-use crate::{FileError, durable, sized, whole};
+use crate::{FileError, atomic_file, atomic_hdf5, claimed_size};
 use domain::Number;
 use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, Group};
@@ -84,7 +84,7 @@ fn yes() -> bool {
     true
 }
 
-/// What came out of a [`Case`]; fields that were not computed are absent.
+/// The answer to a [`Case`]; fields that were not computed are absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Answer {
     /// Velocities relative to the background flow at the centres.
@@ -210,9 +210,9 @@ impl Answer {
     /// Writes the answer to a file, HDF5 if its name ends in `.h5` or `.hdf5`, else JSON.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
         if is_hdf5(path) {
-            return whole::write(path, |file| self.fill(file));
+            return atomic_hdf5::write(path, |file| self.fill(file));
         }
-        durable::replace(path, self.to_json().as_bytes())
+        atomic_file::replace(path, self.to_json().as_bytes())
     }
 
     /// The answer as JSON.
@@ -253,8 +253,8 @@ fn is_hdf5(path: &Path) -> bool {
     path.extension().is_some_and(|e| e == "h5" || e == "hdf5")
 }
 
-/// The datasets and attributes of a group as a JSON object, and its groups, with what they hold if that `counts`: a case
-/// has groups without groups, and links may lead back.
+/// The datasets and attributes of a group as a JSON object, with its groups, and their content if `counts`: a case has
+/// only one level of groups, and links may form cycles.
 fn contents(group: &Group, counts: bool) -> hdf5::Result<Value> {
     let mut object = Map::new();
     for name in group.attr_names()? {
@@ -272,7 +272,7 @@ fn contents(group: &Group, counts: bool) -> hdf5::Result<Value> {
 }
 
 fn value(name: &str, container: &Container) -> hdf5::Result<Value> {
-    sized::check(container)?;
+    claimed_size::check(container)?;
     match container.dtype()?.to_descriptor()? {
         TypeDescriptor::Boolean => return Ok(json!(container.read_scalar::<bool>()?)),
         TypeDescriptor::VarLenUnicode => return Ok(json!(container.read_scalar::<VarLenUnicode>()?.as_str())),

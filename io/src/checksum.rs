@@ -1,7 +1,7 @@
-//! Checksums of what is stored once, as an attribute `checksum` of its dataset: XXH3 (64 bits) of the bytes of the
+//! Checksums of datasets that are written once, as their attribute `checksum`: XXH3 (64 bits) of the bytes of the
 //! numbers, little-endian and in their order, or of the text.
 
-use crate::sized;
+use crate::claimed_size;
 use bytemuck::NoUninit;
 use hdf5::{Dataset, Group, H5Type};
 use xxhash_rust::xxh3::xxh3_64;
@@ -27,7 +27,7 @@ pub(crate) fn attach(dataset: &Dataset, checksum: u64) -> hdf5::Result<()> {
 
 /// Reads all numbers of a dataset; `Err` if they are not those of its checksum, where it has one.
 pub(crate) fn read<T: H5Type + NoUninit>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
-    sized::check(dataset)?;
+    claimed_size::check(dataset)?;
     let values = dataset.read_raw::<T>()?;
     compare(dataset, || of(&values))?;
     Ok(values)

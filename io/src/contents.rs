@@ -1,7 +1,7 @@
-//! What a result file holds, in words.
+//! The contents of a result file, as `fcm-solve info` shows them.
 
 use crate::frames::Sums;
-use crate::{FileError, sized, text, verified};
+use crate::{FileError, Provenance, claimed_size, text, verified};
 use domain::Number;
 use hdf5::{Dataset, File, Group};
 use serde::Serialize;
@@ -9,20 +9,17 @@ use std::fmt::{Display, Formatter};
 use std::io::Read;
 use std::path::Path;
 
-/// What an HDF5 file of a run holds.
+/// The contents of an HDF5 file of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contents {
-    /// The program that wrote it.
-    pub program: String,
-    /// The scene that it comes from.
-    pub scene: String,
-    /// How the fluid was computed.
-    pub plan: String,
+    /// Where its numbers come from.
+    #[serde(flatten)]
+    pub provenance: Provenance,
     /// Steps and times of the first and the last frame and the number of frames, where the file has frames.
     pub frames: Option<FrameSpan>,
     /// The datasets.
     pub datasets: Vec<DatasetShape>,
-    /// What is not as it was written, by its checksums.
+    /// The parts that do not fit their checksums.
     pub damage: Vec<String>,
 }
 
@@ -71,16 +68,8 @@ impl Contents {
     }
 
     fn of(file: &File) -> hdf5::Result<Self> {
-        let parameters = file.group("parameters")?;
-        let program = parameters.attr("program")?.read_scalar::<hdf5::types::VarLenUnicode>()?.to_string();
-        let mut contents = Self {
-            program,
-            scene: text::read_dataset(&parameters, "scene")?,
-            plan: text::read_dataset(&parameters, "plan")?,
-            frames: None,
-            datasets: Vec::new(),
-            damage: Vec::new(),
-        };
+        let provenance = Provenance::read(file)?;
+        let mut contents = Self { provenance, frames: None, datasets: Vec::new(), damage: Vec::new() };
         contents.walk(file.as_group()?)?;
         let frames = contents.frames.map_or(0, |frames| frames.count);
         if let Some(sums) = Sums::open(file)? {
@@ -89,7 +78,7 @@ impl Contents {
         Ok(contents)
     }
 
-    /// Visits every group once, though links may lead to it by many names, or from itself.
+    /// Visits every group once, although links may give it several names or form cycles.
     fn walk(&mut self, root: Group) -> hdf5::Result<()> {
         let (mut waiting, mut seen) = (vec![root], Vec::new());
         while let Some(group) = waiting.pop() {
@@ -107,8 +96,8 @@ impl Contents {
         for dataset in group.datasets()? {
             let name = dataset.name();
             if name.ends_with("/step") && self.frames.is_none() {
-                sized::check(&dataset)?;
-                self.frames = frames(&dataset, &sized::dataset(group, "time")?)?;
+                claimed_size::check(&dataset)?;
+                self.frames = frames(&dataset, &claimed_size::dataset(group, "time")?)?;
             }
             if !name.ends_with("/step") && !name.ends_with("/time") && !name.starts_with("/parameters") {
                 self.datasets.push(describe(&dataset));
@@ -130,7 +119,7 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     let times_name = times.name();
-    [steps, times].into_iter().try_for_each(|dataset| sized::check(dataset))?;
+    [steps, times].into_iter().try_for_each(|dataset| claimed_size::check(dataset))?;
     let (steps, times): (Vec<u64>, Vec<f64>) = (steps.read_raw()?, times.read_raw()?);
     let count = steps.len();
     let Some(last) = count.checked_sub(1) else { return Ok(None) };
@@ -157,12 +146,12 @@ impl Display for DatasetShape {
 
 impl Display for Contents {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        writeln!(f, "written by {}", self.program)?;
+        writeln!(f, "written by {}", self.provenance.program)?;
         if let Some(FrameSpan { count, steps: [first, last], times: [from, until] }) = self.frames {
             let [from, until] = [from, until].map(Number);
             writeln!(f, "frames     {count}, steps {first} to {last}, times {from:.6} to {until:.6}")?;
         }
-        write!(f, "{}", self.plan)?;
+        write!(f, "{}", self.provenance.plan)?;
         self.datasets.iter().try_for_each(|dataset| writeln!(f, "  {dataset}"))
     }
 }
@@ -176,13 +165,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.h5");
         let file = File::create(&path).unwrap();
-        let parameters = file.create_group("parameters").unwrap();
-        text::write_attribute(&parameters, "program", "test 1").unwrap();
-        text::write_dataset(&parameters, "scene", "").unwrap();
-        text::write_dataset(&parameters, "plan", "").unwrap();
+        provenance().write(&file).unwrap();
         fill(&file);
         drop(file);
         Contents::read(&path).map_err(|e| e.to_string())
+    }
+
+    fn provenance() -> Provenance {
+        let [scene, program, plan] = ["kind = \"suspension\"", "test 1", "direct"].map(String::from);
+        Provenance { scene, program, plan, ranks: 3, seed: 7 }
     }
 
     fn clock(file: &File, steps: &[u64], times: &[f64]) {
@@ -200,6 +191,11 @@ mod tests {
             group.link_hard("/a", "self").unwrap();
         });
         assert_eq!(contents.unwrap().datasets.len(), 1);
+    }
+
+    #[test]
+    fn a_file_says_where_it_comes_from() {
+        assert_eq!(read(|_| ()).unwrap().provenance, provenance());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What goes in and out: scenes, the files of a run, and runs from scenes to files.
+//! Input and output: scenes, the files of a run, and runs that read a scene and write their results.
 //!
 //! A scene that comes with the program, with a key set, advanced in steps without writing anything:
 //! ```
@@ -16,46 +16,45 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod atomic_file;
+mod atomic_hdf5;
 mod case;
 mod causes;
 mod checkpoint;
 mod checksum;
+mod claimed_size;
 mod contents;
-mod durable;
 mod error;
 mod export;
 mod fields;
 mod frames;
-mod placed;
+mod positions;
 mod provenance;
-mod recorded;
 mod report;
 mod run;
 mod scene;
 mod series;
-mod sized;
 mod tables;
 mod text;
 mod trajectory;
+mod trajectory_reader;
 mod verified;
-mod whole;
 
+pub use atomic_file::replace as replace_file;
 pub use case::{Answer, Background, Case, OneOrAll, Terms};
 pub use causes::in_full;
 pub use checkpoint::Checkpoints;
 pub use contents::{Contents, DatasetShape, FrameSpan};
-pub use durable::replace as replace_file;
 pub use error::FileError;
 pub use export::{Format, FrameRange, export};
 pub use fields::{drop_fields_after, write_field};
 pub use frames::Damage;
-pub use placed::read_placed;
+pub use positions::read_positions;
 pub use provenance::Provenance;
-pub use recorded::{Recorded, Snapshot};
 pub use report::{ReportError, write_report};
 pub use run::{
-    Former, Listener, Recorder, RunError, RunFolder, WholeScene, check_room, keep_costs, kept_costs, on_this_machine,
-    outline, placed, provenance, resume, start, with_least_repulsion,
+    ExistingRun, Listener, Recorder, RunError, RunFolder, WholeScene, check_memory, keep_costs, kept_costs,
+    on_this_machine, outline, provenance, resume, start, start_positions, with_least_repulsion,
 };
 pub use scene::{
     ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,
@@ -64,3 +63,4 @@ pub use scene::{
 pub use series::Series;
 pub use tables::{read_rows, write_tables};
 pub use trajectory::Trajectory;
+pub use trajectory_reader::{Snapshot, TrajectoryReader};

@@ -1,14 +1,15 @@
-//! Where results come from: kept in every file that holds some.
+//! The provenance of results, stored in every result file.
 
 use crate::{frames, text};
-use hdf5::types::FixedAscii;
+use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{File, Group};
+use serde::Serialize;
 
 /// The version of the layout of our files.
 const SCHEMA: &str = "1";
 
-/// What a file needs to say so that its numbers can be computed again.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// What is needed to compute the numbers of a file again.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Provenance {
     /// The scene, as TOML.
     pub scene: String,
@@ -23,6 +24,18 @@ pub struct Provenance {
 }
 
 impl Provenance {
+    /// Reads the provenance of a file.
+    pub(crate) fn read(file: &File) -> hdf5::Result<Self> {
+        let parameters = file.group("parameters")?;
+        Ok(Self {
+            scene: text::read_dataset(&parameters, "scene")?,
+            program: parameters.attr("program")?.read_scalar::<VarLenUnicode>()?.to_string(),
+            plan: text::read_dataset(&parameters, "plan")?,
+            ranks: parameters.attr("ranks")?.read_scalar()?,
+            seed: parameters.attr("seed")?.read_scalar()?,
+        })
+    }
+
     /// Writes the groups `h5md` and `parameters`.
     pub(crate) fn write(&self, file: &File) -> hdf5::Result<()> {
         let h5md = file.create_group("h5md")?;

@@ -1,6 +1,6 @@
 //! Tables of results, as CSV for reading and as HDF5 for programs.
 
-use crate::{FileError, Provenance, durable, text, whole};
+use crate::{FileError, Provenance, atomic_file, atomic_hdf5, text};
 use hdf5::File;
 use hdf5::types::VarLenUnicode;
 use simulation::Table;
@@ -41,9 +41,9 @@ fn write(table: &Table, file: &File) -> hdf5::Result<()> {
 pub fn write_tables(folder: &Path, name: &str, provenance: &Provenance, tables: &[Table]) -> Result<(), FileError> {
     std::fs::create_dir_all(folder).map_err(|e| FileError::write(folder, &e))?;
     for table in tables {
-        durable::replace(&folder.join(table.name).with_extension("csv"), table.to_csv().as_bytes())?;
+        atomic_file::replace(&folder.join(table.name).with_extension("csv"), table.to_csv().as_bytes())?;
     }
-    whole::write(&folder.join(name).with_extension("h5"), |file| {
+    atomic_hdf5::write(&folder.join(name).with_extension("h5"), |file| {
         provenance.write(file)?;
         tables.iter().try_for_each(|table| write(table, file))
     })

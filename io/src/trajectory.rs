@@ -8,8 +8,8 @@ use simulation::Frame;
 use std::path::Path;
 
 /// A trajectory that is being written: positions inside the box, images, and those of the columns `velocity`,
-/// `angular_velocity` and `stresslet` that the particles have, all in the order of the ids. A run that is cut short
-/// leaves a file that can be read up to its last whole frame.
+/// `angular_velocity` and `stresslet` that the particles have, all in the order of the ids. If the run is killed, the
+/// file can be read up to its last complete frame.
 pub struct Trajectory {
     frames: Frames,
     elements: Vec<Element>,
@@ -29,8 +29,8 @@ impl Trajectory {
         Self::open(provenance, first, frames, |kind| Frames::create(path, kind))
     }
 
-    /// Goes on with the trajectory of a former run after step `last`: later frames are dropped. `frames` is the number
-    /// of frames at the end of the run.
+    /// Continues the trajectory of a former run after step `last`: later frames are dropped. `frames` is the number of
+    /// frames at the end of the run.
     pub fn resume(
         path: &Path,
         provenance: &Provenance,

@@ -1,4 +1,4 @@
-//! Datasets of any type that this program stores, held against their checksums.
+//! Verification of datasets, of any type that this program stores, by their checksums.
 
 use crate::{checksum, text};
 use hdf5::Dataset;

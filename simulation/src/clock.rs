@@ -1,7 +1,7 @@
 //! Time, counted in steps.
 
-/// How far a run has come. Times are the step's number times the time step, so that they do not drift and a resumed run
-/// has the same.
+/// The step and the time of a run. The time is the number of steps times the time step: it does not drift, and is the
+/// same in a resumed run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     step: u64,
@@ -9,7 +9,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock that shows the start of step `step`.
+    /// A clock after `step` steps.
     pub fn at(step: u64, dt: f64) -> Self {
         Self { step, dt }
     }
@@ -29,7 +29,7 @@ impl Clock {
         self.time_at(0.0)
     }
 
-    /// The time when a fraction of the step that begins now is over.
+    /// The time at a fraction of the step that begins now.
     pub fn time_at(&self, fraction: f64) -> f64 {
         (self.step as f64 + fraction) * self.dt
     }

@@ -17,8 +17,8 @@ pub struct Frame {
 const CACHE: f64 = (1 << 20) as f64;
 
 impl Frame {
-    /// What a frame of so many particles, with columns of so many numbers, takes while it is written: the chunks that
-    /// HDF5 keeps of positions, of images and of each column, where they are small enough.
+    /// The memory for writing a frame of `particles` particles whose columns have `numbers` numbers: the chunks of
+    /// positions, images and each column that HDF5 caches, if they are small enough.
     pub fn bytes(particles: f64, numbers: usize) -> Bytes {
         let chunks = [3.0 * 8.0, 3.0 * 4.0, 8.0 * numbers as f64].map(|width| width * particles);
         Bytes::keep(chunks.into_iter().map(|bytes| if bytes > CACHE { 0.0 } else { bytes }).sum())

@@ -1,5 +1,5 @@
-//! Simulations that are advanced in time steps: what all kinds of them have in common, so that a program, a test or
-//! another language runs them alike.
+//! The interface of all simulations that are advanced in time steps, so that a program, a test or another language runs
+//! every kind in the same way.
 //!
 //! A quantity of the time series is a number or a table with names, in a unit of length, time and force:
 //! ```

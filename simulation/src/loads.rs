@@ -16,7 +16,7 @@ pub struct AppliedLoads {
 /// time. It is called on the first rank alone.
 pub type LoadFunction = Box<dyn FnMut(&[Vector], f64) -> Result<AppliedLoads, Box<dyn Error>>>;
 
-/// The particles of a simulation take no loads from outside.
+/// The error of simulations whose particles take no applied loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("forces of one's own act on the spheres of suspensions; scenes of this kind take none")]
 pub struct NoLoads;

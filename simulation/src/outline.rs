@@ -1,4 +1,4 @@
-//! What a simulation would be made of and what it would cost.
+//! What a simulation consists of and what it will cost, as `check` prints it.
 
 use serde_json::{Map, Value};
 use std::fmt::{Display, Formatter, Write as _};

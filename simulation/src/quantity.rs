@@ -1,4 +1,4 @@
-//! What the rows of a time series consist of.
+//! The quantities of a time series.
 
 /// One quantity of a time series: a number, or a table of numbers such as a vector for each species.
 #[derive(Debug, Clone, PartialEq)]

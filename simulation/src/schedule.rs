@@ -1,6 +1,6 @@
-//! When something is due.
+//! Schedules: at which steps output is due.
 
-/// Every so many steps, counted from step 0; zero stands for never.
+/// An interval in steps, counted from step 0; zero stands for never.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Schedule(u64);
 

@@ -1,4 +1,4 @@
-//! What runs step by step.
+//! The trait of simulations that are advanced in time steps.
 
 use crate::{Clock, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
 use domain::{Comm, Interrupt};
@@ -27,8 +27,8 @@ pub trait Simulation {
     /// How it is computed, in words.
     fn plan(&mut self) -> String;
 
-    /// Tells it where to look for requests to stop. One whose steps may be long looks there within a step, and returns
-    /// from [`Self::advance`] where that step began.
+    /// Sets the flag by which it is asked to stop. A simulation whose steps can be long checks it within a step;
+    /// [`Self::advance`] then returns with the state at the start of that step.
     fn listen(&mut self, _interrupt: Interrupt) {}
 
     /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every rank
@@ -37,28 +37,28 @@ pub trait Simulation {
         Err(SimulationError::new(NoLoads))
     }
 
-    /// Takes a step, or as many as take no time worth speaking of, none of them beyond step `last`. `Err` on every rank
-    /// or on none.
+    /// Takes one step, or several where steps are very short, but none beyond step `last`. `Err` on every rank or on
+    /// none.
     fn advance(&mut self, last: u64) -> Result<(), SimulationError>;
 
     /// The particles now.
     fn frame(&self) -> Frame;
 
-    /// What a row of the time series consists of.
+    /// The quantities of the time series.
     fn quantities(&self) -> Vec<Quantity>;
 
     /// A row of the time series: the numbers of each quantity in turn.
     fn observe(&mut self) -> Vec<Vec<f64>>;
 
-    /// The numbers of a row as they are now, outside the time series: what is averaged from row to row goes on.
+    /// The present numbers of a row, not for the time series: averages since its last row go on.
     fn look(&mut self) -> Vec<Vec<f64>> {
         self.observe()
     }
 
-    /// Takes what is averaged from the step where it is.
+    /// Takes a sample for the averages at the present step.
     fn sample(&mut self) {}
 
-    /// The state, from which it goes on bit for bit.
+    /// The state for a checkpoint, from which a run continues bit for bit.
     fn state(&mut self) -> State;
 
     /// The velocity of the fluid, if there is one.
@@ -66,17 +66,17 @@ pub trait Simulation {
         Ok(None)
     }
 
-    /// Averages over the run so far, if it has some.
+    /// Averages over the run so far, if it takes any.
     fn averages(&mut self) -> Option<TableSet> {
         None
     }
 
-    /// What the user should know of it at the start.
+    /// Warnings for the user at the start.
     fn cautions(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// What the user should know of it at the end.
+    /// Warnings for the user at the end.
     fn warnings(&self) -> Vec<String> {
         Vec::new()
     }

@@ -2,17 +2,17 @@
 
 use domain::Particles;
 
-/// Everything that a simulation needs to go on as if it had not stopped.
+/// Everything that a simulation needs to continue as if it had not stopped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// Steps taken so far.
     pub step: u64,
     /// The box's Lees-Edwards strain.
     pub strain: f64,
-    /// How the fluid was computed, in words: a run goes on bit for bit if it is computed the same way.
+    /// How the fluid was computed, in words; a run continues bit for bit if it is computed in the same way.
     pub plan: String,
     /// All particles in the order of their ids, with all their columns.
     pub particles: Particles,
-    /// What the run has counted and averaged so far, as it stores it; empty where there is nothing of the kind.
+    /// The counts and averages of the run so far, in the simulation's own format; empty if there are none.
     pub statistics: Vec<u8>,
 }

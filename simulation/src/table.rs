@@ -4,7 +4,7 @@ use domain::Bytes;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// A table: some columns of words that say what a row is of, and columns of numbers.
+/// A table: columns of words that label each row, and columns of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Its name in files.
@@ -52,8 +52,7 @@ impl Table {
         self.rows.iter().map(row).collect()
     }
 
-    /// What a table of so many rows of numbers takes, each row a list of its own with what the allocator notes of it, and
-    /// its text.
+    /// The memory of a table with `rows` rows of numbers, each an allocation of its own, and of its text.
     pub fn bytes(rows: f64, columns: usize) -> Bytes {
         let numbers = Bytes::list::<f64>((columns + 1) as f64 * rows);
         let text = Bytes::keep(rows * columns as f64 * CHARACTERS);
@@ -67,7 +66,7 @@ const CHARACTERS: f64 = 16.0;
 /// Tables that belong together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableSet {
-    /// Their folder within the results; none where they lie there themselves.
+    /// Their folder within the results; `None` for the folder of the results itself.
     pub folder: Option<&'static str>,
     /// The name of the file that has all of them.
     pub name: &'static str,

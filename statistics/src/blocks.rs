@@ -23,7 +23,7 @@ pub struct Blocks {
     levels: Vec<Level>,
 }
 
-/// Blocks of one length: Welford's mean and sum of squares, and a block that waits for its neighbour.
+/// Blocks of one length: Welford's mean and sum of squares, and a block that is not yet paired.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Level {
     count: u64,
@@ -33,7 +33,7 @@ struct Level {
 }
 
 impl Level {
-    /// Takes a block; hands on the mean of a pair.
+    /// Adds a block; returns the mean of a completed pair.
     fn add(&mut self, value: f64) -> Option<f64> {
         self.count += 1;
         let from_mean = value - self.mean;
@@ -52,7 +52,7 @@ impl Level {
 }
 
 impl Blocks {
-    /// What the levels of a long series take.
+    /// The memory of the longest series.
     pub const MOST_BYTES: usize = 32 * size_of::<Level>();
 
     /// Adds the series' next number.
@@ -67,17 +67,17 @@ impl Blocks {
         }
     }
 
-    /// How many numbers there were.
+    /// Number of values added.
     pub fn count(&self) -> u64 {
         self.levels.first().map_or(0, |level| level.count)
     }
 
-    /// The standard deviation of the numbers themselves; not a number without any.
+    /// The standard deviation of the values; NaN if there are none.
     pub fn deviation(&self) -> f64 {
         self.levels.first().map_or(f64::NAN, |level| (level.squares / level.count as f64).sqrt())
     }
 
-    /// The mean and its error; without numbers the mean is not a number, with one the error is infinite.
+    /// The mean and its error; the mean of no values is NaN, the error of one is infinite.
     pub fn estimate(&self) -> Estimate {
         let Some(single) = self.levels.first() else {
             return Estimate { mean: f64::NAN, error: f64::INFINITY, converged: false };

@@ -13,8 +13,8 @@ pub struct Diffusivity {
 }
 
 impl Diffusivity {
-    /// For a species or all particles, from the lags in a window of time where motion is diffusive. Not a number if
-    /// there are fewer than two of them.
+    /// The diffusivity of a species or of all particles, from the lags in a time window in which motion is diffusive.
+    /// NaN if there are fewer than two such lags.
     pub fn of(lagrangian: &Lagrangian, species: Option<usize>, window: [f64; 2]) -> Self {
         let inside = |lag: &&Lag| (window[0]..=window[1]).contains(&lag.time);
         let integral = |lags: &[Lag], i: usize| {
@@ -22,7 +22,9 @@ impl Diffusivity {
             values.iter().sum::<f64>() / values.len() as f64
         };
         let slope = |lags: &[Lag], i: usize| {
-            0.5 * slope(&lags.iter().filter(inside).map(|lag| (lag.time, lag.displacement[i])).collect::<Vec<_>>())
+            0.5 * slope(
+                &lags.iter().filter(inside).map(|lag| (lag.time, lag.mean_square_displacement[i])).collect::<Vec<_>>(),
+            )
         };
         Self {
             by_integral: [0, 1, 2].map(|i| lagrangian.estimate(species, |lags| integral(lags, i))),

@@ -1,13 +1,12 @@
-//! Probability densities of numbers whose range is not known before.
+//! Histograms of numbers whose range is not known in advance.
 
 use crate::{State, Store};
 
 /// Bins on either side of zero.
 const HALF: usize = 256;
 
-/// Counts of numbers in bins of equal width around zero. The width is a power of two, the least for which all numbers
-/// fit: when one does not, neighbouring bins are merged in pairs, so that the counts never depend on the order of the
-/// numbers.
+/// A histogram with bins of equal width around zero. The width is the smallest power of two for which all numbers fit:
+/// when one does not, neighbouring bins are merged in pairs, so that counts do not depend on the order of the numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Histogram {
     counts: Vec<f64>,
@@ -18,7 +17,7 @@ pub struct Histogram {
 const OFFSET: i32 = 2048;
 
 impl Histogram {
-    /// Adds a number; what is not finite is passed over.
+    /// Adds a number; numbers that are not finite are ignored.
     pub fn add(&mut self, value: f64) {
         if !value.is_finite() {
             return;
@@ -49,7 +48,7 @@ impl Histogram {
         libm::exp2(f64::from(self.exponent as i32 - OFFSET))
     }
 
-    /// How many numbers there were.
+    /// Number of values added.
     pub fn count(&self) -> f64 {
         self.counts.iter().sum()
     }
@@ -62,7 +61,7 @@ impl Histogram {
         (first..last).map(|bin| (centre(bin), self.counts[bin])).collect()
     }
 
-    /// The standard deviation from the mean, as the bins know it.
+    /// The standard deviation, from the centres of the bins.
     pub fn standard_deviation(&self) -> f64 {
         let counts = self.counts();
         let moment = |power: i32| counts.iter().map(|(x, n)| x.powi(power) * n).sum::<f64>() / self.count();

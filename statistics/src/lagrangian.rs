@@ -1,14 +1,14 @@
-//! Correlations and displacements along the paths of particles.
+//! Lagrangian statistics: velocity autocorrelations and mean square displacements.
 
 use crate::{Estimate, State, Store};
 use domain::Vector;
 
-/// What is known of a particle at one time.
+/// A particle's velocity and path at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Motion {
     /// Its velocity relative to the flow.
     pub velocity: Vector,
-    /// How far that velocity has brought it so far: its displacement without what the flow has carried it.
+    /// The integral of that velocity over time: its displacement without that by the background flow.
     pub path: Vector,
 }
 
@@ -20,19 +20,19 @@ pub struct Lag {
     /// `<v(0) v(t)> - <v(0)> <v(t)>`; over its value at lag 0, the autocorrelation `R(t)`.
     pub correlation: Vector,
     /// `<d^2> - <d>^2`, the mean square displacement.
-    pub displacement: Vector,
+    pub mean_square_displacement: Vector,
     /// `<v(0) d> - <v(0)> <d>`, which is the integral of the correlation from 0 to `t`, without an error of quadrature:
     /// the diffusivity of eq. (16) for a long lag.
     pub integral: Vector,
 }
 
-/// A correlator at lags whose spacing grows with them (multiple-tau; Magatti & Ferri, Appl. Opt. 40, 4011, 2001;
-/// Ramirez et al., J. Chem. Phys. 133, 154103, 2010): level `l` keeps the last samples among those whose number is a
+/// A multiple-tau correlator, at lags whose spacing grows with the lag (Magatti & Ferri, Appl. Opt. 40, 4011, 2001;
+/// Ramirez et al., J. Chem. Phys. 133, 154103, 2010): level `l` keeps the latest of the samples whose number is a
 /// multiple of `2^l`, and correlates each new one with them. Samples are skipped, not averaged, so that every lag is
 /// exact. Memory grows as the logarithm of the number of samples.
 ///
-/// The particles of a species are shared out to a few groups, and errors are those of the mean of the groups. As groups
-/// move in the same flow, that is a lower bound.
+/// The particles of a species are divided into a few groups, and errors are standard errors over the groups. As all
+/// groups move in the same flow, they are lower bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lagrangian {
     /// The class of each particle: its species and group.
@@ -184,7 +184,7 @@ fn average(sums: &[f64; SUMS]) -> Lag {
     Lag {
         time: sums[1] / sums[0],
         correlation: covariance(2, 0, 1),
-        displacement: covariance(4, 3, 3),
+        mean_square_displacement: covariance(4, 3, 3),
         integral: covariance(5, 0, 3),
     }
 }

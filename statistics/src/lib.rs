@@ -1,10 +1,10 @@
-//! Estimators of what a suspension does on average, fed with one sample after another. None of them keeps the samples:
-//! their memory does not grow with a run, or as the logarithm of its length. What they have taken in can be stored and
-//! taken up again to the bit ([`State`]), and is the same as if all samples had been there at once, up to round-off.
+//! Estimators of averages over a run, to which samples are added one after another. They do not keep the samples: their
+//! memory is constant or grows as the logarithm of the length of the run. Their state can be stored and restored bit
+//! for bit ([`State`]), and results are those of all samples at once, up to round-off.
 //!
-//! They know nothing of scenes or files, and nothing of ranks: whoever has all the particles feeds them.
+//! They know nothing of scenes, files or ranks: the caller provides all particles.
 //!
-//! The mean of a correlated series, in its own unit, with an error that knows of the correlation:
+//! The mean of a correlated series, in its own unit, with an error that takes the correlation into account:
 //! ```
 //! use statistics::Blocks;
 //!
@@ -37,6 +37,6 @@ pub use histogram::Histogram;
 pub use lagrangian::{Lag, Lagrangian, Motion};
 pub use pair_distribution::{Angle, PairDistribution};
 pub use profile::Profile;
-pub use segregation::Columns;
+pub use segregation::SpeciesColumns;
 pub use state::{Loader, Saver, State, Store};
 pub use stretched_exponential::StretchedExponential;

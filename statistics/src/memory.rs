@@ -1,10 +1,10 @@
-//! What estimators take that keep something of every particle.
+//! Predicted memory of the estimators that store numbers of every particle or pair.
 
 use crate::{Lagrangian, PairDistribution};
 use domain::Bytes;
 
 impl Lagrangian {
-    /// Of so many particles after so many samples: levels, each of twice the time lag of the one before.
+    /// For `particles` particles after `samples` samples: the levels, each with twice the time lag of the one before.
     pub fn bytes(particles: f64, samples: u64) -> Bytes {
         let levels = f64::from(samples.checked_ilog2().map_or(0, |doubled| doubled + 1));
         Bytes::list::<usize>(particles).then(Bytes::list::<[[f64; Self::WIDTH]; Self::KEPT]>(levels * particles))
@@ -12,7 +12,7 @@ impl Lagrangian {
 }
 
 impl PairDistribution {
-    /// Of so many species, whose pairs so many threads count.
+    /// For `species` species, whose pairs are counted by `threads` threads.
     pub fn bytes(species: usize, threads: usize) -> Bytes {
         let bins = (species * (species + 1) / 2) as f64 * Self::BINS as f64;
         // Each thread's cells are counted in several parts.

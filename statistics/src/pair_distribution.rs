@@ -1,10 +1,10 @@
-//! How likely particles are to be found near each other.
+//! Pair distribution functions g(r) and g(r, angle).
 
 use crate::{State, Store};
 use domain::{PeriodicBox, Vector, fold_pairs};
 use std::f64::consts::PI;
 
-/// The angle by which pairs are told apart. All angles are equally likely where there is no order.
+/// The angle of g(r, angle), defined such that it is uniformly distributed in an isotropic system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Angle {
     /// Of the separation in the plane of flow and gradient, from the flow's direction x towards y, in `[0, pi)`.
@@ -14,7 +14,7 @@ pub enum Angle {
 }
 
 impl Angle {
-    /// The angle as a share of its range.
+    /// The angle as a fraction of its range.
     fn share(self, separation: Vector) -> f64 {
         match self {
             Self::Azimuth => (separation.y.atan2(separation.x) / PI).rem_euclid(1.0),
@@ -37,8 +37,8 @@ impl Angle {
 /// g(r) = (pairs found at a distance in [r, r + dr)) / (N_a N_b 4 pi r^2 dr / V),
 /// ```
 ///
-/// with `N_a (N_a - 1) / 2` for a species and itself, so that an ideal gas has 1 at any number of particles; and
-/// `g(r, angle)` likewise. Images count, also across the sides of a sheared box, but not those of a particle itself.
+/// with `N_a (N_a - 1) / 2` for a species and itself, so that an ideal gas has 1 at any number of particles; and `g(r,
+/// angle)` likewise. Periodic images are included, also across the faces of a sheared box, except a particle's own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairDistribution {
     cutoff: f64,
@@ -86,7 +86,8 @@ impl PairDistribution {
         (pair_index(a, b) * DISTANCES + distance.min(DISTANCES - 1)) * ANGLES + angle.min(ANGLES - 1)
     }
 
-    /// The pairs of species, `a <= b`, whose particles can be pairs: a lone particle has no distribution of its own.
+    /// The pairs of species `a <= b` that have pairs of particles: a species of one particle has no distribution of its
+    /// own.
     pub fn species_pairs(&self) -> Vec<[usize; 2]> {
         let all = (0..self.counts.len()).flat_map(|b| (0..=b).map(move |a| [a, b]));
         all.filter(|&pair| self.possible(pair) > 0.0).collect()
@@ -97,7 +98,7 @@ impl PairDistribution {
         if a == b { 0.5 * n * (n - 1.0) } else { n * m }
     }
 
-    /// Pairs of two species that an ideal gas would have in a shell.
+    /// The number of pairs of two species in a shell of an ideal gas.
     fn ideal(&self, pair: [usize; 2], distance: usize) -> f64 {
         let edge = |bin: usize| self.cutoff * bin as f64 / DISTANCES as f64;
         let shell = 4.0 / 3.0 * PI * (edge(distance + 1).powi(3) - edge(distance).powi(3));

@@ -4,8 +4,8 @@ use crate::{State, Store};
 use domain::{PeriodicBox, Vector};
 use std::f64::consts::PI;
 
-/// The volume fraction of each species in slabs across an axis; a sphere counts in every slab with the volume that it
-/// has there.
+/// The volume fraction of each species in slabs perpendicular to an axis; a sphere contributes to every slab the volume
+/// that it has there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     axis: usize,
@@ -20,7 +20,7 @@ pub struct Profile {
 const SLABS: usize = 64;
 
 impl Profile {
-    /// Along an axis of a box, for so many species.
+    /// Along an axis of a box, for `species` species.
     pub fn new(cell: &PeriodicBox, axis: usize, species: usize) -> Self {
         let slab_volume = cell.volume() / SLABS as f64;
         Self { axis, edge: cell.edges()[axis], slab_volume, samples: 0.0, volumes: vec![0.0; species * SLABS] }

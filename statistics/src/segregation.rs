@@ -2,9 +2,9 @@
 
 use domain::{Bytes, PeriodicBox, Vector};
 
-/// Particles counted by species in columns along an axis, as the streams of a settling suspension are.
+/// Numbers of particles of each species in columns along an axis, in which settling suspensions segregate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Columns {
+pub struct SpeciesColumns {
     across: [usize; 2],
     widths: [f64; 2],
     table: [usize; 2],
@@ -12,10 +12,10 @@ pub struct Columns {
     counts: Vec<f64>,
 }
 
-/// Columns along an axis: in a larger box they are wider.
+/// The largest number of columns; in larger boxes columns are wider.
 const MOST: f64 = 1024.0;
 
-impl Columns {
+impl SpeciesColumns {
     /// Columns about `width` wide along an axis of a box.
     pub fn new(cell: &PeriodicBox, axis: usize, width: f64, species: usize) -> Self {
         let across = Self::across(axis);
@@ -33,7 +33,7 @@ impl Columns {
         Self::across(axis).map(|d| (cell.edges()[d] / width).round().clamp(1.0, MOST) as usize)
     }
 
-    /// Bytes of such columns.
+    /// The memory of such columns.
     pub fn bytes(cell: &PeriodicBox, axis: usize, width: f64, species: usize) -> Bytes {
         let [nx, ny] = Self::table(cell, axis, width).map(|n| n as f64);
         Bytes::list::<f64>(nx * ny * species as f64)
@@ -46,7 +46,7 @@ impl Columns {
         self.counts[(j * self.table[0] + i) * self.species + species as usize] += 1.0;
     }
 
-    /// The numbers of each species in each column, for whoever counts them in parts.
+    /// The numbers of each species in each column, for counts that are summed over ranks.
     pub fn counts(&mut self) -> &mut [f64] {
         &mut self.counts
     }
@@ -86,9 +86,9 @@ mod tests {
 
     fn intensity(kind: impl Fn(Vector, &mut Random) -> u32, seed: u64) -> f64 {
         let cell = PeriodicBox::new(Vector::new(20.0, 30.0, 10.0)).unwrap();
-        let mut columns = Columns::new(&cell, 2, 4.9, 2);
+        let mut columns = SpeciesColumns::new(&cell, 2, 4.9, 2);
         assert_eq!(columns.table, [4, 6]);
-        assert_eq!(Columns::bytes(&cell, 2, 4.9, 2), Bytes::list::<f64>(columns.counts.len() as f64));
+        assert_eq!(SpeciesColumns::bytes(&cell, 2, 4.9, 2), Bytes::list::<f64>(columns.counts.len() as f64));
         for id in 0..400 {
             let mut random = Random::new(seed, id);
             let position = random.point() * cell.edges();
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn counts_may_be_added_in_parts() {
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
-        let [mut all, mut even, mut odd] = std::array::from_fn(|_| Columns::new(&cell, 1, 3.0, 2));
+        let [mut all, mut even, mut odd] = std::array::from_fn(|_| SpeciesColumns::new(&cell, 1, 3.0, 2));
         for id in 0..50_u32 {
             let position = Random::new(1, u64::from(id)).point() * 9.0;
             all.add(position, id % 2);

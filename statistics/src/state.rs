@@ -1,9 +1,9 @@
-//! Estimators stored to the bit and taken up again.
+//! Storing and restoring the state of estimators, bit for bit.
 
-/// Something whose numbers can be stored. An estimator made anew with the same parameters and then visited with a
-/// [`Loader`] is the one that was visited with the [`Saver`].
+/// An estimator whose state can be stored. One made with the same parameters and then visited with a [`Loader`] has the
+/// state that was visited with the [`Saver`].
 pub trait State {
-    /// Shows all numbers that samples have changed to a store, always in the same order.
+    /// Passes all numbers that depend on samples to a store, always in the same order.
     fn visit(&mut self, store: &mut dyn Store);
 
     /// The state as bytes.
@@ -16,7 +16,7 @@ pub trait State {
         saver.0
     }
 
-    /// Takes up a state; says whether it fitted.
+    /// Restores a state; returns whether it fitted.
     #[must_use]
     fn load(&mut self, bytes: &[u8]) -> bool
     where
@@ -28,7 +28,7 @@ pub trait State {
     }
 }
 
-/// Where numbers go or come from.
+/// The destination or the source of stored numbers.
 pub trait Store {
     /// A list, whose length is stored too.
     fn numbers(&mut self, values: &mut Vec<f64>);
@@ -44,7 +44,7 @@ pub trait Store {
     }
 }
 
-/// Writes numbers down.
+/// Stores numbers as bytes.
 #[derive(Debug, Default)]
 pub struct Saver(Vec<u8>);
 
@@ -59,7 +59,7 @@ impl Store for Saver {
     }
 }
 
-/// Reads numbers back.
+/// Restores numbers from bytes.
 #[derive(Debug)]
 pub struct Loader<'a> {
     rest: &'a [u8],

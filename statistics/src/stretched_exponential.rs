@@ -1,4 +1,4 @@
-//! How fast the tails of a density fall.
+//! Fits of a stretched exponential to probability densities.
 
 use crate::Histogram;
 
@@ -21,7 +21,7 @@ pub struct StretchedExponential {
 const EXPONENTS: [f64; 2] = [0.2, 8.0];
 
 impl StretchedExponential {
-    /// The most likely one for the numbers of a histogram; none for fewer than two different numbers.
+    /// The maximum likelihood fit to a histogram; `None` for fewer than two different numbers.
     ///
     /// At a given `n` the most likely scale is `l^n = n <|x|^n>`, and the likelihood at that scale is maximised over
     /// `n` by golden sections.
@@ -46,7 +46,7 @@ impl StretchedExponential {
     }
 }
 
-/// Where a function with one maximum between two places has it.
+/// The position of the maximum of a unimodal function, by golden-section search.
 fn golden_sections(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..60 {

@@ -32,7 +32,7 @@ pub enum StartError {
     Step(#[from] StepError),
     /// Spheres that are brought and can't be computed.
     #[error("the spheres of particles.path")]
-    Brought(#[source] Box<StartError>),
+    Given(#[source] Box<StartError>),
     /// Something that only some ranks know of.
     #[error(transparent)]
     Failed(#[from] Failure),
@@ -46,7 +46,7 @@ pub enum PlacingError {
     Packing(#[from] PackingError),
     /// The spheres that are brought do not fit the species.
     #[error("{name}: {message}")]
-    Brought {
+    Given {
         /// Where they are from.
         name: String,
         /// What is wrong with them.

@@ -2,14 +2,14 @@
 
 use crate::error::PlacingError;
 use crate::model::{Lattice, Model, Species, Start};
-use domain::{Comm, Particles, PeriodicBox, Placed, Random, Vector, random_packing};
+use domain::{Comm, GivenPositions, Particles, PeriodicBox, Random, Vector, random_packing};
 
 /// All particles of a model, in the order of their ids.
-pub fn particles(model: &Model, placed: Option<Placed>) -> Result<Particles, PlacingError> {
-    if model.start == Start::Brought {
+pub fn particles(model: &Model, placed: Option<GivenPositions>) -> Result<Particles, PlacingError> {
+    if model.start == Start::Given {
         let placed = placed.unwrap_or_default();
         let name = placed.name.clone();
-        return brought(model, placed).map_err(|message| PlacingError::Brought { name, message });
+        return given(model, placed).map_err(|message| PlacingError::Given { name, message });
     }
     let mut species = counted(model);
     if let Start::Lattice(_) = &model.start {
@@ -20,7 +20,7 @@ pub fn particles(model: &Model, placed: Option<Placed>) -> Result<Particles, Pla
         Start::Random { minimum_gap } => &random_packing(&model.cell, &radii, *minimum_gap, model.seed)?,
         Start::Lattice(lattice) => &on_lattice(&model.cell, *lattice, (species.len(), model.seed)),
         Start::Positions(positions) => positions,
-        Start::Brought => unreachable!("taken above"),
+        Start::Given => unreachable!("taken above"),
     };
     Ok(store(positions, &radii, &species))
 }
@@ -88,7 +88,7 @@ fn spacing(cell: &PeriodicBox, (sites, spheres): (f64, f64)) -> f64 {
 }
 
 /// Particles from outside: species as they come, or in the order of the model's counts; radii likewise.
-fn brought(model: &Model, placed: Placed) -> Result<Particles, String> {
+fn given(model: &Model, placed: GivenPositions) -> Result<Particles, String> {
     let count_here = placed.positions.len();
     let count_asked: usize = model.species.iter().map(count).sum();
     let is_told = placed.species.is_some() || model.species.len() == 1;

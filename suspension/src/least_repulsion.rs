@@ -4,7 +4,7 @@ use crate::error::StartError;
 use crate::model::{Model, Parameters, Repulsion};
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
-use domain::{Comm, Number, ParameterError, Placed};
+use domain::{Comm, GivenPositions, Number, ParameterError};
 
 /// Steps of a trial, if the model has as many.
 const TRIAL: u64 = 200;
@@ -49,7 +49,7 @@ pub enum LeastRepulsionError {
 /// geometric mean is tried again and again. Collective.
 pub fn least_repulsion(
     model: &Model,
-    placed: Option<&Placed>,
+    placed: Option<&GivenPositions>,
     comm: &Comm,
 ) -> Result<Option<f64>, LeastRepulsionError> {
     let Some(repulsion) = model.repulsion.filter(|repulsion| repulsion.calibrate) else { return Ok(None) };
@@ -90,7 +90,7 @@ fn least(start: f64, suffices: impl Fn(f64) -> Result<bool, LeastRepulsionError>
 /// Whether no spheres overlap in a trial. Collective.
 fn keeps_apart(
     model: &Model,
-    placed: Option<Placed>,
+    placed: Option<GivenPositions>,
     (comm, strength): (&Comm, f64),
 ) -> Result<bool, LeastRepulsionError> {
     let started = Suspension::start_with(model, placed, comm);

@@ -25,7 +25,6 @@ mod adaptive;
 mod applied;
 mod averages;
 pub mod benchmark;
-mod brought;
 mod cautions;
 mod columns;
 mod dynamics;
@@ -34,6 +33,7 @@ mod extrapolation;
 mod fluid;
 mod forces;
 mod gap;
+mod given_positions;
 mod hydrodynamics;
 mod initial;
 mod integrator;
@@ -70,7 +70,7 @@ pub use model::{
     Parameters, Repulsion, Species, Start, Statistics as StatisticsWanted,
 };
 pub use observed::Observed;
-pub use outline::{Asked, outline};
+pub use outline::{Asked, outline, plan_values};
 pub use overlaps::Overlaps;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, Statistics, bytes as statistics_bytes, column_bytes, sample_bytes};
 pub use single_evaluation::SingleEvaluation;

@@ -94,7 +94,7 @@ impl Mobility {
         let plan = Plan::choose(&problem).map_err(MobilityError::Plan)?;
         let (lubrication, radii) = (parameters.lubrication, problem.radii.clone());
         SingleEvaluation { plan: &plan, radii, lubrication, numbers: NUMBERS, besides, remedy: REMEDY }
-            .check_room(comm)?;
+            .check_memory(comm)?;
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics = comm.agree(Hydrodynamics::new(&plan, &partition, lubrication))?;
         Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions: Vec::new() })

@@ -7,7 +7,7 @@ use crate::sampling::{columns, counted};
 use crate::suspension::{StepReport, Suspension};
 use domain::Vector;
 use simulation::Quantity;
-use statistics::Columns;
+use statistics::SpeciesColumns;
 use std::time::Instant;
 
 /// Computes the rows of the time series.
@@ -15,7 +15,7 @@ pub struct Observer {
     species: Vec<String>,
     rheology: Option<Rheology>,
     /// Columns in which species may separate, if there is more than one.
-    columns: Option<Columns>,
+    columns: Option<SpeciesColumns>,
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,

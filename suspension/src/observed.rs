@@ -10,7 +10,7 @@ use crate::observe::Observer;
 use crate::plan::Radii;
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
-use domain::{Comm, Interrupt, Placed};
+use domain::{Comm, GivenPositions, Interrupt};
 use simulation::{Clock, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField};
 
 /// A suspension and who observes it.
@@ -26,7 +26,7 @@ const FRAME: [&str; 3] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET];
 
 impl Observed {
     /// A model at time zero, with spheres where the first rank brings them, if the model says so. Collective.
-    pub fn start(model: &Model, placed: Option<Placed>, comm: &Comm) -> Result<Self, StartError> {
+    pub fn start(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
         Ok(Self::of(model, Suspension::start_with(model, placed, comm)?))
     }
 

@@ -21,7 +21,7 @@ impl Radii {
 
     /// The radii of a scene that counts its particles itself; none where a file does.
     pub fn of_model(model: &Model) -> Option<Self> {
-        if let Start::Brought = model.start {
+        if let Start::Given = model.start {
             return None;
         }
         let mut kinds: Vec<(f64, usize)> =

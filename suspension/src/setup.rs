@@ -8,7 +8,7 @@ use crate::model::{Flow, Model};
 use crate::moving_box::MovingBox;
 use crate::near::smallest_gap;
 use crate::plan::{Radii, plan};
-use domain::{Comm, Failure, Particles, Partition, Placed};
+use domain::{Comm, Failure, GivenPositions, Particles, Partition};
 use fcm::{Plan, PlanError};
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -31,16 +31,16 @@ pub struct Setup {
 
 impl Setup {
     /// A scene at time zero, if there is memory to run it. Collective.
-    pub fn start(model: &Model, placed: Option<Placed>, comm: &Comm) -> Result<Self, StartError> {
+    pub fn start(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
         let planned = Planned::of_model(model)?;
-        planned.iter().try_for_each(|planned| planned.check_room(model, comm))?;
+        planned.iter().try_for_each(|planned| planned.check_memory(model, comm))?;
         Self::placed(model, placed, planned, comm)
     }
 
     /// A scene at time zero, planned before if it counts its particles itself. Collective.
     pub fn placed(
         model: &Model,
-        placed: Option<Placed>,
+        placed: Option<GivenPositions>,
         planned: Option<Planned>,
         comm: &Comm,
     ) -> Result<Self, StartError> {
@@ -48,7 +48,7 @@ impl Setup {
         let particles = comm.agree(particles)?;
         let setup = match planned {
             Some(planned) => Self::of(model, (planned, particles), (comm, 0))?,
-            None => Self::at(model, particles, (comm, 0)).map_err(|error| StartError::Brought(Box::new(error)))?,
+            None => Self::at(model, particles, (comm, 0)).map_err(|error| StartError::Given(Box::new(error)))?,
         };
         let Gap { length: gap, radius } = setup.gap();
         // Touching spheres may touch, up to the round-off of a box's length.
@@ -62,7 +62,7 @@ impl Setup {
     /// A scene after `step` steps, with all particles on the first rank, if there is memory to run it. Collective.
     pub fn at(model: &Model, particles: Particles, (comm, step): (&Comm, u64)) -> Result<Self, StartError> {
         let planned = comm.agree(Planned::new(model, Radii::shared(&particles, comm)))?;
-        planned.check_room(model, comm)?;
+        planned.check_memory(model, comm)?;
         Self::of(model, (planned, particles), (comm, step))
     }
 
@@ -113,10 +113,10 @@ impl Planned {
     }
 
     /// Refuses a run for which the ranks present have no memory. Collective.
-    fn check_room(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
+    fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
         let need = memory::need(model, (&self.radii, &self.plan), ranks, comm.rank());
         let remedy = || memory::remedy(model, &self.radii);
-        comm.agree(comm.check_room(need).map_err(|error| format!("{error}; {}", remedy())))
+        comm.agree(comm.check_memory(need).map_err(|error| format!("{error}; {}", remedy())))
     }
 }

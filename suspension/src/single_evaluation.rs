@@ -24,10 +24,10 @@ pub struct SingleEvaluation<'a> {
 
 impl SingleEvaluation<'_> {
     /// Refuses an evaluation for which the ranks have no memory. Collective.
-    pub fn check_room(&self, comm: &Comm) -> Result<(), Failure> {
+    pub fn check_memory(&self, comm: &Comm) -> Result<(), Failure> {
         let count: usize = self.radii.iter().map(|kind| kind.1).sum();
         let message = |error| format!("{error}; for these {count} spheres take {}, or more machines", self.remedy);
-        comm.agree(comm.check_room(self.need(comm)).map_err(message))
+        comm.agree(comm.check_memory(self.need(comm)).map_err(message))
     }
 
     fn need(&self, comm: &Comm) -> domain::Need {

@@ -9,8 +9,8 @@ use crate::model::{Integrator, Model};
 use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::stress::ParticleStress;
-use crate::{adaptive, brought, initial, near};
-use domain::{Comm, Interrupt, Particles, PeriodicBox, Placed, Vector};
+use crate::{adaptive, given_positions, initial, near};
+use domain::{Comm, GivenPositions, Interrupt, Particles, PeriodicBox, Vector};
 use fcm::PlanError;
 use simulation::{Clock, LoadFunction, State};
 
@@ -53,11 +53,11 @@ impl Suspension {
         Self::start_with(model, None, comm)
     }
 
-    /// A model at time zero, whose spheres are where the first rank brings them if it says [`Start::Brought`].
+    /// A model at time zero, whose spheres are where the first rank brings them if it says [`Start::Given`].
     /// Collective.
     ///
-    /// [`Start::Brought`]: crate::Start::Brought
-    pub fn start_with(model: &Model, placed: Option<Placed>, comm: &Comm) -> Result<Self, StartError> {
+    /// [`Start::Given`]: crate::Start::Given
+    pub fn start_with(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
         let (mut dynamics, mut particles) = Dynamics::new(model, Setup::start(model, placed, comm)?)?;
         let clock = Clock::at(0, model.time_step);
         let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0))?;
@@ -81,7 +81,7 @@ impl Suspension {
         comm.broadcast(&mut step);
         let then = state.as_ref().map(|state| state.plan.clone());
         let mut particles = state.map(|state| state.particles).unwrap_or_default();
-        comm.agree(brought::check(&particles, model.species.len(), model.hydrodynamics.lubrication))?;
+        comm.agree(given_positions::check(&particles, model.species.len(), model.hydrodynamics.lubrication))?;
         initial::share_columns(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], model.time_step);

@@ -1,6 +1,6 @@
 //! A failure that all ranks know of.
 
-/// What went wrong on some rank, known to all of them.
+/// An error of one rank, as all ranks return it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
     /// The lowest rank that failed.

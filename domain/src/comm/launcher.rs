@@ -1,4 +1,4 @@
-//! What a launcher such as `mpirun` or `srun` says of a process in its environment.
+//! The environment variables by which a launcher such as `mpirun` or `srun` describes a process.
 
 /// How this process was started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,26 +20,27 @@ pub struct Launcher {
 pub(super) enum Job {
     /// This one, without a launcher.
     Alone,
-    /// So many.
+    /// This number of them.
     Of(usize),
     /// The launcher does not say how many.
     Unknown,
 }
 
-/// The numbers of a job's processes, by Open MPI, MVAPICH, Spectrum MPI, and whoever speaks PMI: MPICH, Intel MPI, Slurm.
+/// Variables with the number of processes of a job: Open MPI, MVAPICH, Spectrum MPI, and launchers with PMI, which are
+/// MPICH, Intel MPI and Slurm.
 const SIZES: [&str; 5] = ["OMPI_COMM_WORLD_SIZE", "MV2_COMM_WORLD_SIZE", "JSM_NAMESPACE_SIZE", "PMI_SIZE", "PMIX_SIZE"];
 const RANKS: [&str; 5] = ["OMPI_COMM_WORLD_RANK", "MV2_COMM_WORLD_RANK", "JSM_NAMESPACE_RANK", "PMI_RANK", "PMIX_RANK"];
 const RANKS_HERE: [&str; 4] =
     ["OMPI_COMM_WORLD_LOCAL_SIZE", "MV2_COMM_WORLD_LOCAL_SIZE", "JSM_NAMESPACE_LOCAL_SIZE", "MPI_LOCALNRANKS"];
 
-/// Any of these is a way for processes to find each other.
+/// With any of these variables processes can find each other.
 const CONNECTIONS: [&str; 6] = ["PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "PMI_CONTROL_PORT", "PALS_RANKID"];
 
 /// Slurm's steps from this number on are not started by `srun`: the batch script, the shell of `salloc`.
 const SPECIAL_STEPS: usize = 0xffff_fff0;
 
 impl Launcher {
-    /// As the environment of this process says.
+    /// Reads the environment of this process.
     pub fn of_this_process() -> Self {
         Self::of(&|name| std::env::var(name).ok())
     }

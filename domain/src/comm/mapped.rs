@@ -1,5 +1,5 @@
-//! Memory without a name in any file system, which processes of one machine map by way of the one that made it. Nothing
-//! of it is left behind, however the processes end, and no limit on `/dev/shm` holds for it.
+//! Anonymous shared memory, which other processes of the machine map through the process that made it. It is freed
+//! however the processes end, and limits on `/dev/shm` do not apply.
 
 use rustix::fs::{FallocateFlags, MemfdFlags, Mode, OFlags};
 use rustix::io::Errno;
@@ -9,28 +9,28 @@ use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 
-/// Some memory, mapped.
+/// A mapped region of memory.
 pub(super) struct Mapped {
     start: *mut u8,
     bytes: usize,
 }
 
-/// Before the memory itself: a page that tells whose it is.
+/// A page before the memory that identifies it.
 const HEADER: usize = 4096;
 
-/// How others find it.
+/// What other processes need to map it.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Address {
     process: u64,
     descriptor: u64,
     bytes: u64,
-    /// What the header holds: elsewhere a process of the same number may be another one.
+    /// The identification in the header, since another process can have the same number in another container.
     token: u64,
 }
 
 impl Mapped {
-    /// Memory of this process, for as long as the descriptor is open to be mapped by others too.
+    /// Allocates memory; others can map it as long as the descriptor is open.
     pub fn create(bytes: usize) -> rustix::io::Result<(Self, OwnedFd, Address)> {
         let size = (HEADER + bytes) as u64;
         // Beyond the limit on files the system would end the process.
@@ -50,7 +50,7 @@ impl Mapped {
         Ok((memory, descriptor, address))
     }
 
-    /// Memory that another process made.
+    /// Maps memory that another process made.
     pub fn open(address: Address) -> rustix::io::Result<Self> {
         let path = format!("/proc/{}/fd/{}", address.process, address.descriptor);
         let descriptor = rustix::fs::open(path, OFlags::RDWR | OFlags::CLOEXEC, Mode::empty())?;

@@ -1,4 +1,4 @@
-//! The ranks. Nothing outside this folder knows what a rank is made of: a lone process, a thread of a test, or a
+//! The ranks. Only this folder knows how a rank is implemented: as a single process, as a thread of a test, or as a
 //! process under `mpirun`.
 
 mod cores;
@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub use failure::Failure;
 use launcher::Job;
 pub use launcher::Launcher;
-pub use need::{Need, NoRoom};
+pub use need::{Need, NotEnoughMemory};
 use window::Segment;
 pub use window::Window;
 
@@ -54,7 +54,7 @@ pub enum CommError {
         /// Processes that Slurm announced.
         launched: usize,
     },
-    /// The launcher and the library are of different makes.
+    /// The launcher and the MPI library do not belong together.
     #[error(
         "the launcher started {launched} processes, but the MPI library sees {seen}: the program was built for \
          another MPI than the one that runs it; build it again with this machine's mpicc first in PATH, or start it by \
@@ -77,13 +77,13 @@ pub enum CommError {
         /// The library that made the communicator.
         theirs: String,
     },
-    /// The library grants less than it needs to run beside worker threads.
+    /// The MPI library does not support the threads that the program needs.
     #[error("the MPI library refuses to run beside threads (it needs the level MPI_THREAD_FUNNELED)")]
     NoThreads,
 }
 
-/// A group of ranks that work together; every call of it is collective: all ranks of the group make the same calls in
-/// the same order. Sums run in rank order, so that results do not depend on timing.
+/// A communicator: a group of ranks. Every call is collective: all ranks of the group make the same calls in the same
+/// order. Sums are taken in rank order, so that results do not depend on timing.
 #[derive(Clone)]
 pub struct Comm {
     backend: Backend,
@@ -99,7 +99,7 @@ enum Backend {
 }
 
 impl Comm {
-    /// One rank on its own: every exchange is a copy.
+    /// A single rank: every exchange is a copy.
     pub fn alone() -> Self {
         Self::of(Backend::Alone)
     }
@@ -118,10 +118,9 @@ impl Comm {
         }
     }
 
-    /// The ranks of an MPI communicator that another part of the process made: its handle for Fortran, as `MPI_Comm_c2f`
-    /// gives it, and the words of `MPI_Get_library_version` for the library that it is of. It needs to be an
-    /// intracommunicator and to live until this returns; a copy is made. The library needs to run until the last use.
-    /// Collective among its ranks.
+    /// The ranks of an MPI communicator that another part of the process made, given by its Fortran handle, from
+    /// `MPI_Comm_c2f`, and the text of `MPI_Get_library_version` of its library. It has to be an intracommunicator and
+    /// is duplicated. MPI has to stay initialised until the last use. Collective among its ranks.
     #[cfg(feature = "mpi")]
     pub fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
         processes::Rank::of_handle(handle, library).map(|rank| Self::of(Backend::Processes(rank)))
@@ -151,7 +150,7 @@ impl Comm {
         }
     }
 
-    /// Whether this is the rank that speaks to the user and writes files.
+    /// Whether this is the first rank, which prints messages and writes files.
     pub fn is_first(&self) -> bool {
         self.rank() == 0
     }
@@ -307,14 +306,15 @@ impl Comm {
         }
     }
 
-    /// Whether any rank says yes.
+    /// Whether `yes` is true on any rank.
     pub fn any(&self, yes: bool) -> bool {
         let mut value = [f64::from(u8::from(yes))];
         self.max(&mut value);
         value[0] > 0.0
     }
 
-    /// Makes a failure everybody's: `Ok` on every rank, or on none. The message is that of the lowest rank that failed.
+    /// Makes an error of any rank an error of all: the result is `Ok` on every rank or on none. The message is that of
+    /// the lowest rank that failed.
     pub fn agree<T, E: std::fmt::Display>(&self, result: Result<T, E>) -> Result<T, Failure> {
         let (value, message) = match result {
             Ok(value) => (Some(value), String::new()),
@@ -330,7 +330,7 @@ impl Comm {
     }
 }
 
-/// Ranges of so many, one after the other.
+/// Consecutive ranges of the given lengths.
 fn consecutive(counts: &[usize]) -> Vec<Range<usize>> {
     let mut end = 0;
     let range = |count| {

@@ -1,4 +1,4 @@
-//! Stands for the processes of a launcher in a program that was built without MPI: there are none.
+//! In place of the processes of MPI in a program that was built without it.
 
 use super::window::Segment;
 use super::{Comm, CommError, Job, Launcher};

@@ -1,4 +1,4 @@
-//! Ranks that are processes under a launcher such as `mpirun`: the one place that speaks MPI.
+//! Ranks that are processes under a launcher such as `mpirun`: the only file that calls MPI.
 
 use super::window::Segment;
 use super::{Comm, CommError, Job, Launcher};
@@ -15,15 +15,15 @@ use std::ops::{Deref, Range};
 use std::rc::Rc;
 use std::sync::{Arc, Once};
 
-/// One process's place in a group of processes. The library shuts down when the last of them goes.
+/// A process in a group of processes. MPI is finalised when the last of these values is dropped.
 #[derive(Clone)]
 pub(super) struct Rank {
     communicator: Rc<Group>,
-    /// Nothing where others started the library, and shut it down.
+    /// `None` if other code initialised MPI, which then finalises it.
     universe: Option<Rc<Universe>>,
 }
 
-/// A communicator that is freed when it goes, unless the library was shut down before.
+/// A communicator that is freed when it is dropped, unless MPI was finalised before.
 struct Group(ManuallyDrop<SimpleCommunicator>);
 
 impl Group {
@@ -73,8 +73,8 @@ impl Rank {
         Ok(Self { communicator: Group::of(world), universe: Some(Rc::new(universe)) })
     }
 
-    /// The ranks of a communicator that somebody else made, given by its handle for Fortran and the name of the library
-    /// that it is of. Collective among them.
+    /// The ranks of a communicator that other code made, given by its Fortran handle and the version of its library.
+    /// Collective among them.
     pub(super) fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
         let plain = |name: &str| name.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
         let [ours, theirs] = [&mpi::environment::library_version().unwrap_or_default(), library].map(plain);
@@ -119,7 +119,7 @@ impl Rank {
         Self { communicator: Group::of(communicator), universe: self.universe.clone() }
     }
 
-    /// Memory of every rank of a group on one machine, if that lets processes share it.
+    /// Shared memory of every rank of a group on one machine, if the machine allows that.
     #[cfg(target_os = "linux")]
     pub(super) fn share(&self, bytes: usize, machine: &Comm) -> Option<Vec<Arc<Segment>>> {
         use super::mapped::Mapped;
@@ -135,7 +135,7 @@ impl Rank {
         all.filter(|_| everybody)
     }
 
-    /// Other systems have no memory without a name.
+    /// Other systems have no anonymous shared memory.
     #[cfg(not(target_os = "linux"))]
     pub(super) fn share(&self, _bytes: usize, _machine: &Comm) -> Option<Vec<Arc<Segment>>> {
         None
@@ -178,7 +178,7 @@ fn counts_and_starts(ranges: &[Range<usize>], words: usize) -> (Vec<i32>, Vec<i3
 /// Set for the first communicator that others made.
 static ABORTS: Once = Once::new();
 
-/// The other ranks would wait for ever for one that panicked.
+/// Aborts the job when a rank panics: the others would wait for it for ever.
 fn abort_all_on_panic(rank: i32) {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {

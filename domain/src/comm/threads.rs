@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// One thread's place in a group of threads.
+/// A thread in a group of threads.
 #[derive(Clone)]
 pub(super) struct Rank {
     number: usize,
@@ -14,7 +14,7 @@ pub(super) struct Rank {
     machine: usize,
 }
 
-/// What the threads of a group share: a meeting point and a mailbox from every rank to every other.
+/// What the threads of a group share: a barrier, and a mailbox from every rank to every other.
 struct Group {
     size: usize,
     meeting: Mutex<Meeting>,
@@ -47,7 +47,7 @@ pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(Rank) -> R + Sync) -> Vec
     })
 }
 
-/// Lets the others go when this rank panics, rather than wait for it for ever.
+/// Releases the other threads when this rank panics; they would wait for it for ever.
 struct BreakOnPanic(Arc<Group>);
 
 impl Drop for BreakOnPanic {
@@ -105,7 +105,7 @@ impl Rank {
         self.group.meet();
     }
 
-    /// On which of the machines that are played here it is.
+    /// The simulated machine that the rank is on.
     pub(super) fn machine(&self) -> usize {
         self.machine
     }

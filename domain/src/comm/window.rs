@@ -1,4 +1,4 @@
-//! Memory that the ranks on one machine reach without messages.
+//! Shared memory of the ranks on one machine.
 
 use super::Comm;
 use bytemuck::{Pod, Zeroable};
@@ -8,9 +8,9 @@ use std::sync::Arc;
 /// Memory of each rank of a group, zeros at first, which every rank on the same machine can read and write, made by
 /// [`Comm::window`]. It begins at a cache line.
 ///
-/// What one rank has written is there for another after both have come to [`Window::barrier`].
+/// What one rank has written is visible to another after both have called [`Window::barrier`].
 pub struct Window {
-    /// By ranks of the group; none for those on other machines.
+    /// By ranks of the group; `None` for those on other machines.
     parts: Vec<Option<Arc<Segment>>>,
     machine: Comm,
 }
@@ -44,9 +44,9 @@ impl Window {
 
 /// A rank's part of a window.
 pub(super) enum Segment {
-    /// Of this process.
+    /// Allocated by this process.
     Private(Box<[UnsafeCell<Line>]>),
-    /// Of several processes.
+    /// Shared by several processes.
     #[cfg(all(feature = "mpi", target_os = "linux"))]
     Mapped(super::mapped::Mapped),
 }

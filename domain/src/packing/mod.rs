@@ -1,4 +1,4 @@
-//! Random places for spheres that do not overlap.
+//! Random packings: positions for spheres that do not overlap.
 
 mod relax;
 mod sequential;
@@ -11,7 +11,7 @@ use sequential::Occupied;
 /// Why spheres could not be placed.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PackingError {
-    /// A sphere meets its own image.
+    /// A sphere overlaps its own periodic image.
     #[error(
         "a sphere of radius {radius} with the gap {gap} touches its own image in a box whose shortest edge is {edge}; \
          take a larger box or smaller spheres"
@@ -24,7 +24,7 @@ pub enum PackingError {
         /// The box's shortest edge.
         edge: f64,
     },
-    /// More than random spheres can fill.
+    /// A volume fraction above that of random packings.
     #[error(
         "spheres with the gap would fill {fraction:.3} of the box; random packings reach {limit}: take fewer or smaller \
          spheres, or a smaller gap"
@@ -35,7 +35,7 @@ pub enum PackingError {
         /// The largest that is tried.
         limit: f64,
     },
-    /// The search did not end.
+    /// Overlaps were left after the largest number of iterations.
     #[error(
         "no places without overlap found for {spheres} spheres at a volume fraction of {fraction:.3}; try another seed"
     )]
@@ -49,19 +49,20 @@ pub enum PackingError {
 
 /// The densest that is tried: just below random close packing of equal spheres.
 const DENSEST: f64 = 0.63;
-/// Up to here spheres are put down one after another; beyond, that takes too many tries.
+/// Up to this volume fraction spheres are added one after another (random sequential addition); above, that takes too
+/// many tries.
 const DENSEST_ONE_BY_ONE: f64 = 0.25;
-/// Radii are larger by this much while overlaps are removed, so that what remains of them is none.
+/// Relative increase of the radii while overlaps are removed, so that none is left at the true radii.
 const MARGIN: f64 = 1e-3;
-/// Random moves of every sphere after overlaps were removed, which wipe out the contacts that this leaves behind.
+/// Monte Carlo moves of every sphere after overlaps were removed, so that the touching pairs left by that disappear.
 const SWEEPS: u64 = 20;
 
-/// Places for spheres of the given radii, inside the box, at random and so that the gap between the surfaces of any two
-/// is at least `gap`. They depend on the seed and the arguments alone.
+/// Random positions in a box for spheres of the given radii, with gaps of at least `gap` between surfaces. They depend
+/// on the seed and the arguments only.
 ///
-/// Up to a volume fraction of 1/4 the spheres are put down one after another, largest first, each at the first of its
-/// random places that is free. Beyond, spheres that are small enough for that grow to their size at once, a descent of
-/// the elastic energy removes the overlaps, and hard-sphere Monte Carlo moves follow.
+/// Up to a volume fraction of 1/4: random sequential addition, largest spheres first. Above: smaller spheres are added
+/// that way and enlarged at once, minimisation of the elastic energy removes the overlaps, and hard-sphere Monte Carlo
+/// moves follow.
 pub fn random_packing(cell: &PeriodicBox, radii: &[f64], gap: f64, seed: u64) -> Result<Vec<Vector>, PackingError> {
     let sizes: Vec<f64> = radii.iter().map(|a| a + 0.5 * gap).collect();
     let fraction = check(cell, &sizes, gap)?;

@@ -1,10 +1,10 @@
-//! Overlaps removed by a descent of the elastic energy.
+//! Removal of overlaps by minimisation of the elastic energy.
 
 use crate::{Pairs, PeriodicBox, Vector};
 
-/// Steps of the descent before it gives up.
+/// Iterations before the minimisation gives up.
 const STEPS: usize = 20_000;
-/// Pairs are searched this much beyond contact, in the largest diameter, so that a list serves several steps.
+/// The skin of the pair list over the largest diameter.
 const SKIN: f64 = 0.2;
 
 /// Moves the spheres until none overlaps: minimises the energy `sum (contact - r)^2 / 2` of spheres whose sizes are
@@ -63,7 +63,8 @@ fn push(
     worst
 }
 
-/// The state of the descent: Newton's motion with unit masses, steered along the force and stopped when it climbs.
+/// The state of the minimisation: Newtonian motion with unit masses, steered along the force and stopped when the
+/// energy rises.
 struct Descent {
     forces: Vec<Vector>,
     velocities: Vec<Vector>,

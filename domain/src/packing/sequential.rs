@@ -1,12 +1,12 @@
-//! Spheres put down one after another.
+//! Random sequential addition of spheres.
 
 use crate::{PeriodicBox, Random, Vector};
 
-/// Tries for one sphere before it is put where it overlaps.
+/// Tries for one sphere before it is put where it overlaps others.
 const TRIES: usize = 20_000;
 
-/// Spheres sorted by size, and those of about one size into cells about as wide as they are, so that a few cells hold all
-/// that a sphere can touch, however much sizes differ.
+/// Cell lists on several levels, one for each range of sizes, with cells about as wide as the spheres of that level, so
+/// that all spheres that another can touch are in a few cells, however much sizes differ.
 pub(super) struct Occupied<'a> {
     cell: &'a PeriodicBox,
     sizes: &'a [f64],
@@ -68,7 +68,7 @@ impl<'a> Occupied<'a> {
         self.next[before] = self.next[sphere];
     }
 
-    /// Whether a sphere at this place would overlap no other.
+    /// Whether a sphere at this position would overlap no other.
     pub(super) fn is_free(&self, sphere: usize, position: Vector, positions: &[Vector]) -> bool {
         self.levels.iter().filter(|level| level.largest > 0.0).all(|level| {
             let around = level.around(self.cell, position, self.sizes[sphere] + level.largest);
@@ -94,7 +94,7 @@ impl<'a> Occupied<'a> {
 }
 
 impl Level {
-    /// For so many spheres up to a size; none if there are none.
+    /// For `count` spheres up to a size; `None` if there are none.
     fn new(cell: &PeriodicBox, largest: f64, number: usize) -> Self {
         let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
         let counts = (cell.edges() / (slant(cell) * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
@@ -124,12 +124,12 @@ impl Level {
     }
 }
 
-/// Within a distance, the first lattice coordinate differs by up to this much more.
+/// The factor by which lattice coordinates along x can differ more than positions do, in a sheared box.
 fn slant(cell: &PeriodicBox) -> Vector {
     Vector::new((1.0 + cell.strain().powi(2)).sqrt(), 1.0, 1.0)
 }
 
-/// Puts every sphere, the largest first, at the first of its own random places that is free. Says whether all were.
+/// Puts every sphere, the largest first, at the first of its random positions that is free. Returns whether all were.
 pub(super) fn place(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> (Vec<Vector>, bool) {
     let mut order: Vec<usize> = (0..sizes.len()).collect();
     order.sort_by(|&i, &j| sizes[j].total_cmp(&sizes[i]));

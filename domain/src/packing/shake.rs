@@ -3,11 +3,11 @@
 use super::Occupied;
 use crate::{PeriodicBox, Random, Vector};
 
-/// Share of accepted moves that the length of the moves is steered to.
+/// Acceptance ratio that the length of the moves is adjusted to.
 const ACCEPTED: f64 = 0.4;
 
-/// Offers every sphere `sweeps` random moves, one sphere after another, and makes those that end without an overlap.
-/// Spheres that do not overlap before do not overlap afterwards.
+/// Tries `sweeps` random moves of every sphere, one sphere after another, and accepts those without an overlap. Spheres
+/// that do not overlap before do not overlap afterwards.
 pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector], (seed, sweeps): (u64, u64)) {
     let mut occupied = Occupied::new(cell, sizes);
     for (sphere, &position) in positions.iter().enumerate() {

@@ -1,10 +1,10 @@
 //! Contact forces.
 
 use super::for_each_part;
-use super::law::Law;
-use super::list::{Batch, Chunk, Image, List, Pair};
+use super::stage::Law;
 use super::state::{Body, CHUNK, Identity, State};
 use super::sums::ContactSums;
+use super::verlet_list::{Batch, Chunk, Image, List, Pair};
 use domain::Vector;
 use glam::DVec2;
 

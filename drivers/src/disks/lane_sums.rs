@@ -1,4 +1,4 @@
-//! Sums over the disks in each lane of the blocks.
+//! Sums over the disks of each vector lane.
 
 use super::state::{LANES, Lanes};
 use super::sums::MotionSums;

@@ -1,8 +1,8 @@
-//! What disks take.
+//! Predicted memory of runs of disks.
 
-use super::list::{Chunk, Grid, Pair, Slack, cell_of};
 use super::observe::{AveragedProfile, Disk};
 use super::state::{Block, Body, Identity, LANES, Motion};
+use super::verlet_list::{Chunk, Grid, ListMargin, Pair, cell_of};
 use super::{Estimate, Model, Parameters, Record, Size, Sweep};
 use domain::{Bytes, GROWING, Particles};
 use glam::DVec2;
@@ -11,8 +11,7 @@ use glam::DVec2;
 const STORED: usize = 3 + 6 + 9;
 
 impl Model {
-    /// A run of these disks with a profile of so many strips: the disks, their neighbours, pictures of them and
-    /// checkpoints.
+    /// A run of these disks with a profile of `strips` strips: the disks, the Verlet list, snapshots and checkpoints.
     pub fn bytes(&self, strips: usize) -> Bytes {
         let count = self.sizes().len() as f64;
         let profile = Bytes::keep(strips as f64 * AveragedProfile::STRIP);
@@ -35,12 +34,13 @@ impl Model {
             .then(Bytes::list::<Block>((count / LANES as f64).ceil()))
     }
 
-    /// The list of neighbours, which has each pair once, and the last step at which it touched.
+    /// The Verlet list: each pair once, and the last step at which it touched.
     fn pairs(&self) -> Bytes {
         Bytes::list::<(Pair, u32)>(GROWING * self.listed()).then(Bytes::list::<Chunk>(1.0))
     }
 
-    /// The search for a new list while the old one is there: the disks in the order of cells, and who touched.
+    /// The rebuild of the list while the old one still exists: the disks in the order of cells, and the pairs in
+    /// contact.
     fn search(&self) -> Bytes {
         let count = self.sizes().len() as f64;
         let cells = Bytes::list::<([f64; 4], [u32; 3])>(count).then(Bytes::list::<[u32; 2]>(self.cells()));
@@ -60,7 +60,7 @@ impl Model {
         let sizes = self.sizes();
         let count = sizes.len() as f64;
         let moment = |power: i32| sizes.iter().map(|s| s.radius.powi(power)).sum::<f64>() / count;
-        let slack = Slack::new(self.smallest(), self.largest());
+        let slack = ListMargin::new(self.smallest(), self.largest());
         let (skin, [mean, square]) = (slack.cutoff(0.0), [moment(1), moment(2)]);
         let stretch = slack.cutoff(1.0) - skin;
         // The mean square of `stretch (a + b) + skin`.
@@ -71,7 +71,7 @@ impl Model {
 }
 
 impl Sweep {
-    /// All runs, so many at a time, and the records that are kept of them.
+    /// All runs, `at_a_time` at a time, and their records.
     pub fn bytes(&self, at_a_time: usize) -> Bytes {
         let densest = self.area_fractions.iter().copied().fold(0.0, f64::max);
         let model = Model::new(Parameters { area_fraction: densest, ..self.base.clone() });

@@ -6,8 +6,6 @@ mod flow;
 mod forces;
 mod gear;
 mod lane_sums;
-mod law;
-mod list;
 mod memory;
 mod motion;
 mod observe;
@@ -16,11 +14,13 @@ mod progress;
 mod run;
 mod simulation;
 mod sizes;
+mod stage;
 mod state;
 mod store;
 mod sums;
 mod sweep;
 mod tally;
+mod verlet_list;
 
 use rayon::prelude::*;
 
@@ -28,17 +28,17 @@ pub use self::simulation::Disks;
 pub use contact::Contact;
 pub use flow::Flow;
 pub use gear::Gear;
-use law::Law;
-pub use law::Stage;
 pub use observe::{
-    AveragedProfile, Disk, Lanes, MeanStripe, Record, Snapshot, Stripe, Strips, estimated_free_path, segment,
-    viscous_length,
+    AveragedProfile, Disk, Lanes, MeanProfileStrip, ProfileStrip, Record, Snapshot, Strips, estimated_free_path,
+    segment, viscous_length,
 };
 pub use parameters::{Model, Parameters, Preparation};
 pub use progress::Progress;
 pub use run::{Course, DiskRun, outline, run_bytes};
 pub use sizes::{LengthUnit, Size, Sizes, Species};
-pub use sweep::{Branch, Case, Estimate, Keeper, Sweep};
+use stage::Law;
+pub use stage::Stage;
+pub use sweep::{Branch, Case, Estimate, Sweep, SweepStore};
 pub use tally::{Measurement, Tally};
 
 /// Works on parts one by one, on several threads if there are several parts.

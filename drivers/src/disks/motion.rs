@@ -4,13 +4,13 @@ use super::flow::Profile;
 use super::for_each_part;
 use super::gear::{Coordinate, Corrector};
 use super::lane_sums::LaneSums;
-use super::law::Law;
+use super::stage::Law;
 use super::state::{Block, Body, CHUNK, LANES, State};
 use super::sums::MotionSums;
-use crate::widest::{self, Kernel};
+use crate::simd::{self, Kernel};
 use glam::DVec2;
 
-/// What a pass does.
+/// What a pass over the disks does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Task {
     /// Predicts the first step.
@@ -31,7 +31,7 @@ struct Pass {
     dt: f64,
 }
 
-/// Disks that one thread works on.
+/// The disks that one thread processes.
 struct Rows<'a> {
     bodies: &'a mut [Body],
     blocks: &'a mut [Block],
@@ -52,11 +52,11 @@ impl State {
         let pass = Pass { corrector: law.corrector(), profile: law.profile, age: age as f64 * law.dt, dt: law.dt };
         let mut parts = self.parts();
         for_each_part(&mut parts, |rows| match (task, measure) {
-            (Task::Predict, _) => widest::run(PassOver::<false, false, true> { pass: &pass, rows }),
-            (Task::Correct, false) => widest::run(PassOver::<true, false, false> { pass: &pass, rows }),
-            (Task::Correct, true) => widest::run(PassOver::<true, true, false> { pass: &pass, rows }),
-            (Task::Both, false) => widest::run(PassOver::<true, false, true> { pass: &pass, rows }),
-            (Task::Both, true) => widest::run(PassOver::<true, true, true> { pass: &pass, rows }),
+            (Task::Predict, _) => simd::run(PassOver::<false, false, true> { pass: &pass, rows }),
+            (Task::Correct, false) => simd::run(PassOver::<true, false, false> { pass: &pass, rows }),
+            (Task::Correct, true) => simd::run(PassOver::<true, true, false> { pass: &pass, rows }),
+            (Task::Both, false) => simd::run(PassOver::<true, false, true> { pass: &pass, rows }),
+            (Task::Both, true) => simd::run(PassOver::<true, true, true> { pass: &pass, rows }),
         });
         parts.iter().fold(MotionSums::default(), |sum, rows| sum + rows.sums.total())
     }
@@ -77,7 +77,7 @@ impl State {
         rows.map(|((bodies, forces), blocks)| Rows { bodies, blocks, forces, sums: LaneSums::default() }).collect()
     }
 
-    /// Sets the higher derivatives from the forces, which are used up: the acceleration is exact, the next two are
+    /// Sets the higher derivatives from the forces, which are cleared: the acceleration is exact, the next two are
     /// those of the drag.
     pub(super) fn start(&mut self, law: &Law, masses: impl Fn(f64) -> f64) {
         for row in 0..self.len() {

@@ -134,7 +134,7 @@ impl Model {
             format!("at most {most:.1e} disks: a smaller box.edges, or larger radii"),
         )?;
         let need = Need { resident: 2.0 * Self::size_bytes(count).most, ..Need::default() };
-        let fits = Comm::check_room_of(&[need]);
+        let fits = Comm::check_memory_of(&[need]);
         fits.map_err(|error| refused(key, &found(), &format!("fewer, or larger radii: {error}")))
     }
 

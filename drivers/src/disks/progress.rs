@@ -1,9 +1,9 @@
-//! How far a run is, as numbers for a checkpoint.
+//! The progress of a run, as numbers for a checkpoint.
 
 use super::{Measurement, Stage, Tally};
 use domain::Vector;
 
-/// What a run needs besides the particles to go on.
+/// The state of a run besides its particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// The stage.

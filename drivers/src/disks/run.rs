@@ -1,15 +1,18 @@
 //! Sheared disks as a simulation in steps of the flow.
 
-use super::{AveragedProfile, Disks, MeanStripe, Model, Progress, Record, Stage, estimated_free_path, viscous_length};
+use super::{
+    AveragedProfile, Disks, MeanProfileStrip, Model, Progress, Record, Stage, estimated_free_path, viscous_length,
+};
 use crate::StartError;
-use domain::{Bytes, Comm, Need, Number, Particles, Placed, Process};
+use domain::{Bytes, Comm, GivenPositions, Need, Number, Particles, Process};
 use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, Table, TableSet};
 use statistics::{State as Stored, Store};
 
-/// Disks that are moved by one call at most, times steps: a moment, after which a signal is heard.
+/// The largest number of disks times steps in one call, so that requests to stop are noticed soon.
 const MOMENT: u64 = 1_000_000;
 
-/// A run of sheared disks. Its steps are those of the flow; what makes a random start ready comes before the first.
+/// A run of sheared disks. Its steps are those of the stage with flow; the preparation of a random start comes before
+/// step 0.
 pub struct DiskRun {
     disks: Disks,
     clock: Clock,
@@ -18,7 +21,7 @@ pub struct DiskRun {
     comm: Comm,
 }
 
-/// What a checkpoint keeps besides the disks.
+/// The part of a checkpoint besides the disks.
 struct Kept {
     progress: Vec<f64>,
     profile: AveragedProfile,
@@ -31,7 +34,7 @@ impl Stored for Kept {
     }
 }
 
-/// How long a run of disks is, and what is averaged over it.
+/// The length of a run of disks, and the resolution of its profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Course {
     /// The last step.
@@ -41,12 +44,12 @@ pub struct Course {
 }
 
 impl DiskRun {
-    /// Disks when the flow sets in: where somebody brings them, or at random and made ready for it, while `tell` hears
-    /// now and then which part of that is done.
+    /// Disks at the start of the flow: at given positions, or at random and prepared. `tell` is called now and then
+    /// with the part of the preparation that is done.
     pub fn start(
         model: &Model,
         course: Course,
-        placed: Option<&Placed>,
+        placed: Option<&GivenPositions>,
         (comm, tell): (&Comm, &mut dyn FnMut(f64)),
     ) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
@@ -57,7 +60,7 @@ impl DiskRun {
         Ok(Self::of(disks, course, AveragedProfile::new(course.profile_strips), comm))
     }
 
-    /// Disks in a state; those of a file have sizes of their own.
+    /// Disks in the state of a checkpoint; those from a file have sizes of their own.
     pub fn resume(
         model: &Model,
         course: Course,
@@ -84,18 +87,18 @@ impl DiskRun {
     }
 }
 
-/// Disks that somebody brings, if there is memory for them.
-fn flowing(model: &Model, course: Course, placed: &Placed, comm: &Comm) -> Result<Disks, StartError> {
-    let (parameters, particles) = (model.parameters(), brought(placed));
-    let refused = |source| StartError::Brought { name: placed.name.clone(), source };
+/// Disks at given positions, if there is memory for them.
+fn flowing(model: &Model, course: Course, placed: &GivenPositions, comm: &Comm) -> Result<Disks, StartError> {
+    let (parameters, particles) = (model.parameters(), given(placed));
+    let refused = |source| StartError::Given { name: placed.name.clone(), source };
     let model = Model::with_particles(parameters.clone(), &particles).map_err(refused)?;
     let resident = Process::ALONE.resident(run_bytes(&model, course.profile_strips).most);
-    let fits = comm.check_room(Need { resident, ..Need::default() });
-    fits.map_err(|missing| StartError::Room { disks: particles.len(), missing })?;
+    let fits = comm.check_memory(Need { resident, ..Need::default() });
+    fits.map_err(|missing| StartError::Memory { disks: particles.len(), missing })?;
     Disks::flowing(parameters.clone(), &particles).map_err(refused)
 }
 
-/// What a run of disks with a profile of so many strips takes.
+/// The memory of a run of disks with a profile of `strips` strips.
 pub fn run_bytes(model: &Model, strips: usize) -> Bytes {
     model.bytes(strips).then(Frame::bytes(model.sizes().len() as f64, 3))
 }
@@ -122,8 +125,8 @@ pub fn outline(model: &Model, steps: u64) -> Outline {
         .value("strain", strain)
 }
 
-/// The disks that somebody brings, moving with the liquid.
-fn brought(placed: &Placed) -> Particles {
+/// Disks at given positions, moving with the liquid.
+fn given(placed: &GivenPositions) -> Particles {
     let mut particles = Particles::default();
     for (id, position) in placed.positions.iter().enumerate() {
         let radius = placed.radii.as_ref().map_or(1.0, |radii| radii[id]);
@@ -162,7 +165,7 @@ impl Simulation for DiskRun {
         Record::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit)).collect()
     }
 
-    /// What is averaged is so since the row before. The profile is taken at each row.
+    /// Averages are those since the row before. The profile is sampled at each row.
     fn observe(&mut self) -> Vec<Vec<f64>> {
         self.profile.add(&self.disks.snapshot());
         let record = self.disks.record();
@@ -190,7 +193,7 @@ impl Simulation for DiskRun {
         for (name, unit) in PROFILE {
             table.columns.extend([(name.to_owned(), unit), (format!("{name}_error"), unit)]);
         }
-        for MeanStripe { height, count, velocity, excess, temperature } in self.profile.strips() {
+        for MeanProfileStrip { height, count, velocity, excess, temperature } in self.profile.strips() {
             let [v, w, t] = [velocity, excess, temperature].map(|e| [e.mean, e.error]);
             table.add(&[], &[&[height, count.mean], &v[..], &w, &t].concat());
         }
@@ -198,6 +201,6 @@ impl Simulation for DiskRun {
     }
 }
 
-/// What is averaged over a strip.
+/// The averages over a strip.
 const PROFILE: [(&str, &str); 3] =
     [("velocity", "length/time"), ("excess_velocity", "length/time"), ("temperature", "length^2/time^2")];

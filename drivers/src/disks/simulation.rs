@@ -1,9 +1,9 @@
 //! A system of disks in motion.
 
-use super::law::Law;
-use super::list::List;
 use super::motion::Task;
+use super::stage::Law;
 use super::state::State;
+use super::verlet_list::List;
 use super::{Measurement, Model, Stage, Tally};
 use crate::parameter::{ParameterError, require};
 use domain::{Particles, PeriodicBox, Random};
@@ -19,11 +19,11 @@ pub struct Disks {
     pub(super) state: State,
     pub(super) list: List,
     pub(super) tally: Tally,
-    /// Whether a disk has left the liquid by more than half the cell in one go.
+    /// Whether a disk has moved relative to the liquid by more than half the cell between two checks.
     pub(super) lost: bool,
 }
 
-/// Disks that are moved by one call while they are made ready, times steps: a moment.
+/// The largest number of disks times steps in one call of the preparation.
 const MOMENT: u64 = 1_000_000;
 
 impl Disks {
@@ -39,12 +39,12 @@ impl Disks {
         Self::given(model, &particles, Stage::Settle).expect("places and velocities are finite")
     }
 
-    /// A random start that has been through settling and mixing, at rest in the flow.
+    /// A random start after the stages of preparation, at rest relative to the liquid.
     pub fn prepared(model: &Model) -> Result<Self, ParameterError> {
         Self::prepare_and_tell(model, &mut |_| {})
     }
 
-    /// The same; `tell` hears now and then which part of the steps is done.
+    /// The same; `tell` is called now and then with the part of the steps that is done.
     pub fn prepare_and_tell(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
         let moment = (MOMENT / disks.state.len() as u64).max(1);
@@ -85,7 +85,7 @@ impl Disks {
     fn given(model: &Model, particles: &Particles, stage: Stage) -> Result<Self, ParameterError> {
         let law = model.law(stage);
         let mut state = State::given(particles, &law, model)?;
-        state.obey(&law, model);
+        state.set_response(&law, model);
         Ok(Self::begin(model.clone(), stage, state))
     }
 
@@ -101,7 +101,8 @@ impl Disks {
         disks
     }
 
-    /// Ends the stage early or in time. The last has no end. When the flow starts, the disks move with the liquid.
+    /// Ends the stage, early or at its end, and starts the next; the last has no end. When the flow starts, the disks
+    /// move with the liquid.
     pub fn enter_next_stage(&mut self) {
         let Some(stage) = self.stage.next() else { return };
         let mut state = std::mem::take(&mut self.state);
@@ -112,7 +113,7 @@ impl Disks {
                 body.velocity = DVec2::new(law.profile.speed(body.place.y), 0.0);
             }
         }
-        state.obey(&law, &self.model);
+        state.set_response(&law, &self.model);
         *self = Self::begin(self.model.clone(), stage, state);
     }
 
@@ -153,7 +154,7 @@ impl Disks {
         Measurement::of(self.time(), length * height, self.state.len(), motion, contact)
     }
 
-    /// Starts the count of the tally anew from its latest measurement.
+    /// Restarts the tally from its latest measurement.
     pub fn restart_tally(&mut self) {
         self.tally = Tally::begin(self.tally.latest);
     }
@@ -206,7 +207,7 @@ impl Disks {
     }
 }
 
-/// Two disks at one point push each other nowhere.
+/// Two disks at one point exert no force on each other.
 fn check_places(model: &Model, particles: &Particles) -> Result<(), ParameterError> {
     let cell = model.cell(0.0);
     let mut places: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();

@@ -1,4 +1,4 @@
-//! How big the disks are.
+//! The distribution of the disks' radii.
 
 use crate::fraction::ratio;
 use crate::parameter::{ParameterError, positive, require};
@@ -53,7 +53,7 @@ impl Sizes {
         Self::Species(vec![Species { radius: 1.0, share: 1.0 }, Species { radius: ratio, share }])
     }
 
-    /// Disks that are all alike.
+    /// Disks of one radius.
     pub fn monodisperse() -> Self {
         Self::Species(vec![Species { radius: 1.0, share: 1.0 }])
     }

@@ -1,6 +1,6 @@
-//! The disks as the time step works on them.
+//! The state of the disks in the layout that the time step needs.
 
-use super::law::Law;
+use super::stage::Law;
 use super::{Model, for_each_part};
 use domain::{PeriodicBox, Vector};
 use glam::DVec2;
@@ -22,7 +22,7 @@ pub(super) struct Body {
     pub(super) velocity: DVec2,
 }
 
-/// What else moves a block of disks.
+/// The rest of a block's motion: higher derivatives, reference positions and response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Block {
@@ -39,7 +39,7 @@ pub(super) struct Block {
     pub(super) drag: Lanes,
 }
 
-/// What a disk is.
+/// A disk's identity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Identity {
     pub(super) id: u64,
@@ -51,7 +51,7 @@ pub(super) struct Identity {
     pub(super) lightness: f64,
 }
 
-/// How a disk moves, all in one.
+/// The whole motion of a disk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Motion {
     pub(super) body: Body,
@@ -94,7 +94,7 @@ impl State {
         self.identities.len()
     }
 
-    /// How a disk moves.
+    /// The motion of a disk.
     pub(super) fn motion(&self, row: usize) -> Motion {
         let (block, lane) = (&self.blocks[row / LANES], row % LANES);
         Motion {
@@ -123,7 +123,7 @@ impl State {
 
     /// Sets how the disks respond to forces and drag in a stage.
     /// The lanes left over float where the liquid is at rest.
-    pub(super) fn obey(&mut self, law: &Law, model: &Model) {
+    pub(super) fn set_response(&mut self, law: &Law, model: &Model) {
         for lane in self.len()..self.bodies.len() {
             let (block, lane_of) = (&mut self.blocks[lane / LANES], lane % LANES);
             self.bodies[lane].place.y = law.profile.rest_height();
@@ -136,7 +136,7 @@ impl State {
         }
     }
 
-    /// Takes the present places as those from which drift counts.
+    /// Sets the reference positions of drift to the present ones.
     pub(super) fn refer(&mut self) {
         let mut parts: Vec<_> = self.bodies.chunks(CHUNK).zip(self.blocks.chunks_mut(CHUNK / LANES)).collect();
         for_each_part(&mut parts, |(bodies, blocks)| {
@@ -172,7 +172,7 @@ impl State {
         let motions: Vec<Motion> = order.iter().map(|&row| self.motion(row as usize)).collect();
         let identities = order.iter().map(|&row| self.identities[row as usize]).collect();
         *self = Self::new(identities, &motions);
-        self.obey(law, model);
+        self.set_response(law, model);
     }
 }
 

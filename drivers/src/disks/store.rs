@@ -1,8 +1,8 @@
-//! The disks as rows of the particle store, from which a run goes on bit for bit.
+//! Conversion to and from the particle store, from which a run continues bit for bit.
 
-use super::law::Law;
-use super::list::List;
+use super::stage::Law;
 use super::state::{Body, Identity, Motion, State};
+use super::verlet_list::List;
 use super::{Disks, Model, Progress};
 use crate::parameter::{ParameterError, refused, require};
 use domain::{Particles, PeriodicBox, Vector};
@@ -47,7 +47,7 @@ impl Disks {
     pub fn resume(model: &Model, particles: &Particles, progress: &Progress) -> Result<Self, ParameterError> {
         let law = model.law(progress.stage);
         let mut state = State::stored(particles, model, (&model.cell(law.strain(progress.list_made)), law.dt))?;
-        state.obey(&law, model);
+        state.set_response(&law, model);
         let mut list = List::remake(&state, model, &law, progress.list_made);
         list.mark_touching(&state, &law, progress.step);
         let (model, stage, step) = (model.clone(), progress.stage, progress.step);

@@ -1,4 +1,4 @@
-//! What the time step sums up on its way when it measures.
+//! The sums that a time step with measurement computes.
 
 use domain::Vector;
 use std::ops::Add;

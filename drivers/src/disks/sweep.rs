@@ -38,21 +38,21 @@ pub struct Case {
     pub area_fraction: f64,
 }
 
-/// Who keeps the records of a sweep's runs. Its methods are called from any thread.
-pub trait Keeper: Sync {
+/// The store of the records of a sweep's runs, so that no run is repeated. Its methods are called from any thread.
+pub trait SweepStore: Sync {
     /// Why a sweep ends early.
     type Error: From<ParameterError> + Send;
 
-    /// The records of a run that was made before.
-    fn kept(&self, case: &Case) -> Result<Option<Vec<Record>>, Self::Error>;
+    /// The records of a run, if it was made before.
+    fn stored(&self, case: &Case) -> Result<Option<Vec<Record>>, Self::Error>;
 
-    /// Takes the records of a run that has ended.
-    fn keep(&self, case: &Case, records: &[Record]) -> Result<(), Self::Error>;
+    /// Stores the records of a run that has ended.
+    fn store(&self, case: &Case, records: &[Record]) -> Result<(), Self::Error>;
 
-    /// Hears now and then which part of a run's steps is done.
+    /// Called now and then with the part of a run's steps that is done.
     fn tell(&self, case: &Case, part: f64);
 
-    /// Is asked at each record; an error ends the sweep.
+    /// Called at each record; an error ends the sweep.
     fn go_on(&self) -> Result<(), Self::Error> {
         Ok(())
     }
@@ -113,22 +113,22 @@ impl Sweep {
         Model::new(Parameters { area_fraction, viscosity, flow, seed, ..self.base.clone() })
     }
 
-    /// Makes all runs that the keeper has no records of, several at a time, each on one core as long as it is small.
-    /// Ends at the first failure.
-    pub fn run<K: Keeper>(&self, keeper: &K) -> Result<Vec<(Case, Vec<Record>)>, K::Error> {
+    /// Makes all runs that the store has no records of, several at a time, each on one core if it is small. Ends at the
+    /// first failure.
+    pub fn run<K: SweepStore>(&self, store: &K) -> Result<Vec<(Case, Vec<Record>)>, K::Error> {
         let run = |case: Case| {
-            if let Some(records) = keeper.kept(&case)? {
+            if let Some(records) = store.stored(&case)? {
                 return Ok((case, records));
             }
-            let records = self.records(&case, keeper)?;
-            keeper.keep(&case, &records)?;
+            let records = self.records(&case, store)?;
+            store.store(&case, &records)?;
             Ok((case, records))
         };
         self.cases().into_par_iter().with_max_len(1).map(run).collect()
     }
 
     /// Prepares a system, runs it and keeps records of it.
-    fn records<K: Keeper>(&self, case: &Case, keeper: &K) -> Result<Vec<Record>, K::Error> {
+    fn records<K: SweepStore>(&self, case: &Case, store: &K) -> Result<Vec<Record>, K::Error> {
         let model = self.model(case)?;
         let p = model.parameters();
         let strain_per_step = p.flow.rate(p.edges[1]).abs() * p.time_step;
@@ -136,15 +136,15 @@ impl Sweep {
         let (end, every) = (steps_in(self.strain), steps_in(self.record_every).max(1));
         let before = model.preparing_steps() as f64;
         let part = |steps: f64| steps / (before + end as f64);
-        let mut disks = Disks::prepare_and_tell(&model, &mut |done| keeper.tell(case, part(done * before)))?;
+        let mut disks = Disks::prepare_and_tell(&model, &mut |done| store.tell(case, part(done * before)))?;
         let mut records = vec![disks.record()];
         while disks.steps() < end {
-            keeper.go_on()?;
+            store.go_on()?;
             disks.restart_tally();
             disks.advance(every.min(end - disks.steps()));
             disks.check()?;
             records.push(disks.record());
-            keeper.tell(case, part(before + disks.steps() as f64));
+            store.tell(case, part(before + disks.steps() as f64));
         }
         Ok(records)
     }

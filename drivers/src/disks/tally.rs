@@ -1,4 +1,4 @@
-//! What a run keeps count of.
+//! Energies, stresses, works and collisions, measured and summed over a run.
 
 use super::sums::{ContactSums, MotionSums};
 use domain::Vector;
@@ -83,7 +83,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Starts counting at a measurement.
+    /// A tally that starts at a measurement.
     pub(super) fn begin(first: Measurement) -> Self {
         Self { first, latest: first, ..Self::default() }
     }
@@ -104,7 +104,7 @@ impl Tally {
         self.latest.time - self.first.time
     }
 
-    /// Energy that appeared or was lost without a cause, over the work of the flow and the energy at the start.
+    /// The error of the energy balance, over the work of the flow and the energy at the start.
     pub fn imbalance(&self) -> f64 {
         let gained = self.latest.energy() - self.first.energy();
         (gained - self.input + self.drag + self.damping)

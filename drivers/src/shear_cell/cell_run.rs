@@ -1,4 +1,4 @@
-//! Grains in a shear cell as a simulation in steps from one look at them to the next.
+//! Grains in a shear cell as a simulation whose steps are the intervals of observation.
 
 use super::tables::{WALLS, tables};
 use super::{Collisions, Grains, Model, Run, Sample, Sampling, Side};
@@ -6,7 +6,7 @@ use crate::StartError;
 use domain::{Comm, Interrupt, Number, PeriodicBox, Vector};
 use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, TableSet};
 
-/// What is done with a cell.
+/// A cell and how it is run.
 #[derive(Debug, Clone, Copy)]
 pub struct Experiment {
     /// The cell, its walls and its grains.
@@ -23,7 +23,7 @@ pub struct Experiment {
     pub sampling: Sampling,
     /// Steps before measuring.
     pub settle: u64,
-    /// The time from one look at the cell to the next.
+    /// The interval of observation.
     pub time_step: f64,
     /// The last step.
     pub steps: u64,
@@ -70,7 +70,7 @@ struct Jammed {
     lid_is_free: bool,
 }
 
-/// A run of the shear cell. A step is the time from one look at the grains to the next.
+/// A run of the shear cell. A step is an interval of observation.
 pub struct CellRun {
     run: Run,
     model: Model,
@@ -83,8 +83,8 @@ pub struct CellRun {
 }
 
 impl CellRun {
-    /// An experiment at time zero: grains packed at random and set moving, while `tell` hears now and then which part of
-    /// the packing is done.
+    /// An experiment at time zero: grains packed at random, with random velocities. `tell` is called now and then with
+    /// the part of the packing that is done.
     pub fn start(experiment: &Experiment, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
         let Experiment { model, seed, count, agitation, collisions, sampling, .. } = *experiment;
@@ -94,7 +94,7 @@ impl CellRun {
         Ok(Self::of(experiment, run, (0, comm)))
     }
 
-    /// An experiment in a state.
+    /// An experiment in the state of a checkpoint.
     pub fn resume(experiment: &Experiment, state: &State, comm: &Comm) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
         let Experiment { model, collisions, sampling, .. } = experiment;
@@ -134,8 +134,8 @@ impl Simulation for CellRun {
         self.interrupt = interrupt;
     }
 
-    /// Takes one step. The engine starts anew after each, as it does from a checkpoint, so that a run is the same
-    /// wherever it was interrupted; a step in which a signal comes is not taken.
+    /// Takes one step. The engine is restarted after each, as from a checkpoint, so that a run does not depend on
+    /// interruptions; a step that is interrupted is not taken.
     fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
         let before = *self.run.engine().tally();
         let go_on = || !self.interrupt.is_requested();

@@ -1,4 +1,4 @@
-//! The two engines behind one door.
+//! The two engines, time-stepped and event-driven, behind one interface.
 
 use super::{EventDriven, Grains, Lid, Model, Tally, TimeStepped};
 use crate::parameter::{ParameterError, require};
@@ -16,7 +16,7 @@ pub enum Collisions {
     EventDriven,
 }
 
-/// Where a run is: all that it needs to go on.
+/// The state of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// The grains.
@@ -73,15 +73,15 @@ impl Engine {
         })
     }
 
-    /// The state now. The engine starts anew from it, as one that resumes from it does: both then go the same way to
-    /// the last bit.
+    /// The present state. The engine is restarted from it, like one that resumes from a checkpoint, so that both
+    /// continue in the same way bit for bit.
     pub fn checkpoint(&mut self, model: &Model) -> Result<State, ParameterError> {
         let state = State { grains: self.grains(), lid: self.lid(), tally: *self.tally() };
         *self = Self::resume(model, &state, self.collisions()).map_err(|error| self.cause(error))?;
         Ok(state)
     }
 
-    /// Why an engine that came so far can't go on: on a time step, since that is too long.
+    /// Why this engine can't continue: a time step that is too long.
     fn cause(&self, error: ParameterError) -> ParameterError {
         match self {
             Self::TimeStepped(engine) => engine.too_long(),
@@ -89,7 +89,7 @@ impl Engine {
         }
     }
 
-    /// Why the engine gave up before its time, if that is due to the time step.
+    /// Why the engine stopped early, if that is due to the time step.
     pub fn failure(&self) -> Option<ParameterError> {
         match self {
             Self::TimeStepped(engine) => engine.has_escaped().then(|| engine.too_long()),
@@ -105,8 +105,8 @@ impl Engine {
         }
     }
 
-    /// Runs for a time, on a time step for the nearest whole number of steps, as long as the grains are not jammed and
-    /// `go_on`, which is asked several times a second, says so. Returns whether it got there.
+    /// Runs for a time, with a time step for the nearest whole number of steps, while the grains are not jammed and
+    /// `go_on`, which is called several times a second, returns true. Returns whether it reached the end.
     pub fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         match self {
             Self::TimeStepped(engine) => engine.advance((duration / engine.step()).round() as u64, go_on),
@@ -114,7 +114,7 @@ impl Engine {
         }
     }
 
-    /// Whether rigid grains have jammed, so that the engine gave up before its time.
+    /// Whether rigid grains have jammed, so that the engine stopped early.
     pub fn is_jammed(&self) -> bool {
         match self {
             Self::TimeStepped(_) => false,

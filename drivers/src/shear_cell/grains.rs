@@ -50,8 +50,8 @@ impl Grains {
         particles
     }
 
-    /// Sets the grains moving: the linear profile between the walls and, on each component, a normal deviate of
-    /// standard deviation `agitation`; no spin.
+    /// Sets the velocities: the linear profile between the walls and, in each component, a normal deviate of standard
+    /// deviation `agitation`; no spin.
     pub fn stir(&mut self, model: &Model, agitation: f64, seed: u64) {
         let p = model.parameters();
         for (i, (position, motion)) in self.positions.iter().zip(&mut self.motions).enumerate() {

@@ -1,4 +1,5 @@
-//! The lengths of a cell without a trace of their unit, for a random start, which any last bit would change.
+//! The lengths of a cell in a unit that does not depend on the input's, so that the random start, which a last bit
+//! would change, does not either.
 
 use crate::fraction::fraction;
 

@@ -1,4 +1,4 @@
-//! What grains in a shear cell take.
+//! Predicted memory of runs of the shear cell.
 
 use super::event_driven;
 use super::measure::profile_bytes;

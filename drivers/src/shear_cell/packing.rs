@@ -1,11 +1,11 @@
-//! A random start: grains that grow while they fly (Lubachevsky and Stillinger 1990).
+//! Random packings by the algorithm of Lubachevsky and Stillinger (1990): grains that grow while they move.
 
 use super::lengths::without_unit;
 use super::{Contact, EventDriven, FrictionLaw, Grains, Model, Motion, Parameters, State, Top};
 use domain::{Random, Vector};
 use std::collections::HashMap;
 
-/// Solid fraction at which the grains are put down one by one.
+/// Solid fraction of the random sequential addition at the start.
 const SEEDED: f64 = 0.2;
 /// Speeds of growth over the thermal speed, tried in turn: slow growth lets grains find denser places.
 const GROWTH: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
@@ -39,7 +39,7 @@ impl Model {
         self.pack_and_tell(count, seed, &mut |_| {})
     }
 
-    /// The same; `tell` hears now and then which part of their diameter the grains have grown to.
+    /// The same; `tell` is called now and then with the part of the diameter that the grains have reached.
     pub fn pack_and_tell(&self, count: usize, seed: u64, tell: &mut dyn FnMut(f64)) -> Result<Grains, PackingError> {
         let p = self.parameters();
         let [length, height, width, diameter] = without_unit([p.length, p.height, p.width, p.diameter]);

@@ -52,11 +52,11 @@ pub struct Run {
     sampling: Sampling,
     start: Start,
     measured: Measured,
-    /// Where the engine last started anew, and what had been measured by then.
+    /// The state at the last restart of the engine, and the measurements up to then.
     mark: (State, Measured),
 }
 
-/// What a checkpoint keeps besides the grains.
+/// The part of a checkpoint besides the grains.
 struct Kept {
     lid: Lid,
     tally: Tally,
@@ -73,7 +73,7 @@ impl statistics::State for Kept {
     }
 }
 
-/// What a run found.
+/// The results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Time measured.
@@ -94,7 +94,7 @@ pub struct Report {
     pub balance: Balance,
     /// Sums over the whole run.
     pub tally: Tally,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -121,8 +121,8 @@ impl Run {
         Ok(Self { model: *model, engine, sampling, start, measured, mark })
     }
 
-    /// Runs for a time without measuring, as long as the grains are not jammed and `go_on` says so. Returns whether it
-    /// got there.
+    /// Runs for a time without measuring, while the grains are not jammed and `go_on` returns true. Returns whether it
+    /// reached the end.
     pub fn settle(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         self.engine.advance(duration, go_on)
     }
@@ -139,21 +139,21 @@ impl Run {
         true
     }
 
-    /// Starts the engine anew from where it is, as one that resumes does.
+    /// Restarts the engine from the present state, as a resumed run does.
     pub fn renew(&mut self) -> Result<(), ParameterError> {
         self.mark = (self.engine.checkpoint(&self.model)?, self.measured.clone());
         Ok(())
     }
 
-    /// Goes back to where the engine last started anew.
+    /// Goes back to the last restart of the engine.
     pub fn go_back(&mut self) -> Result<(), ParameterError> {
         self.engine = Engine::resume(&self.model, &self.mark.0, self.engine.collisions())?;
         self.measured = self.mark.1.clone();
         Ok(())
     }
 
-    /// All that a checkpoint needs besides the grains. A run that was renewed goes on as one that resumes does, to the
-    /// last bit.
+    /// The part of a checkpoint besides the grains. A run whose engine was restarted and one that is resumed continue
+    /// in the same way bit for bit.
     pub fn save(&self) -> Vec<u8> {
         let (lid, tally) = (self.engine.lid(), *self.engine.tally());
         Kept { lid, tally, start: self.start, measured: self.measured.clone() }.save()

@@ -1,4 +1,4 @@
-//! What a run adds up as it goes: impulses, work and losses, from which stresses and balances follow.
+//! Sums of impulses, works and losses over a run, from which stresses and balances follow.
 
 use super::{Lid, Model, contact::Face};
 use domain::Vector;
@@ -86,8 +86,8 @@ impl Tally {
 }
 
 impl Tally {
-    /// Books a hit on a wall: the impulse per mass on the grain, and the energy per mass that the grain gained. A free
-    /// top wall takes the recoil.
+    /// Adds a collision with a wall: the impulse per mass on the grain, and the energy per mass that the grain gained.
+    /// A free top wall takes the recoil.
     pub(super) fn strike_wall(
         &mut self,
         model: &Model,

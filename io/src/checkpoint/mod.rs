@@ -1,9 +1,9 @@
-//! Checkpoints: everything a run needs to go on as if it had not stopped.
+//! Checkpoints: everything that a run needs to continue as if it had not stopped.
 
 mod bytes;
 
 use crate::FileError;
-use crate::durable;
+use crate::atomic_file;
 use simulation::State;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ impl<'a> Checkpoints<'a> {
     /// it is whole and on the disk.
     pub fn write(&self, state: &State) -> Result<PathBuf, FileError> {
         let path = self.0.join(format!("checkpoint-{:010}.bin", state.step));
-        durable::replace(&path, &bytes::of(state))?;
+        atomic_file::replace(&path, &bytes::of(state))?;
         for old in self.paths()?.iter().rev().skip(KEPT) {
             // What can't be removed now will be after the next one; that is no reason to end a run.
             let _ = std::fs::remove_file(old);
@@ -55,7 +55,7 @@ impl<'a> Checkpoints<'a> {
         }))
     }
 
-    /// Drops the checkpoints of a former run.
+    /// Removes the checkpoints of a former run.
     pub fn remove_all(&self) -> Result<(), FileError> {
         self.paths()?.iter().try_for_each(|old| std::fs::remove_file(old).map_err(|e| FileError::write(old, &e)))
     }

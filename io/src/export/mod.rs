@@ -9,8 +9,8 @@ mod xyz;
 
 pub use range::FrameRange;
 
-use crate::recorded::{Recorded, Snapshot};
-use crate::{FileError, Kind, Scene, durable};
+use crate::trajectory_reader::{Snapshot, TrajectoryReader};
+use crate::{FileError, Kind, Scene, atomic_file};
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -38,7 +38,7 @@ impl Format {
 
 /// Writes frames of a trajectory to a file. It appears under its name when it is whole.
 pub fn export(
-    recorded: &Recorded,
+    recorded: &TrajectoryReader,
     frames: &mut dyn Iterator<Item = Snapshot>,
     format: Format,
     path: &Path,
@@ -47,17 +47,19 @@ pub fn export(
         return Err(FileError::write(path, &"it is no file"));
     }
     match format {
-        Format::Xyz => durable::put(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
-        Format::Gsd => durable::put(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames)),
+        Format::Xyz => atomic_file::put(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
+        Format::Gsd => {
+            atomic_file::put(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames))
+        }
         Format::Vtp => vtp::write(path, frames),
     }
 }
 
 /// Names of the species: those of the scene, or their numbers.
-fn species(recorded: &Recorded) -> Vec<String> {
+fn species(recorded: &TrajectoryReader) -> Vec<String> {
     let count = recorded.species().iter().max().map_or(0, |last| *last as usize + 1);
     let mut names: Vec<String> = (0..count).map(|number| number.to_string()).collect();
-    if let Ok(scene) = Scene::parse(recorded.scene(), "the scene of the run", &[])
+    if let Ok(scene) = Scene::parse(&recorded.provenance().scene, "the scene of the run", &[])
         && let Kind::Suspension(scene) = scene.kind()
     {
         names.iter_mut().zip(&scene.model.species).for_each(|(name, species)| name.clone_from(&species.name));

@@ -1,4 +1,4 @@
-//! Which frames of a trajectory are meant.
+//! Selection of frames of a trajectory.
 
 use std::str::FromStr;
 
@@ -13,7 +13,7 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
-    /// The frames that are meant of so many.
+    /// The selected frames of `count` frames.
     pub fn of(&self, count: usize) -> impl Iterator<Item = usize> + use<> {
         let place = |number: i64| {
             let from_end = if number < 0 { count as i64 } else { 0 };

@@ -13,7 +13,7 @@ fn exported(format: Format) -> (tempfile::TempDir, Vec<u8>) {
     (folder, content)
 }
 
-fn recorded(folder: &Path) -> Recorded {
+fn recorded(folder: &Path) -> TrajectoryReader {
     let path = folder.join("trajectory.h5");
     let provenance =
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 2 };
@@ -29,7 +29,7 @@ fn recorded(folder: &Path) -> Recorded {
     let mut trajectory = Trajectory::create(&path, &provenance, &frame(0), 2).unwrap();
     (0..2).for_each(|k| trajectory.append((10 * u64::from(k), 0.1 * f64::from(k)), &frame(k)).unwrap());
     drop(trajectory);
-    Recorded::open(&path).unwrap()
+    TrajectoryReader::open(&path).unwrap()
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn extended_xyz_has_all_digits() {
          0 0.1 2.0 3.0 0.5 0 0.0 0.0 0.0\n1 5.0 1.5 4.0 1e-5 1 1.0 0.0 0.0\n"
     );
     assert_eq!(String::from_utf8(content).unwrap(), expected);
-    let placed = crate::read_placed(&folder.path().join("out.xyz")).unwrap();
+    let placed = crate::read_positions(&folder.path().join("out.xyz")).unwrap();
     assert_eq!((placed.radii, placed.species), (Some(vec![0.5, 1e-5]), Some(vec![0, 1])), "a run can start from it");
 }
 

@@ -1,7 +1,7 @@
 //! `PolyData` of VTK in XML, a file for each frame: `NAME/STEP.vtp` beside the list `NAME.pvd`.
 
-use crate::recorded::Snapshot;
-use crate::{FileError, durable};
+use crate::trajectory_reader::Snapshot;
+use crate::{FileError, atomic_file};
 use simulation::Frame;
 use std::fmt::Write as _;
 use std::io::{BufWriter, Result, Write};
@@ -17,12 +17,12 @@ pub(super) fn write(list: &Path, frames: &mut dyn Iterator<Item = Snapshot>) -> 
     let mut entries = String::new();
     for snapshot in frames {
         let file = format!("{}.vtp", snapshot.step);
-        durable::put(&folder.join(&file), |out, _| piece(&mut BufWriter::new(out), &snapshot))?;
+        atomic_file::put(&folder.join(&file), |out, _| piece(&mut BufWriter::new(out), &snapshot))?;
         let (time, path) = (snapshot.time, escaped(&format!("{name}/{file}")));
         writeln!(entries, "    <DataSet timestep=\"{time:?}\" part=\"0\" file=\"{path}\"/>").expect("text grows");
     }
     let start = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
-    durable::replace(list, format!("{start}{entries}  </Collection>\n</VTKFile>\n").as_bytes())
+    atomic_file::replace(list, format!("{start}{entries}  </Collection>\n</VTKFile>\n").as_bytes())
 }
 
 /// A text as the value of an attribute.

@@ -1,6 +1,6 @@
 //! Extended XYZ: for each frame the number of particles, a line of keys, and a line for each particle.
 
-use crate::recorded::Snapshot;
+use crate::trajectory_reader::Snapshot;
 use domain::{Column, Particles};
 use simulation::Frame;
 use std::io::{Result, Write};

@@ -1,21 +1,21 @@
-//! Velocity fields on the grid, and the XDMF file by which `ParaView` opens them.
+//! Velocity fields on the grid, and the XDMF file with which `ParaView` opens them.
 
 mod repeated;
 #[cfg(test)]
 mod tests;
 mod xdmf;
 
-use crate::{FileError, Provenance, checksum, durable, text, whole};
+use crate::{FileError, Provenance, atomic_file, atomic_hdf5, checksum, text};
 use hdf5::File;
 use simulation::VelocityField;
 use std::path::{Path, PathBuf};
 
-/// Writes a field to `fields/` in a folder, and makes `fields.xdmf` there name it with those of the steps before.
+/// Writes a field to `fields/` in a folder and adds it to the index `fields.xdmf`.
 pub fn write_field(field: &VelocityField, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
     let fields = folder.join("fields");
     std::fs::create_dir_all(&fields).map_err(|e| FileError::write(&fields, &e))?;
     let path = fields.join(format!("velocity-{:010}.h5", field.step));
-    whole::write(&path, |file| fill(file, field, provenance))?;
+    atomic_hdf5::write(&path, |file| fill(file, field, provenance))?;
     add_to_index(folder, &path)
 }
 
@@ -37,7 +37,7 @@ fn fill(file: &File, field: &VelocityField, provenance: &Provenance) -> hdf5::Re
     if field.cell.strain() == 0.0 { Ok(()) } else { repeated::add_position(file) }
 }
 
-/// Drops the fields of a former run after step `last`.
+/// Removes the fields of a former run after step `last`.
 pub fn drop_fields_after(folder: &Path, last: u64) -> Result<(), FileError> {
     let late = format!("velocity-{last:010}.h5");
     for path in field_files(folder)? {
@@ -61,8 +61,8 @@ fn field_files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     Ok(files)
 }
 
-/// Adds the latest field to the index, which is made anew if it has not all those before, or not in the way that they
-/// need beside this one. So a run reads each of its fields once.
+/// Adds the latest field to the index. The index is written again if it lacks earlier fields, or if these need another
+/// kind of mesh beside this one. So a run reads each of its fields once.
 fn add_to_index(folder: &Path, path: &Path) -> Result<(), FileError> {
     let (index, before) = (folder.join("fields.xdmf"), field_files(folder)?.len() - 1);
     let series = std::fs::read_to_string(&index).unwrap_or_default();
@@ -71,7 +71,7 @@ fn add_to_index(folder: &Path, path: &Path) -> Result<(), FileError> {
     if xdmf::is_curved(&series) && !frame.has_position {
         complete(path, true)?;
     }
-    durable::replace(&index, longer.as_bytes())
+    atomic_file::replace(&index, longer.as_bytes())
 }
 
 /// Readers take all frames of a series for the kind of mesh that the first one is, and for as large. So where one frame
@@ -89,13 +89,13 @@ fn index_fields(folder: &Path) -> Result<(), FileError> {
             complete(path, curved)?;
         }
     }
-    durable::replace(&folder.join("fields.xdmf"), xdmf::series(frames, curved).as_bytes())
+    atomic_file::replace(&folder.join("fields.xdmf"), xdmf::series(frames, curved).as_bytes())
 }
 
 /// Adds to a file what the series needs of it: places to the frames of a straight box before the first sheared one, and
 /// repeated planes to files that this program wrote before it knew them.
 fn complete(path: &Path, curved: bool) -> Result<(), FileError> {
-    whole::change(path, |file| {
+    atomic_hdf5::change(path, |file| {
         repeated::add_velocity(file)?;
         if curved { repeated::add_position(file) } else { Ok(()) }
     })

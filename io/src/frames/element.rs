@@ -6,7 +6,7 @@ use hdf5::{Dataset, File, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
 use ndarray::{ArrayViewD, IxDyn};
 use std::borrow::Cow;
 
-/// What one quantity looks like.
+/// The description of a quantity.
 #[derive(Debug, Clone)]
 pub(crate) struct Element {
     /// Its group in the file.
@@ -146,7 +146,7 @@ pub(crate) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
     Ok(group)
 }
 
-/// A dataset without frames that has its room for all of them already.
+/// A dataset without frames that has storage reserved for all of them.
 pub(super) fn reserve<T: H5Type>(
     group: &Group,
     name: &str,
@@ -180,7 +180,7 @@ pub(super) fn reserve_rows<T: H5Type>(
     Ok(dataset)
 }
 
-/// Takes the room at once and does not fill it.
+/// Reserves the storage at once and does not fill it.
 fn early(dataset: &mut DatasetCreateBuilder) -> &mut DatasetCreateBuilder {
     dataset.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never)
 }

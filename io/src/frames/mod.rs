@@ -1,4 +1,4 @@
-//! HDF5 files that grow by whole frames and survive being cut short.
+//! HDF5 files to which whole frames are appended, and which stay readable if the program is killed.
 //!
 //! The room for all frames of a run is reserved when the file is made, as a hole that takes no space on the disk until
 //! it is written (HDF5's implicit chunk index: no filters, a fixed largest size, early allocation). A frame then
@@ -13,7 +13,7 @@ mod element;
 mod open;
 mod sums;
 
-use crate::{FileError, durable, whole};
+use crate::{FileError, atomic_file, atomic_hdf5};
 pub(crate) use element::{Element, Values, group};
 use hdf5::File;
 use open::Open;
@@ -43,26 +43,26 @@ pub(crate) struct Kind<'a> {
 }
 
 impl Frames {
-    /// A file without frames, in place of any of that name once it is whole.
+    /// A file without frames; it replaces any of that name once it is complete.
     pub(crate) fn create(path: &Path, kind: &Kind) -> Result<Self, FileError> {
         let made = Self::prepare(path, kind).and_then(Self::place);
-        made.inspect_err(|_| durable::remove_temporary(path))
+        made.inspect_err(|_| atomic_file::remove_temporary(path))
     }
 
     /// The same under the name of a temporary file.
     fn prepare(path: &Path, kind: &Kind) -> Result<Self, FileError> {
-        let temporary = durable::temporary(path);
+        let temporary = atomic_file::temporary(path);
         let file = std::fs::File::create(&temporary).map_err(|e| FileError::write(path, &e))?;
         let open = Open::create(&temporary, kind).map_err(|e| FileError::write(path, &e))?;
         Ok(Self { path: path.to_owned(), open: Some(open), file, damage: Vec::new() })
     }
 
     fn place(self) -> Result<Self, FileError> {
-        durable::place(&self.file, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
+        atomic_file::place(&self.file, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
         Ok(self)
     }
 
-    /// Opens a file of a former run, drops the frames after step `last`, and sees to it that there is room for all.
+    /// Opens a file of a former run, drops the frames after step `last`, and makes room for all frames to come.
     pub(crate) fn resume(path: &Path, kind: &Kind, last: u64) -> Result<Self, FileError> {
         let damaged = |e: &hdf5::Error| FileError::damaged(path, e);
         let file = std::fs::File::open(path).map_err(|e| FileError::read(path, &e))?;
@@ -73,10 +73,10 @@ impl Frames {
             old.attempt(|open| open.truncate(keep))?;
             return Ok(old);
         }
-        old.copied(kind, keep).inspect_err(|_| durable::remove_temporary(path))
+        old.copied(kind, keep).inspect_err(|_| atomic_file::remove_temporary(path))
     }
 
-    /// A file with more room that has the first frames of this one, in place of it.
+    /// Replaces this file by one with more room and the same first frames.
     fn copied(self, kind: &Kind, frames: usize) -> Result<Self, FileError> {
         let mut new = Self::prepare(&self.path, kind)?;
         if let Some(old) = &self.open {
@@ -126,7 +126,7 @@ impl Frames {
             Ok(value) => return Ok(value),
             Err(error) => error,
         };
-        whole::leave_open(open.file());
+        atomic_hdf5::leave_open(open.file());
         std::mem::forget(self.open.take());
         Err(FileError::write(&self.path, &error))
     }

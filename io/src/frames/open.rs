@@ -2,7 +2,7 @@
 
 use super::element::{Stored, group, reserve, write_number};
 use super::{Damage, Element, Kind, Sums, Values};
-use crate::{sized, text, whole};
+use crate::{atomic_hdf5, claimed_size, text};
 use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
 use std::path::Path;
@@ -26,7 +26,7 @@ impl Open {
             .create(path)?
             .close()?;
         let file = for_writing(path)?;
-        Self::fill(&file, kind).inspect_err(|_| whole::leave_open(&file))
+        Self::fill(&file, kind).inspect_err(|_| atomic_hdf5::leave_open(&file))
     }
 
     fn fill(file: &File, kind: &Kind) -> hdf5::Result<Self> {
@@ -62,7 +62,7 @@ impl Open {
 
     /// The steps of the frames, in order.
     pub(super) fn steps_written(&self) -> hdf5::Result<Vec<u64>> {
-        sized::check(&self.steps)?;
+        claimed_size::check(&self.steps)?;
         self.steps.read_raw()
     }
 

@@ -1,6 +1,5 @@
-//! What a scene says of its run.
+//! The scene of a run, as the report needs it.
 
-use super::origin::Origin;
 use super::playback::Colours;
 use crate::{Kind, Scene};
 use domain::Vector;
@@ -8,17 +7,17 @@ use drivers::disks::Flow as DiskFlow;
 use suspension::Flow;
 use toml::Table;
 
-/// The scene of a run. One that this version can't read, such as a later one's, has a text only.
+/// The scene of a run. If this version can't read it, as that of a later version, it has a text only.
 pub(super) struct About {
     scene: Option<Scene>,
     table: Table,
 }
 
 impl About {
-    /// The scene of results.
-    pub(super) fn of(origin: &Origin) -> Self {
-        let scene = Scene::parse(&origin.scene, "the scene of the run", &[]).ok();
-        Self { scene, table: origin.scene.parse().unwrap_or_default() }
+    /// Reads the text of a scene.
+    pub(super) fn of(text: &str) -> Self {
+        let scene = Scene::parse(text, "the scene of the run", &[]).ok();
+        Self { scene, table: text.parse().unwrap_or_default() }
     }
 
     /// What it computes.

@@ -15,7 +15,7 @@ pub enum ReportError {
         /// The folder.
         folder: PathBuf,
     },
-    /// A run that has left nothing to show.
+    /// A run without results to show.
     #[error(
         "{} has a scene, but no results to report: no trajectory.h5, observables.h5, averages.h5, sweep.h5 or \
          solution.h5; finish the run, or set output.trajectory_every or output.observables_every",

@@ -1,18 +1,17 @@
-//! What was run, in a few words.
+//! A short description of a run.
 
 use super::about::About;
 use super::observables::Observables;
-use super::origin::Origin;
 use super::playback::Playback;
-use crate::{Kind, Recorded};
+use crate::{Kind, Provenance, TrajectoryReader};
 use domain::Number;
 
 /// A name and what it is.
 pub(super) type Fact = (&'static str, String);
 
-/// What there is of a run in time: its trajectory with what is shown of it, and its time series.
+/// The trajectory of a run, with the frames that are shown, and its time series.
 pub(super) struct Course<'a> {
-    pub(super) trajectory: Option<(&'a Recorded, &'a Playback)>,
+    pub(super) trajectory: Option<(&'a TrajectoryReader, &'a Playback)>,
     pub(super) series: &'a Observables,
 }
 
@@ -24,26 +23,26 @@ impl Course<'_> {
     }
 }
 
-/// What a run was: kind, particles, box, steps, and who made it.
-pub(super) fn facts(about: &About, origin: &Origin, course: &Course) -> Vec<Fact> {
+/// The kind, particles, box, steps, program and seed of a run.
+pub(super) fn facts(about: &About, provenance: &Provenance, course: &Course) -> Vec<Fact> {
     let steps = about.kind().map_or(0, Kind::steps);
     let last = course.last_step().filter(|_| steps > 0);
     let shown = course.trajectory.map(|(_, playback)| playback);
     let has_seed = about.kind().is_some_and(|kind| !matches!(kind, Kind::Continuum(_)));
-    let ranks = if origin.ranks == 1 { "1 rank".to_owned() } else { format!("{} ranks", origin.ranks) };
+    let ranks = if provenance.ranks == 1 { "1 rank".to_owned() } else { format!("{} ranks", provenance.ranks) };
     let facts = [
         ("kind", Some(about.kind_name().to_owned())),
         ("particles", course.trajectory.map(|(recorded, _)| particles(about, recorded))),
         ("box", shown.and_then(Playback::box_in_words)),
         ("steps", last.map(|last| format!("{last} of {steps}"))),
-        ("made by", Some(format!("{} on {ranks}", origin.program))),
-        ("seed", has_seed.then(|| origin.seed.to_string())),
+        ("made by", Some(format!("{} on {ranks}", provenance.program))),
+        ("seed", has_seed.then(|| provenance.seed.to_string())),
     ];
     facts.into_iter().filter_map(|(name, fact)| Some((name, fact?))).collect()
 }
 
 /// How many particles there are of each kind, and of which radii.
-fn particles(about: &About, recorded: &Recorded) -> String {
+fn particles(about: &About, recorded: &TrajectoryReader) -> String {
     let (species, radii, names) = (recorded.species(), recorded.radii(), about.species());
     let kinds = species.iter().max().map_or(0, |last| last + 1);
     let of_kind = |kind: u32| {

@@ -1,4 +1,5 @@
-//! A page about a run: what was run, its course, charts of its time series and statistics, and its scene.
+//! The report of a run: an HTML page with a description, a player of the trajectory, charts of time series and
+//! statistics, and the scene.
 
 mod about;
 mod base64;
@@ -8,7 +9,6 @@ mod error;
 mod facts;
 mod html;
 mod observables;
-mod origin;
 mod page;
 mod playback;
 mod stored_table;
@@ -17,30 +17,33 @@ mod tables;
 mod tests;
 mod warnings;
 
-use crate::recorded::Recorded;
-use crate::{FileError, durable};
+use crate::trajectory_reader::TrajectoryReader;
+use crate::{FileError, Provenance, atomic_file};
 use about::About;
 pub use error::ReportError;
 use facts::Course;
+use hdf5::File;
 use observables::Observables;
-use origin::Origin;
 use page::Page;
 use playback::Playback;
 use std::path::Path;
 use stored_table::StoredTable;
 
-/// Files of tables that a run leaves, and the statistics that are made of it afterwards.
+/// Files from which the provenance is read, in order of preference.
+const FILES: [&str; 5] = ["trajectory.h5", "observables.h5", "averages.h5", "sweep.h5", "solution.h5"];
+
+/// Files of tables that a run writes, and of statistics computed afterwards.
 const TABLES: [&str; 3] = ["averages.h5", "sweep.h5", "solution.h5"];
 const STATISTICS: [&str; 2] = ["statistics/statistics.h5", "stats/statistics.h5"];
 
-/// Writes a page about the run in a folder: one HTML file, which needs no network and no other file. It appears under its
-/// name when it is whole. What is damaged of the results and can be left out is, and the page says so.
+/// Writes a page about the run in a folder: one HTML file, which needs no network and no other file. It appears under
+/// its name when it is complete. Damaged frames and rows are left out, and the page says so.
 pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
     if out.exists() && !out.is_file() {
         return Err(FileError::write(out, &"it is no file").into());
     }
-    let origin = Origin::of(folder)?;
-    let about = About::of(&origin);
+    let provenance = provenance(folder)?;
+    let about = About::of(&provenance.scene);
     let trajectory = trajectory(&folder.join("trajectory.h5"))?;
     let playback = trajectory.as_ref().map(|recorded| Playback::of(recorded, &about.colours()));
     let series = Observables::read(&folder.join("observables.h5"))?.unwrap_or_default();
@@ -49,20 +52,33 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
     let name = folder.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
     let page = Page {
         title: about.title().unwrap_or(name.as_deref().unwrap_or("A run")),
-        facts: &facts::facts(&about, &origin, &course),
+        facts: &facts::facts(&about, &provenance, &course),
         warnings: &warnings::warnings(&about, &course, &stored),
         playback: playback.as_ref().map(|playback| (playback, about.up())),
         charts: &charts::charts(&about, &series, &stored),
         tables: &tables::tables(&stored),
-        plan: &origin.plan,
-        scene: &origin.scene,
+        plan: &provenance.plan,
+        scene: &provenance.scene,
     };
-    Ok(durable::replace(out, page.html().as_bytes())?)
+    Ok(atomic_file::replace(out, page.html().as_bytes())?)
+}
+
+/// The provenance of the results in a folder.
+fn provenance(folder: &Path) -> Result<Provenance, ReportError> {
+    let file = FILES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
+    let path = file.ok_or_else(|| no_results(folder))?;
+    Ok(File::open(&path).and_then(|file| Provenance::read(&file)).map_err(|e| FileError::damaged(&path, &e))?)
+}
+
+fn no_results(folder: &Path) -> ReportError {
+    let is_run = folder.join("scene.toml").exists();
+    let folder = folder.to_owned();
+    if is_run { ReportError::NoResults { folder } } else { ReportError::NoRun { folder } }
 }
 
 /// The trajectory, if the run wrote one.
-fn trajectory(path: &Path) -> Result<Option<Recorded>, FileError> {
-    if path.is_file() { Recorded::open(path).map(Some) } else { Ok(None) }
+fn trajectory(path: &Path) -> Result<Option<TrajectoryReader>, FileError> {
+    if path.is_file() { TrajectoryReader::open(path).map(Some) } else { Ok(None) }
 }
 
 fn stored_tables(folder: &Path) -> Result<Vec<StoredTable>, FileError> {

@@ -1,21 +1,21 @@
-//! The time series of a run, as its file has it.
+//! Reading the time series of a run.
 
 use crate::frames::Sums;
-use crate::{FileError, sized, text};
+use crate::{FileError, claimed_size, text};
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Group};
 use std::path::Path;
 
-/// The time series of a run: all rows that are whole.
+/// The time series of a run: all complete rows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Observables {
     /// Times of the rows.
     pub(super) times: Vec<f64>,
     /// The step of the last row in the file.
     pub(super) last_step: Option<u64>,
-    /// What was observed.
+    /// The quantities.
     pub(super) quantities: Vec<Observed>,
-    /// Rows that are not as they were written, which are left out: what is wrong with each.
+    /// Damaged rows, which are left out, with the damage of each.
     pub(super) damage: Vec<String>,
 }
 
@@ -47,7 +47,8 @@ impl Observables {
         let file = File::open(path)?;
         let groups = file.group("observables")?.groups()?;
         let Some(clock) = groups.first() else { return Err("it has no observables".into()) };
-        let (steps, times): (Vec<u64>, Vec<f64>) = (sized::read(clock, "step")?, sized::read(clock, "time")?);
+        let (steps, times): (Vec<u64>, Vec<f64>) =
+            (claimed_size::read(clock, "step")?, claimed_size::read(clock, "time")?);
         let count = steps.len().min(times.len());
         let quantities = groups.iter().map(|group| Observed::read(group, count)).collect::<hdf5::Result<_>>()?;
         let times = times[..count].to_vec();
@@ -94,7 +95,7 @@ impl Observables {
 
 impl Observed {
     fn read(group: &Group, count: usize) -> hdf5::Result<Self> {
-        let dataset = sized::dataset(group, "value")?;
+        let dataset = claimed_size::dataset(group, "value")?;
         let names = |attribute: &str| -> hdf5::Result<Vec<String>> {
             let Ok(attribute) = group.attr(attribute) else { return Ok(Vec::new()) };
             Ok(attribute.read_scalar::<VarLenUnicode>()?.split(',').map(str::to_owned).collect())

@@ -1,6 +1,6 @@
-//! Tables of results, as their file has them.
+//! Reading tables of results.
 
-use crate::{FileError, checksum, sized, text};
+use crate::{FileError, checksum, claimed_size, text};
 use domain::Number;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, Group};
@@ -111,7 +111,7 @@ impl StoredTable {
 
 impl Column {
     fn read(dataset: &Dataset) -> hdf5::Result<Self> {
-        sized::check(dataset)?;
+        claimed_size::check(dataset)?;
         if matches!(dataset.dtype()?.to_descriptor()?, TypeDescriptor::VarLenUnicode) {
             let words = dataset.read_raw::<VarLenUnicode>()?;
             return Ok(Self::Words(words.iter().map(ToString::to_string).collect()));

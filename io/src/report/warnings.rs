@@ -1,4 +1,4 @@
-//! What whoever looks at a run should know.
+//! Warnings about a run and its results.
 
 use super::about::About;
 use super::facts::Course;
@@ -6,10 +6,10 @@ use super::stored_table::StoredTable;
 use crate::Kind;
 use domain::Number;
 
-/// Damage that is told one by one; more of it is counted.
+/// The number of damaged parts that are listed; more are only counted.
 const TOLD: usize = 5;
 
-/// What is wrong with the results, as far as they show it.
+/// The warnings that follow from the results.
 pub(super) fn warnings(about: &About, course: &Course, tables: &[StoredTable]) -> Vec<String> {
     let mut warnings = Vec::new();
     let steps = about.kind().map_or(0, Kind::steps);

@@ -1,18 +1,18 @@
-//! Scenes that ask for the least repulsion.
+//! Calibration of the repulsion of a scene.
 
-use super::{RunError, placed};
+use super::{RunError, start_positions};
 use crate::{Kind, Scene};
 use domain::Comm;
 use suspension::least_repulsion;
 
-/// The scene with the least repulsion that keeps its spheres apart in a trial, and that strength, if it asks for that by
-/// `repulsion.calibrate`. Collective.
+/// The scene with the least strength of repulsion that keeps its spheres apart in a trial, and that strength, if
+/// `repulsion.calibrate` is set. Collective.
 pub fn with_least_repulsion(scene: Scene, comm: &Comm) -> Result<(Scene, Option<f64>), RunError> {
     let Kind::Suspension(checked) = scene.kind() else { return Ok((scene, None)) };
     if !checked.model.repulsion.is_some_and(|repulsion| repulsion.calibrate) {
         return Ok((scene, None));
     }
-    let places = placed(checked, comm)?;
+    let places = start_positions(checked, comm)?;
     let Some(strength) = least_repulsion(&checked.model, places.as_ref(), comm)? else { return Ok((scene, None)) };
     let overrides = [format!("repulsion.strength={strength:e}"), "repulsion.calibrate=false".to_owned()];
     Ok((Scene::parse(scene.text(), "the scene with its repulsion", &overrides)?, Some(strength)))

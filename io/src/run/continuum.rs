@@ -9,7 +9,7 @@ use drivers::continuum::{Point, Problem, Solution};
 use simulation::Table;
 use std::path::Path;
 
-/// Whether a folder has the solutions of all problems.
+/// Whether a folder contains the solutions of all problems.
 pub(super) fn is_solved(problems: &ContinuumScene, folder: &Path) -> bool {
     let rows = read_rows(&summary(), &folder.join("summary.csv"));
     folder.join(SOLUTION).with_extension("h5").exists() && rows.is_ok_and(|rows| rows.len() == problems.problems.len())

@@ -13,7 +13,7 @@ pub enum RunError {
     /// A file that can't be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A scene that is not one.
+    /// A scene that was refused.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A suspension that can't be started.
@@ -34,7 +34,7 @@ pub enum RunError {
     /// Something that only some ranks know of.
     #[error(transparent)]
     Failed(#[from] Failure),
-    /// Somebody asked to stop.
+    /// A request to stop.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
     /// A scene of a kind that is not advanced in steps.
@@ -50,7 +50,7 @@ pub enum RunError {
         /// Why not.
         source: std::io::Error,
     },
-    /// A folder that is not to be used.
+    /// A folder that may not be used.
     #[error("{0}")]
     Refused(String),
     /// Problems of a continuum without a solution.
@@ -63,10 +63,10 @@ pub enum RunError {
     },
     /// Too little memory.
     #[error("{remedy}: {missing}")]
-    Room {
+    Memory {
         /// What the scene is, and what to change.
         remedy: String,
         /// What it takes and what there is.
-        missing: domain::NoRoom,
+        missing: domain::NotEnoughMemory,
     },
 }

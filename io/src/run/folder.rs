@@ -1,4 +1,4 @@
-//! The folder of a run, held by one program at a time.
+//! The folder of a run, locked by one program at a time.
 
 use super::RunError;
 use crate::{Checkpoints, replace_file};
@@ -6,18 +6,18 @@ use domain::Comm;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-/// What becomes of a run that a folder holds already.
+/// What to do with a run that the folder contains already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Former {
-    /// It stays, and no other starts there.
-    Stays,
-    /// Another takes its place.
-    IsReplaced,
-    /// It goes on.
-    GoesOn,
+pub enum ExistingRun {
+    /// Keep it, and refuse the folder.
+    Keep,
+    /// Replace it by a new run.
+    Replace,
+    /// Continue it.
+    Continue,
 }
 
-/// A folder that belongs to this run until it ends.
+/// The folder of a run, locked until the run ends.
 pub struct RunFolder {
     path: PathBuf,
     /// On the first rank; the system unlocks it when the program ends, however it ends.
@@ -25,11 +25,11 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Takes a folder for a run, unless it holds one that stays.
-    pub fn claim(path: &Path, comm: &Comm, former: Former) -> Result<Self, RunError> {
+    /// Locks a folder for a run, unless it contains a run that is to be kept.
+    pub fn claim(path: &Path, comm: &Comm, former: ExistingRun) -> Result<Self, RunError> {
         if comm.is_first() {
             std::fs::create_dir_all(path).map_err(|source| failed("make the folder", path, source))?;
-            if path.join(SCENE).exists() && former == Former::Stays {
+            if path.join(SCENE).exists() && former == ExistingRun::Keep {
                 let name = path.display();
                 return Err(RunError::Refused(format!(
                     "{name} already holds the results of a run: go on with it by --continue, name another folder with \
@@ -40,7 +40,7 @@ impl RunFolder {
         Self::hold(path, comm)
     }
 
-    /// Takes the folder of a run to go on with.
+    /// Locks the folder of a run that is continued.
     pub fn reopen(path: &Path, comm: &Comm) -> Result<Self, RunError> {
         if comm.is_first() && !path.join(SCENE).exists() {
             let name = path.display();
@@ -61,17 +61,17 @@ impl RunFolder {
         &self.path
     }
 
-    /// Whether a run has begun here. Collective.
+    /// Whether the folder contains a run. Collective.
     pub fn holds_run(&self, comm: &Comm) -> bool {
         comm.any(comm.is_first() && self.scene().exists())
     }
 
-    /// The scene that is run here.
+    /// The path of the scene.
     pub fn scene(&self) -> PathBuf {
         self.path.join(SCENE)
     }
 
-    /// Removes what a former run left here and writes the scene of this one.
+    /// Removes the files of a former run and writes the scene of this one.
     pub fn start_with(&self, scene: &str) -> Result<(), RunError> {
         Checkpoints::of(&self.path).remove_all()?;
         for name in FILES {

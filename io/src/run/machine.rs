@@ -1,5 +1,5 @@
-//! What evaluations cost on this machine: measured once, kept in the user's cache folder, and written into the scenes
-//! that are run here, so that they are resumed anywhere by the same plan.
+//! Measured costs of evaluations on this machine: stored in the user's cache folder, and written into the scenes that
+//! are run here, so that they are resumed by the same plan on any machine.
 
 use super::RunError;
 use crate::{Kind, Scene, replace_file};
@@ -17,7 +17,7 @@ struct Cached {
     pairs: f64,
 }
 
-/// Keeps what was measured in the user's cache folder; the name of the file.
+/// Stores measured costs in the user's cache folder; returns the path of the file.
 pub fn keep_costs(Costs { stencils, transforms, pairs }: Costs) -> Result<PathBuf, RunError> {
     let nowhere = || RunError::Refused("there is no cache folder: neither XDG_CACHE_HOME nor HOME is set".to_owned());
     let path = file().ok_or_else(nowhere)?;
@@ -35,7 +35,7 @@ fn file() -> Option<PathBuf> {
     Some(cache.join("fcm-solve").join("costs.json"))
 }
 
-/// What was measured on the first rank's machine, or the planner's own costs. Collective.
+/// The costs measured on the first rank's machine, or the planner's default costs. Collective.
 pub fn kept_costs(comm: &Comm) -> Result<Costs, RunError> {
     let read = if comm.is_first() { kept() } else { Ok(None) };
     let kept = comm.agree(read)?.unwrap_or_default();
@@ -57,8 +57,7 @@ fn kept() -> Result<Option<Costs>, String> {
     Ok(Some(Costs { stencils, transforms, pairs }))
 }
 
-/// A scene to be run here, with the costs of this machine if they were measured and it does not say otherwise.
-/// Collective.
+/// The scene with the costs of this machine, if these were measured and the scene has none. Collective.
 pub fn on_this_machine(scene: Scene, comm: &Comm) -> Result<Scene, RunError> {
     let Kind::Suspension(checked) = scene.kind() else { return Ok(scene) };
     let costs = kept_costs(comm)?;

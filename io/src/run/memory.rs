@@ -1,4 +1,4 @@
-//! The memory that scenes of grains take, predicted.
+//! Predicted memory of scenes of grains.
 
 use super::RunError;
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
@@ -8,7 +8,7 @@ use drivers::disks::{Record, run_bytes};
 use drivers::shear_cell::Experiment;
 use simulation::{Frame, Outline, Table};
 
-/// What a run of a scene needs at its peak.
+/// The memory of a run at its peak.
 pub fn need(kind: &Kind) -> Need {
     let peak = match kind {
         Kind::GranularDisks(scene) => disks(scene),
@@ -21,25 +21,25 @@ pub fn need(kind: &Kind) -> Need {
     Need { resident: process.resident(peak.most), ..Need::default() }
 }
 
-/// Refuses a scene of grains that there is no memory for; suspensions look themselves, when they are planned.
-pub fn check_room(kind: &Kind, comm: &Comm) -> Result<(), RunError> {
+/// Refuses a scene of grains for which memory is insufficient; suspensions are checked when they are planned.
+pub fn check_memory(kind: &Kind, comm: &Comm) -> Result<(), RunError> {
     if let Kind::Suspension(_) = kind {
         return Ok(());
     }
-    comm.check_room(need(kind)).map_err(|missing| RunError::Room { remedy: remedy(kind), missing })
+    comm.check_memory(need(kind)).map_err(|missing| RunError::Memory { remedy: remedy(kind), missing })
 }
 
-/// Adds what a scene takes to its outline, and a warning if there is not enough.
+/// Adds the memory of a scene to its outline, and a warning if it is insufficient.
 pub fn add_to(outline: Outline, kind: &Kind) -> Outline {
     let need = need(kind);
-    let missing = Comm::check_room_of(&[need]).err();
+    let missing = Comm::check_memory_of(&[need]).err();
     outline
         .line("memory", format_args!("about {} at most", readable_bytes(need.resident)))
         .value("memory_bytes", vec![need.resident.ceil() as u64])
         .warnings(missing.map(|error| format!("{}: {error}", remedy(kind))))
 }
 
-/// What a scene is, and what to change if it takes too much.
+/// The description of a scene, and what to change if it needs too much memory.
 fn remedy(kind: &Kind) -> String {
     match kind {
         Kind::GranularDisks(scene) => remedy_of_disks(scene),

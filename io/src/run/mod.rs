@@ -1,4 +1,4 @@
-//! Runs of scenes: what a scene computes is started, or goes on, and its results are written into a folder.
+//! Runs of scenes: starting or resuming the simulation of a scene, and writing its results to a folder.
 
 mod calibration;
 mod continuum;
@@ -15,10 +15,10 @@ mod whole_scene;
 
 pub use calibration::with_least_repulsion;
 pub use error::RunError;
-pub use folder::{Former, RunFolder};
+pub use folder::{ExistingRun, RunFolder};
 pub use machine::{keep_costs, kept_costs, on_this_machine};
-pub use memory::check_room;
+pub use memory::check_memory;
 pub use outline::outline;
 pub use recorder::{Recorder, provenance};
-pub use start::{placed, resume, start};
+pub use start::{resume, start, start_positions};
 pub use whole_scene::{Listener, WholeScene};

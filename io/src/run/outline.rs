@@ -1,6 +1,6 @@
 //! Scenes of grains in numbers, before they are run.
 
-use super::{RunError, memory, placed};
+use super::{RunError, memory, start_positions};
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Comm, Number};
 use drivers::disks::Sweep;
@@ -13,11 +13,12 @@ const DISK_STEPS: f64 = 2.5e7;
 /// Grains that one core moves by a step of time-stepped collisions in a second, likewise.
 const GRAIN_STEPS: f64 = 2.5e7;
 
-/// What a scene would be made of and cost on ranks that need not be present. Collective.
+/// The outline of a scene: its particles, plan, memory and cost, on ranks that need not exist. Collective.
 pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunError> {
     let outline = match kind {
         Kind::Suspension(scene) => {
-            return Ok(suspension::outline(&scene.model, placed(scene, comm)?, asked, comm)?.value("kind", kind.name()));
+            return Ok(suspension::outline(&scene.model, start_positions(scene, comm)?, asked, comm)?
+                .value("kind", kind.name()));
         }
         Kind::GranularDisks(scene) => of_disks(scene),
         Kind::ShearCell(scene) => with_cost(scene.experiment.outline(), cell_seconds(scene)),

@@ -10,14 +10,14 @@ use simulation::{Frame, Quantity, Simulation};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Writes what is due, when it is due. The first rank writes; every call is collective.
+/// Writes the output files of a run at the steps when they are due. The first rank writes; every call is collective.
 pub struct Recorder {
     folder: RunFolder,
     output: Output,
     provenance: Provenance,
     files: Files,
     comm: Comm,
-    /// The first step to be recorded: those before are in the files already.
+    /// The first step to be recorded: earlier ones are in the files already.
     from: u64,
     /// The step of the last checkpoint.
     saved: Option<u64>,
@@ -25,11 +25,11 @@ pub struct Recorder {
     last: u64,
     /// The longest time that a checkpoint took.
     longest_checkpoint: Duration,
-    /// What is damaged of a former run's files.
+    /// Damage in the files of a former run.
     warnings: Vec<String>,
 }
 
-/// The files that grow: on the first rank, and if they are ever due.
+/// Trajectory and time series: on the first rank, if they are ever due.
 #[derive(Default)]
 struct Files {
     trajectory: Option<Trajectory>,
@@ -43,7 +43,7 @@ impl Files {
         self.series.as_ref().map_or(Ok(()), Series::sync)
     }
 
-    /// What is damaged of what a former run wrote, which the run does not need.
+    /// Damaged frames and rows of a former run, which the run does not need.
     fn damage(&self) -> Vec<String> {
         let trajectory = self.trajectory.iter().flat_map(Trajectory::damage).map(|damage| ("trajectory.h5", damage));
         let series = self.series.iter().flat_map(Series::damage).map(|damage| ("observables.h5", damage));
@@ -53,7 +53,7 @@ impl Files {
 }
 
 impl Recorder {
-    /// A recorder for a run from its start, in place of any former run in the folder.
+    /// A recorder for a new run, which replaces any former run in the folder.
     pub fn create(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
         let comm = simulation.comm().clone();
         let emptied = if comm.is_first() { folder.start_with(scene.text()) } else { Ok(()) };
@@ -61,7 +61,7 @@ impl Recorder {
         Self::open(folder, scene, simulation, (None, scene.kind().steps()))
     }
 
-    /// A recorder for a run that goes on from where it is.
+    /// A recorder for a run that is resumed.
     pub fn resume(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
         let last = simulation.clock().step();
         Self::open(folder, scene, simulation, (Some(last), scene.kind().steps()))
@@ -112,7 +112,7 @@ impl Recorder {
         self.folder.path()
     }
 
-    /// What the user should know of the files.
+    /// Warnings about the files.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -210,7 +210,7 @@ impl Recorder {
     }
 }
 
-/// Where the results of a scene come from.
+/// The provenance of the results of a scene.
 pub fn provenance(scene: &Scene, plan: String, comm: &Comm) -> Provenance {
     Provenance {
         scene: scene.text().to_owned(),

@@ -1,20 +1,21 @@
-//! What a scene computes, at its start or in the state of a checkpoint.
+//! The simulation of a scene, at its start or in the state of a checkpoint.
 
 use super::RunError;
-use super::memory::check_room;
-use crate::{GranularDisksScene, Kind, Scene, SuspensionScene, read_placed};
-use domain::{Comm, Placed};
+use super::memory::check_memory;
+use crate::{GranularDisksScene, Kind, Scene, SuspensionScene, read_positions};
+use domain::{Comm, GivenPositions};
 use drivers::disks::{Course, DiskRun};
 use drivers::shear_cell::CellRun;
 use simulation::{Simulation, State};
 use std::path::Path;
 use suspension::Observed;
 
-/// A scene at its start; `tell` hears now and then which part of its preparation is done. Collective.
+/// The simulation of a scene at its start. `tell` is called now and then with the part of the preparation that is done.
+/// Collective.
 pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Box<dyn Simulation>, RunError> {
-    check_room(scene.kind(), comm)?;
+    check_memory(scene.kind(), comm)?;
     Ok(match scene.kind() {
-        Kind::Suspension(scene) => Box::new(Observed::start(&scene.model, placed(scene, comm)?, comm)?),
+        Kind::Suspension(scene) => Box::new(Observed::start(&scene.model, start_positions(scene, comm)?, comm)?),
         Kind::GranularDisks(scene) => {
             let placed = read(scene.start.as_deref(), comm)?;
             Box::new(DiskRun::start(&scene.model, course(scene), placed.as_ref(), (comm, tell))?)
@@ -24,9 +25,9 @@ pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Bo
     })
 }
 
-/// A scene in a state, which the first rank brings. Collective.
+/// The simulation of a scene in the state of a checkpoint, which the first rank passes. Collective.
 pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
-    check_room(scene.kind(), comm)?;
+    check_memory(scene.kind(), comm)?;
     Ok(match (scene.kind(), state) {
         (Kind::Suspension(scene), state) => Box::new(Observed::resume(&scene.model, state, comm)?),
         (Kind::GranularDisks(scene), Some(state)) => {
@@ -38,14 +39,14 @@ pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dy
     })
 }
 
-/// Where the spheres of a scene start, if a file says so; on the first rank. Collective.
-pub fn placed(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Placed>, RunError> {
+/// The positions of a scene's spheres at the start, if they are read from a file; on the first rank. Collective.
+pub fn start_positions(scene: &SuspensionScene, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
     read(scene.start.as_deref(), comm)
 }
 
-fn read(path: Option<&Path>, comm: &Comm) -> Result<Option<Placed>, RunError> {
+fn read(path: Option<&Path>, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
     let path = path.filter(|_| comm.is_first());
-    Ok(comm.agree(path.map(read_placed).transpose())?)
+    Ok(comm.agree(path.map(read_positions).transpose())?)
 }
 
 fn course(scene: &GranularDisksScene) -> Course {

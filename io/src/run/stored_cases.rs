@@ -1,21 +1,21 @@
-//! Stored results of a sweep's runs, so that none is made twice.
+//! Stored results of a sweep's runs, so that none is repeated.
 
 use super::{Listener, RunError};
 use crate::{read_rows, replace_file};
 use domain::{Interrupted, Number};
-use drivers::disks::{Case, Keeper, Record};
+use drivers::disks::{Case, Record, SweepStore};
 use simulation::Table;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
-/// Keeps each run's records in a file of the folder `cases`.
+/// Stores each run's records in a file of the folder `cases`.
 pub struct StoredCases<'a> {
     folder: PathBuf,
     progress: Mutex<Progress>,
     listener: &'a dyn Listener,
 }
 
-/// How far the runs are.
+/// The progress of the runs.
 struct Progress {
     /// The part of each run that is done.
     parts: Vec<f64>,
@@ -69,10 +69,10 @@ impl<'a> StoredCases<'a> {
     }
 }
 
-impl Keeper for StoredCases<'_> {
+impl SweepStore for StoredCases<'_> {
     type Error = RunError;
 
-    fn kept(&self, case: &Case) -> Result<Option<Vec<Record>>, RunError> {
+    fn stored(&self, case: &Case) -> Result<Option<Vec<Record>>, RunError> {
         let path = self.path(case);
         if !path.exists() {
             return Ok(None);
@@ -89,7 +89,7 @@ impl Keeper for StoredCases<'_> {
         Ok(Some(records))
     }
 
-    fn keep(&self, case: &Case, records: &[Record]) -> Result<(), RunError> {
+    fn store(&self, case: &Case, records: &[Record]) -> Result<(), RunError> {
         let mut table = table();
         for record in records {
             table.add(&[], &[&name(case)[..], &record.values()].concat());

@@ -8,7 +8,7 @@ use drivers::disks::{Branch, Record, Sweep, estimated_free_path};
 use simulation::Table;
 use std::path::Path;
 
-/// Makes the runs that are left to make, several at a time, and writes the averages. Runs that are made are kept.
+/// Makes the runs that are left, several at a time, and writes the averages. Finished runs are stored.
 pub(super) fn sweep(sweep: &Sweep, scene: &Scene, folder: &Path, listener: &dyn Listener) -> Result<(), RunError> {
     let plan = format!("sweep      {}\n", outline::cases(sweep));
     listener.line(&format!("{plan}results    {}", folder.display()));

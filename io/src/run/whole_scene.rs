@@ -7,15 +7,15 @@ use drivers::StartError;
 use drivers::disks::Sweep;
 use std::path::Path;
 
-/// Who waits for a scene to be carried out.
+/// Receives messages and progress of a scene that is carried out, and can stop it.
 pub trait Listener: Sync {
-    /// Hears of something that was done, or that the user should know.
+    /// Called with a message for the user.
     fn line(&self, text: &str);
 
-    /// Hears now and then which part of all is done.
+    /// Called now and then with the part of the work that is done.
     fn part(&self, _part: f64) {}
 
-    /// Whether to go on. It is asked often; from the first no on all is left as it is.
+    /// Whether to continue. It is called often; the work stops when it first returns false.
     fn goes_on(&self) -> bool {
         true
     }
@@ -30,7 +30,7 @@ pub enum WholeScene<'a> {
 }
 
 impl<'a> WholeScene<'a> {
-    /// The scene as one of these, if it is one.
+    /// The scene, if it is of a kind without steps.
     pub fn of(scene: &'a Scene) -> Option<Self> {
         match scene.kind() {
             Kind::Continuum(scene) => Some(Self::Continuum(scene)),
@@ -39,7 +39,7 @@ impl<'a> WholeScene<'a> {
         }
     }
 
-    /// Does what is left to do.
+    /// Does the work that is left.
     pub fn carry_out(
         &self,
         scene: &Scene,
@@ -56,7 +56,7 @@ impl<'a> WholeScene<'a> {
         }
     }
 
-    /// Whether a folder has all that there is to do.
+    /// Whether a folder contains all results.
     pub fn is_finished(&self, folder: &Path) -> bool {
         match self {
             Self::Continuum(problems) => continuum::is_solved(problems, folder),

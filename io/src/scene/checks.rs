@@ -1,4 +1,4 @@
-//! Ranges that numbers have to be in.
+//! Checks that numbers are in their ranges.
 
 use super::error::Fault;
 use domain::ParameterError;

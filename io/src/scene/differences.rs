@@ -1,4 +1,4 @@
-//! In what two scenes differ.
+//! Differences between two scenes.
 
 use super::Scene;
 use toml::{Table, Value};
@@ -44,7 +44,7 @@ fn remove(leaves: &mut Vec<(String, Value)>, key: &str) -> Option<Value> {
     Some(leaves.swap_remove(place).1)
 }
 
-/// All that is no table, nor an array of tables, with its key.
+/// All values that are neither tables nor arrays of tables, with their keys.
 fn collect(value: Value, key: String, leaves: &mut Vec<(String, Value)>) {
     match value {
         Value::Table(table) => {

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, in words for whoever wrote it.
+//! Errors in scenes, as messages for their authors.
 
 use super::names;
 use super::places::{Places, line};
@@ -60,7 +60,7 @@ impl Fault {
     }
 }
 
-/// What a library says of a key of its own.
+/// The message of a library about one of its parameters.
 impl From<ParameterError> for Fault {
     fn from(ParameterError { key, message }: ParameterError) -> Self {
         Self { key, message }
@@ -118,7 +118,7 @@ fn quoted(message: &str) -> Vec<&str> {
     message.split('`').skip(1).step_by(2).collect()
 }
 
-/// The parser's words for types, in everybody's.
+/// Plain words for the parser's names of types.
 fn plain(message: &str) -> String {
     let words = [
         ("invalid type: ", "found "),

@@ -1,7 +1,6 @@
 //! Scenes: the files that say what to compute.
 
 mod checks;
-mod course;
 mod differences;
 mod error;
 mod granular_disks;
@@ -13,9 +12,9 @@ mod shear_cell;
 mod shear_cell_continuum;
 mod suspension;
 mod template;
+mod time_and_output;
 
 pub use self::suspension::SuspensionScene;
-pub use course::{Output, Time};
 pub use differences::Difference;
 pub use error::SceneError;
 use error::{Explain, Fault};
@@ -26,6 +25,7 @@ pub use shear_cell::ShearCellScene;
 pub use shear_cell_continuum::ContinuumScene;
 use std::path::Path;
 pub use template::{TEMPLATES, Template};
+pub use time_and_output::{Output, Time};
 
 /// A scene that has been checked: every number is in its range, and whatever the file left out has its default. Only
 /// [`Scene::read`] and [`Scene::parse`] make one.

@@ -1,4 +1,4 @@
-//! Where in the text each key stands.
+//! The position of each key in the text of a scene.
 
 use std::ops::Range;
 use toml::de::{DeTable, DeValue, Error};

@@ -1,11 +1,11 @@
 //! Time series of the observables of a run, as CSV for reading and as HDF5 for programs.
 
-mod former;
+mod existing_rows;
 
-use crate::durable;
+use crate::atomic_file;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
 use crate::{FileError, Provenance};
-use former::Former;
+use existing_rows::ExistingRows;
 use simulation::Quantity;
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
@@ -34,15 +34,15 @@ impl Series {
         Self::with_table(folder, &header(quantities), frames)
     }
 
-    /// Goes on with the series of a former run after step `last`: later rows are dropped. `rows` is the number of rows
-    /// at the end of the run. The table is written anew from the HDF5 file, or that from the table where there is none.
+    /// Continues the series of a former run after step `last`: later rows are dropped. `rows` is the number of rows at
+    /// the end of the run. The table is written again from the HDF5 file, or that from the table if it is missing.
     pub fn resume(
         folder: &Path,
         provenance: &Provenance,
         quantities: &[Quantity],
         (last, rows): (u64, u64),
     ) -> Result<Self, FileError> {
-        let former = Former::read(&folder.join("observables.csv"), quantities, last)?;
+        let former = ExistingRows::read(&folder.join("observables.csv"), quantities, last)?;
         let path = folder.join("observables.h5");
         if !path.exists() {
             let mut series = Self::create(folder, provenance, quantities, rows)?;
@@ -60,7 +60,7 @@ impl Series {
 
     fn with_table(folder: &Path, table: &str, frames: Frames) -> Result<Self, FileError> {
         let csv_path = folder.join("observables.csv");
-        durable::replace(&csv_path, table.as_bytes())?;
+        atomic_file::replace(&csv_path, table.as_bytes())?;
         Ok(Self { csv: for_appending(&csv_path)?, csv_path, frames })
     }
 
@@ -123,8 +123,8 @@ fn write_fixed(file: &hdf5::File, provenance: &Provenance, quantities: &[Quantit
     Ok(())
 }
 
-/// The table of the rows in the HDF5 file. Where a row is damaged there, it is as the former table had it, if it did.
-fn table(frames: &Frames, quantities: &[Quantity], former: &Former) -> Result<String, FileError> {
+/// The table of the rows in the HDF5 file. Rows that are damaged there are taken from the former table, if it has them.
+fn table(frames: &Frames, quantities: &[Quantity], former: &ExistingRows) -> Result<String, FileError> {
     let mut table = header(quantities);
     for (frame, step) in frames.steps_written()?.into_iter().enumerate() {
         if !frames.damage().iter().any(|damage| damage.frame == frame) {

@@ -47,7 +47,10 @@ fn an_ornstein_uhlenbeck_process_has_its_correlation_and_diffusivity() {
             // 200 particles over 500 correlation times: 1/sqrt(50,000) = 0.0045.
             assert!((lag.correlation[i] - (-t).exp()).abs() < 0.025, "{lag:?}");
             assert!((lag.integral[i] - (1.0 - (-t).exp())).abs() < 0.05, "{lag:?}");
-            assert!((lag.displacement[i] - 2.0 * (t - 1.0 + (-t).exp())).abs() < 0.03 * (1.0 + t), "{lag:?}");
+            assert!(
+                (lag.mean_square_displacement[i] - 2.0 * (t - 1.0 + (-t).exp())).abs() < 0.03 * (1.0 + t),
+                "{lag:?}"
+            );
         }
     }
     let found = Diffusivity::of(&lagrangian, None, [6.0, 20.0]);
@@ -69,7 +72,7 @@ fn ballistic_particles_do_not_diffuse() {
     for lag in lags {
         let square = Vector::new(0.5, 4.5, 8.0);
         assert!((lag.correlation - square).length() < 1e-12);
-        assert!((lag.displacement - square * lag.time.powi(2)).length() < 1e-10 * (1.0 + lag.time.powi(2)));
+        assert!((lag.mean_square_displacement - square * lag.time.powi(2)).length() < 1e-10 * (1.0 + lag.time.powi(2)));
         assert!((lag.integral - square * lag.time).length() < 1e-11 * (1.0 + lag.time));
     }
 }
@@ -102,7 +105,7 @@ fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
         let correlation = product - over(&|a, _| a.velocity.y) * over(&|_, b| b.velocity.y);
         assert!((lag.correlation.y - correlation).abs() < 1e-12, "lag {steps}");
         let square = over(&|a, b| (b.path.z - a.path.z).powi(2)) - over(&|a, b| b.path.z - a.path.z).powi(2);
-        assert!((lag.displacement.z - square).abs() < 1e-11 * (1.0 + square), "lag {steps}");
+        assert!((lag.mean_square_displacement.z - square).abs() < 1e-11 * (1.0 + square), "lag {steps}");
     }
 }
 

@@ -111,7 +111,7 @@ impl Task {
             besides,
             remedy: REMEDY,
         };
-        single.check_room(comm)?;
+        single.check_memory(comm)?;
         Ok(plan)
     }
 

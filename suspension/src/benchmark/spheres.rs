@@ -49,7 +49,9 @@ impl Spheres {
         let placing =
             Bytes::list::<(Vector, [f64; 4])>(2.0 * count).then(packing_bytes(count, case.volume_fraction > 0.25));
         let need = Need { resident: Process::of(comm.rank(), comm.size()).resident(placing.most), ..Need::default() };
-        comm.agree(comm.check_room(need).map_err(|error| format!("{error}; take fewer than {count:.1e} --particles")))?;
+        comm.agree(
+            comm.check_memory(need).map_err(|error| format!("{error}; take fewer than {count:.1e} --particles")),
+        )?;
         let radii: Vec<f64> = (0..case.particles).map(|i| if i % 2 == 0 { 1.0 } else { case.size_ratio }).collect();
         let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
         let cell = PeriodicBox::new(Vector::splat((volume / case.volume_fraction).cbrt()))?;

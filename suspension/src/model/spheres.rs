@@ -38,7 +38,7 @@ pub enum Start {
     /// At these places, species by species.
     Positions(Vec<Vector>),
     /// Where whoever starts the run says.
-    Brought,
+    Given,
 }
 
 /// Cubic lattices.
@@ -132,7 +132,7 @@ impl Start {
 
     /// Only whoever brings positions may leave out how many spheres there are.
     fn check_counts(&self, species: &[Species]) -> Result<(), ParameterError> {
-        let uncounted = species.iter().position(|s| s.count.is_none() && *self != Self::Brought);
+        let uncounted = species.iter().position(|s| s.count.is_none() && *self != Self::Given);
         uncounted.map_or(Ok(()), |index| {
             Err(ParameterError::new(format!("species[{index}].count"), "is missing; say how many spheres there are"))
         })

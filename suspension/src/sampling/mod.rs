@@ -12,7 +12,7 @@ pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
 use solver::BackgroundFlow;
 use statistics::{
-    Angle, Blocks, Columns, Fluctuations, Histogram, Lagrangian, PairDistribution, Profile, State, Store,
+    Angle, Blocks, Fluctuations, Histogram, Lagrangian, PairDistribution, Profile, SpeciesColumns, State, Store,
 };
 
 /// The columns that a sample needs.
@@ -41,7 +41,7 @@ struct About {
     flow: BackgroundFlow,
     rigid: bool,
     axis: usize,
-    columns: Columns,
+    columns: SpeciesColumns,
     wanted: Wanted,
 }
 
@@ -150,15 +150,15 @@ impl About {
 }
 
 /// Columns in which to look for the segregation of a scene's species: along the axis of its statistics.
-pub fn columns(model: &Model) -> Columns {
+pub fn columns(model: &Model) -> SpeciesColumns {
     let (axis, width) = axis_and_width(model);
-    Columns::new(&model.cell, axis, width, model.species.len())
+    SpeciesColumns::new(&model.cell, axis, width, model.species.len())
 }
 
 /// What such columns take, and as many again that are counted in.
 pub fn column_bytes(model: &Model) -> Bytes {
     let (axis, width) = axis_and_width(model);
-    let columns = Columns::bytes(&model.cell, axis, width, model.species.len());
+    let columns = SpeciesColumns::bytes(&model.cell, axis, width, model.species.len());
     columns.then(columns.freed())
 }
 
@@ -173,7 +173,7 @@ fn axis_and_width(model: &Model) -> (usize, f64) {
 }
 
 /// The particles of this rank counted in columns that are empty.
-pub fn counted(empty: &Columns, particles: &Particles) -> Columns {
+pub fn counted(empty: &SpeciesColumns, particles: &Particles) -> SpeciesColumns {
     let mut columns = empty.clone();
     for (&position, &species) in particles.positions.iter().zip(&particles.species) {
         columns.add(position, species);

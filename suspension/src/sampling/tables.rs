@@ -94,7 +94,7 @@ impl Statistics {
         let mut table = Table { columns, ..Table::new("lags", &["species"], &[]) };
         for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
             for lag in self.lagrangian.lags((name != ALL).then_some(index)) {
-                let vectors = [lag.correlation, lag.displacement, lag.integral].map(|v| v.to_array());
+                let vectors = [lag.correlation, lag.mean_square_displacement, lag.integral].map(|v| v.to_array());
                 let numbers: Vec<f64> = std::iter::once(lag.time).chain(vectors.concat()).collect();
                 table.add(&[name], &numbers);
             }

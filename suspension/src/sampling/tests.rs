@@ -48,7 +48,7 @@ fn displacements_leave_the_flow_out() {
     }
     for lag in statistics.lagrangian.lags(None) {
         let expected = lag.correlation * lag.time.powi(2);
-        assert!((lag.displacement - expected).length() < 1e-9 * (1.0 + expected.length()), "{lag:?}");
+        assert!((lag.mean_square_displacement - expected).length() < 1e-9 * (1.0 + expected.length()), "{lag:?}");
     }
     let summary = statistics.summary();
     let value = |quantity: &str, species: &str| {

@@ -1,6 +1,6 @@
 //! The profile over the height, averaged over a run.
 
-use super::{Snapshot, Stripe};
+use super::{ProfileStrip, Snapshot};
 use statistics::{Blocks, Estimate, State, Store};
 
 /// Averages over the moments at which a profile was taken, strip by strip from the bottom up, with errors by blocks.
@@ -9,7 +9,7 @@ pub struct AveragedProfile {
     strips: Vec<AveragedStrip>,
 }
 
-/// What a strip's disks did, moment by moment. Moments at which it was empty count for their number alone.
+/// The series of a strip's averages. Times at which it was empty count in the number of disks only.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct AveragedStrip {
     height: f64,
@@ -19,9 +19,9 @@ struct AveragedStrip {
     temperature: Blocks,
 }
 
-/// A strip of an averaged profile; see [`Stripe`]. What was never seen is not a number, but that no disks were.
+/// A strip of an averaged profile; see [`ProfileStrip`]. What was never seen is not a number, but that no disks were.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeanStripe {
+pub struct MeanProfileStrip {
     /// Height of the strip's middle.
     pub height: f64,
     /// How many disks.
@@ -34,7 +34,7 @@ pub struct MeanStripe {
     pub temperature: Estimate,
 }
 
-/// How many disks are in a strip that was never looked at.
+/// The number of disks in a strip that was never sampled.
 const NONE: Estimate = Estimate { mean: 0.0, error: f64::INFINITY, converged: false };
 
 impl AveragedProfile {
@@ -49,7 +49,9 @@ impl AveragedProfile {
     /// Adds a moment.
     pub fn add(&mut self, snapshot: &Snapshot) {
         let stripes = snapshot.profile(self.strips.len());
-        for (strip, Stripe { height, count, velocity, excess, covariance, .. }) in self.strips.iter_mut().zip(stripes) {
+        for (strip, ProfileStrip { height, count, velocity, excess, covariance, .. }) in
+            self.strips.iter_mut().zip(stripes)
+        {
             strip.height = height;
             strip.count.add(count as f64);
             if count > 0 {
@@ -61,8 +63,8 @@ impl AveragedProfile {
     }
 
     /// The averages so far.
-    pub fn strips(&self) -> impl Iterator<Item = MeanStripe> {
-        self.strips.iter().map(|strip| MeanStripe {
+    pub fn strips(&self) -> impl Iterator<Item = MeanProfileStrip> {
+        self.strips.iter().map(|strip| MeanProfileStrip {
             height: strip.height,
             count: Some(strip.count.estimate()).filter(|count| !count.mean.is_nan()).unwrap_or(NONE),
             velocity: strip.velocity.estimate(),
@@ -108,7 +110,7 @@ mod tests {
         for (x, y) in [(4.0, 1.0), (6.0, 2.0), (9.0, 7.0), (5.0, 3.0)] {
             profile.add(&moment(x, y));
         }
-        let [low, high]: [MeanStripe; 2] = profile.strips().collect::<Vec<_>>().try_into().unwrap();
+        let [low, high]: [MeanProfileStrip; 2] = profile.strips().collect::<Vec<_>>().try_into().unwrap();
         assert_eq!((low.height, low.count.mean, high.count.mean), (2.5, 0.75, 0.25));
         assert!((low.velocity.mean - 5.0).abs() < 1e-15 && (low.excess.mean - 4.0).abs() < 1e-15);
         // Of 4, 6 and 5: a variance of 1 over three moments.

@@ -1,4 +1,4 @@
-//! The two lengths whose ratio decides whether disks segregate.
+//! Viscous length and mean free path, whose ratio decides whether disks segregate.
 
 use crate::disks::Model;
 use std::f64::consts::{FRAC_PI_4, PI};

@@ -1,4 +1,4 @@
-//! What there is to see in a system of disks.
+//! Observables of a system of disks.
 
 mod averages;
 mod lanes;
@@ -8,10 +8,10 @@ mod record;
 mod snapshot;
 mod strips;
 
-pub use averages::{AveragedProfile, MeanStripe};
+pub use averages::{AveragedProfile, MeanProfileStrip};
 pub use lanes::Lanes;
 pub use lengths::{estimated_free_path, viscous_length};
-pub use profile::Stripe;
+pub use profile::ProfileStrip;
 pub use record::Record;
 pub use snapshot::{Disk, Snapshot};
 pub use strips::{Strips, segment};

@@ -5,7 +5,7 @@ use domain::Vector;
 
 /// Averages over the disks whose centres are in a strip, weighted by mass.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Stripe {
+pub struct ProfileStrip {
     /// Height of the strip's middle.
     pub height: f64,
     /// How many disks.
@@ -22,10 +22,10 @@ pub struct Stripe {
 
 impl Snapshot {
     /// The profile over the height in so many strips. Strips without a disk are zero.
-    pub fn profile(&self, strips: usize) -> Vec<Stripe> {
+    pub fn profile(&self, strips: usize) -> Vec<ProfileStrip> {
         let width = self.edges[1] / strips as f64;
-        let mut stripes: Vec<Stripe> =
-            (0..strips).map(|k| Stripe { height: (k as f64 + 0.5) * width, ..Stripe::default() }).collect();
+        let mut stripes: Vec<ProfileStrip> =
+            (0..strips).map(|k| ProfileStrip { height: (k as f64 + 0.5) * width, ..ProfileStrip::default() }).collect();
         let mut means = vec![(0.0, Vector::ZERO); strips];
         for disk in &self.disks {
             let k = ((disk.position.y / width) as usize).min(strips - 1);

@@ -1,10 +1,10 @@
-//! What a run writes down of its disks at a strain.
+//! Records: the observables of a run at a strain.
 
 use super::Lanes;
 use crate::disks::Disks;
 use domain::Vector;
 
-/// A system of disks at a moment, and averages since its count was last restarted.
+/// The system at one time, and averages since the tally was last restarted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Record {
     /// The strain.
@@ -23,7 +23,7 @@ pub struct Record {
     pub free_path: f64,
     /// The strongest lanes.
     pub lanes: Lanes,
-    /// What the balance of energy lost since, over what went through it.
+    /// The relative error of the energy balance since then.
     pub imbalance: f64,
 }
 
@@ -87,7 +87,7 @@ impl Record {
 }
 
 impl Disks {
-    /// The record of now. A count that has just begun has the stress of its moment.
+    /// The record of the present state. If the tally has just been restarted, the stress is the present one.
     pub fn record(&self) -> Record {
         let (snapshot, tally) = (self.snapshot(), self.tally());
         let counted = tally.time() > 0.0;

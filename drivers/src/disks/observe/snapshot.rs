@@ -1,4 +1,4 @@
-//! A picture's worth of disks.
+//! Snapshots of all disks.
 
 use crate::disks::Disks;
 use glam::DVec2;
@@ -6,7 +6,7 @@ use glam::DVec2;
 /// One disk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disk {
-    /// Its name for life.
+    /// Its id.
     pub id: u64,
     /// Centre, in the cell: `0 <= y < Ly` and `x` less the strain times `y` likewise.
     pub position: DVec2,

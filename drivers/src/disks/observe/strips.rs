@@ -1,4 +1,4 @@
-//! How the disks' areas are spread over horizontal strips.
+//! Area fractions of the disks in horizontal strips, and the segregation parameter.
 
 use super::Snapshot;
 use std::f64::consts::FRAC_PI_2;

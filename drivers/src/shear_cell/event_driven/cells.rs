@@ -1,4 +1,4 @@
-//! Which grains are near: cells of a diameter or more, each with a short list of its grains.
+//! Cell lists: cells of a diameter or more, each with a short list of its grains.
 
 use super::super::Model;
 use domain::Vector;

@@ -1,16 +1,15 @@
-//! Which of the grains near one may meet it, all in straight flight: worked out side by side in the processor's
-//! vectors.
+//! Which neighbours of a grain may collide with it, all in straight flight, computed in SIMD vectors.
 
 use super::cells::NEAR;
 use super::contact_time::Straight;
 use super::grain::Grain;
-use crate::widest::{self, Kernel};
+use crate::simd::{self, Kernel};
 use domain::Vector;
 
 /// A number for each of the grains near.
 type Lane = [f64; NEAR];
 
-/// Lanes are worked on in whole groups of so many; those left over are of no account.
+/// Lanes are processed in whole groups of this size; results of unused lanes are ignored.
 const GROUP: usize = 8;
 
 /// Room for the flights of the grains near one.
@@ -49,7 +48,7 @@ impl Flights {
 
     /// Of the grains listed, other than `i` itself, the first that is met earlier than the best so far.
     pub fn first(&mut self, i: usize, list: &[u32], view: &View, mut best: (f64, u32)) -> (f64, u32) {
-        widest::run(Sift { flights: self, list, view });
+        simd::run(Sift { flights: self, list, view });
         let mut count = 0;
         for (k, &j) in list.iter().enumerate() {
             // Most pairs pass or part: they are dropped without a branch.

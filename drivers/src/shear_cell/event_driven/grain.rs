@@ -2,8 +2,8 @@
 
 use domain::Vector;
 
-/// A grain on its way: the state at its own `time`, from which it follows `x + v t + a t^2/2`. All that a neighbour
-/// reads to predict a contact without acceleration, in one cache line.
+/// A grain in free flight: the state at its own `time`, from which it follows `x + v t + a t^2/2`. It has all that is
+/// needed to predict a contact without acceleration, in one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Grain {
@@ -11,7 +11,7 @@ pub struct Grain {
     pub velocity: Vector,
     pub time: f64,
     pub cell: u32,
-    /// How often its course has changed: a contact planned with an older stamp is void.
+    /// The number of changes of its course: a contact planned with an older stamp is void.
     pub stamp: u32,
 }
 

@@ -1,4 +1,4 @@
-//! What happens when a plan comes due.
+//! The events: collisions with grains and walls, and transitions between cells.
 
 use super::{
     super::{Contact, Side},
@@ -38,7 +38,7 @@ impl EventDriven {
         self.plan(j);
     }
 
-    /// A grain comes to a face of its cell: a wall, or the way into the next cell.
+    /// A grain reaches a face of its cell: a wall, or the boundary of the next cell.
     pub(super) fn face_event(&mut self, i: usize, axis: usize, up: bool) {
         self.bring(i);
         let (cells, grain) = (&mut self.cells, &mut self.grains[i]);

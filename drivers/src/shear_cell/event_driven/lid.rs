@@ -1,5 +1,5 @@
-//! A free top wall among the events. It has one entry in the queue: its next hit, or the end of its time without one.
-//! Grains in the top layer of cells tell it when they would reach it.
+//! The free top wall. It has one entry in the event queue: its next collision, or the time until which none was found.
+//! Its collisions are predicted with the grains in the top layer of cells.
 
 use super::super::{Lid, Side};
 use super::{EventDriven, NONE, contact_time::reach};
@@ -15,7 +15,7 @@ pub struct Moving {
     stamp: u32,
 }
 
-/// Layers of the top cell by which the wall may leave its place before the cells are laid anew.
+/// The range of the wall's position, in layers of cells, beyond which the cells are built again.
 const LOWEST: f64 = 0.25;
 const HIGHEST: f64 = 2.25;
 
@@ -105,7 +105,7 @@ impl EventDriven {
         }
     }
 
-    /// Books the work that the load has done since the wall was last set, and sets the wall to the present.
+    /// Adds the work of the load since the wall was last updated, and updates the wall to the present time.
     pub(super) fn book_load(&mut self) {
         let lid = self.lid.at(self.now);
         let fallen = self.lid.start.height - lid.height;

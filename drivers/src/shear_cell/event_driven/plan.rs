@@ -1,4 +1,4 @@
-//! Where a grain goes next.
+//! Prediction of a grain's next event.
 
 use super::{
     EventDriven, NONE,
@@ -8,7 +8,7 @@ use super::{
 };
 
 impl EventDriven {
-    /// Plans the course of a grain that has been brought to the present.
+    /// Predicts the next event of a grain that has been updated to the present time.
     pub(super) fn plan(&mut self, i: usize) {
         let renewal = self.now + self.horizon;
         let (exit, exit_by) = self.exit(i, renewal);

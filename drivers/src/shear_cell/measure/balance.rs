@@ -1,10 +1,10 @@
-//! Whether what a run booked explains how it changed.
+//! Balances of energy and momentum, as a check of a run.
 
 use super::super::{Engine, Model};
 use domain::Vector;
 use statistics::{State, Store};
 
-/// What is left over of the balances, over what went through them.
+/// The relative errors of the balances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Balance {
     /// Change of energy less the work of walls, load, gravity and curved path, plus the losses in hits.

@@ -1,4 +1,4 @@
-//! The cell at a moment, for a time series.
+//! The state of the cell at one time, for the time series.
 
 use super::super::{Engine, Model, Profile, Side, Tally, measure::Balance};
 use domain::Vector;

@@ -1,4 +1,4 @@
-//! Pairs that may touch before the next search: a wide list from cells, a narrow one from the wide.
+//! Verlet lists on two levels: a wide list found by cells, and a narrow one selected from it.
 
 use super::super::{
     Model,

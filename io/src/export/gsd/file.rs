@@ -9,7 +9,7 @@ const SCHEMA: u32 = (1 << 16) | 4;
 /// Bytes that an entry of the list of names counts for.
 const NAME: usize = 64;
 
-/// What a file begins with.
+/// The header of a file.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Header {
@@ -25,7 +25,7 @@ struct Header {
     reserved: [u8; 80],
 }
 
-/// Where a chunk is: entries are in the order of frames, then of the numbers of names.
+/// The position of a chunk: entries are in the order of frames, then of the numbers of names.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Entry {

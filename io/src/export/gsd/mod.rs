@@ -4,7 +4,7 @@
 mod centred;
 mod file;
 
-use crate::recorded::Snapshot;
+use crate::trajectory_reader::Snapshot;
 use centred::Centred;
 use domain::Particles;
 use file::{Chunk, GsdFile};

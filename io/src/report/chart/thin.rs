@@ -1,4 +1,4 @@
-//! Lines with no more points than can be seen.
+//! Thinning of lines with more points than can be seen.
 
 /// Points that a line is drawn with, at most.
 const MOST: usize = 1000;

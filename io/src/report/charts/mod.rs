@@ -1,4 +1,4 @@
-//! Which charts a run has: few, chosen by what it left.
+//! The charts of a run, chosen by its results.
 
 mod continuum;
 mod disks;

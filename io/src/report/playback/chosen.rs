@@ -1,10 +1,10 @@
-//! Which frames a page can hold.
+//! The choice of frames for a page.
 
 /// Bytes of positions and colours; as text they take a third more.
 const BYTES: usize = 27_000_000;
 /// Of a particle in a frame: three coordinates and two colours.
 const EACH: usize = 3 * 2 + 2;
-/// Frames that anybody looks at.
+/// The largest number of frames on a page.
 const MOST: usize = 1000;
 
 /// The frames to show of so many, evenly apart, with the first and the last; all if there is room.

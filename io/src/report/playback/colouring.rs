@@ -4,7 +4,7 @@ use domain::{Number, Particles, Vector};
 use serde_json::{Value, json};
 use simulation::Frame;
 
-/// What a scene says of the colours.
+/// What the scene provides for colours.
 pub(in crate::report) struct Colours {
     /// Names of the species.
     pub(in crate::report) species: Vec<String>,
@@ -22,9 +22,9 @@ pub(super) struct Colouring {
     pub(super) values: Vec<u8>,
 }
 
-/// What bytes stand for.
+/// The meaning of the bytes.
 enum Key {
-    /// Things of these names.
+    /// Indices of these names.
     Names(Vec<String>),
     /// Numbers from the first to the second, which the label names.
     Range([f64; 2], &'static str),
@@ -36,7 +36,7 @@ impl Colouring {
         matches!(&self.key, Key::Names(names) if names.len() == 1)
     }
 
-    /// What the player needs to know of it beside its values.
+    /// The description of the colours for the player.
     pub(super) fn described(&self) -> Value {
         match &self.key {
             Key::Names(names) => json!({"name": self.name, "fixed": self.is_fixed, "names": names}),
@@ -112,7 +112,7 @@ fn stresses(particles: &Particles) -> Option<Vec<f32>> {
 }
 
 impl Column<'_> {
-    /// Takes in a frame.
+    /// Adds a frame.
     pub(super) fn see(&mut self, frame: &Frame) {
         match (self.of)(&frame.particles) {
             Some(values) => self.values.extend(values),

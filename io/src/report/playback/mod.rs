@@ -1,4 +1,4 @@
-//! What the player of a page plays: frames of a trajectory in few bytes.
+//! The frames of a trajectory for the player of a page, in a compact form.
 
 mod chosen;
 mod colouring;
@@ -6,7 +6,7 @@ mod colouring;
 mod tests;
 
 use super::base64::base64;
-use crate::recorded::{Recorded, Snapshot};
+use crate::trajectory_reader::{Snapshot, TrajectoryReader};
 use chosen::chosen;
 pub(super) use colouring::Colours;
 use colouring::{Colouring, columns_of};
@@ -18,7 +18,7 @@ use simulation::Frame;
 pub(super) struct Playback {
     /// How many frames the trajectory has.
     pub(super) recorded: usize,
-    /// Frames that are not as they were written, which are left out: what is wrong with each.
+    /// Damaged frames, which are left out, with the damage of each.
     pub(super) damage: Vec<String>,
     frames: Vec<Shown>,
     positions: Vec<u8>,
@@ -36,8 +36,8 @@ struct Shown {
 }
 
 impl Playback {
-    /// Reads as many frames as a page can hold, evenly apart. The colours say what there is to colour by.
-    pub(super) fn of(recorded: &Recorded, colours: &Colours) -> Self {
+    /// Reads as many frames as a page can hold, evenly spaced. `colours` names what particles can be coloured by.
+    pub(super) fn of(recorded: &TrajectoryReader, colours: &Colours) -> Self {
         let count = recorded.species().len();
         let meant = chosen(recorded.times().len(), count);
         let mut playback = Self {
@@ -95,7 +95,7 @@ impl Playback {
         self.frames.len()
     }
 
-    /// What the player is told: the description, and each list of bytes under the name of its element.
+    /// The data for the player: the description, and each list of bytes with the name of its element.
     pub(super) fn parts(&self, up: char) -> (Value, Vec<(String, String)>) {
         let edges = self.frames.iter().map(|frame| edges(&frame.cell));
         let description = json!({

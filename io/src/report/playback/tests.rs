@@ -27,7 +27,7 @@ fn written(path: &Path, frames: u32) -> Vec<Frame> {
 
 fn played(path: &Path) -> Playback {
     let colours = Colours { species: vec!["a".into()], flow: None };
-    Playback::of(&Recorded::open(path).unwrap(), &colours)
+    Playback::of(&TrajectoryReader::open(path).unwrap(), &colours)
 }
 
 #[test]

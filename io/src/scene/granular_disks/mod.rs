@@ -3,8 +3,8 @@
 mod raw;
 
 use super::checks::rows;
-use super::course::{MOST_STEPS, Output, Time, steps_in};
 use super::error::Fault;
+use super::time_and_output::{MOST_STEPS, Output, Time, steps_in};
 use domain::Number;
 use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species, Sweep};
 pub(super) use raw::Raw;

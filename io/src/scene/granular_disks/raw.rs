@@ -1,6 +1,6 @@
 //! The file's keys, as serde finds them.
 
-use crate::scene::course::RawOutput;
+use crate::scene::time_and_output::RawOutput;
 use drivers::disks::{Gear, LengthUnit};
 use schemars::JsonSchema;
 use serde::Deserialize;

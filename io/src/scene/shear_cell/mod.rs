@@ -3,8 +3,8 @@
 mod raw;
 
 use super::checks::{few_enough, rows};
-use super::course::{Output, Time};
 use super::error::Fault;
+use super::time_and_output::{Output, Time};
 use domain::Number;
 use drivers::shear_cell::{Collisions, Contact, Experiment, FrictionLaw, Model, Parameters, Sampling, Top};
 pub(super) use raw::Raw;

@@ -4,8 +4,8 @@ mod raw;
 mod species;
 
 use super::checks::positive;
-use super::course::{Output, Time, share};
 use super::error::Fault;
+use super::time_and_output::{Output, Time, share};
 use domain::{PeriodicBox, Vector};
 pub(super) use raw::Raw;
 use simulation::Schedule;
@@ -92,7 +92,7 @@ fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
         Lattice => Ok((Start::Lattice(raw.lattice.map_or(self::Lattice::SimpleCubic, Into::into)), None)),
         File => {
             let path = raw.path.clone().ok_or_else(|| missing("path", "name a file or the folder of a former run"))?;
-            Ok((Start::Brought, Some(path)))
+            Ok((Start::Given, Some(path)))
         }
         Positions => {
             let list = raw.positions.as_ref().ok_or_else(|| missing("positions", "list [x, y, z] for every sphere"))?;

@@ -1,4 +1,4 @@
-//! The course of a run: its steps, and what is written on the way.
+//! The sections `time` and `output` of scenes: the steps of a run, and what is written.
 
 use super::checks::positive;
 use super::error::Fault;

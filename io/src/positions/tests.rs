@@ -3,11 +3,11 @@ use crate::{Provenance, Trajectory};
 use domain::{Particles, PeriodicBox, Vector};
 use simulation::Frame;
 
-fn read(name: &str, text: &str) -> Result<Placed, String> {
+fn read(name: &str, text: &str) -> Result<GivenPositions, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
-    read_placed(&path).map_err(|e| e.to_string())
+    read_positions(&path).map_err(|e| e.to_string())
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn hdf5_needs_a_radius_for_each_position() {
     file.new_dataset_builder().with_data(&ndarray::Array2::<f64>::ones((3, 3))).create("positions").unwrap();
     file.new_dataset_builder().with_data(&[1.0, 1.0]).create("radii").unwrap();
     drop(file);
-    let message = read_placed(&path).unwrap_err().to_string();
+    let message = read_positions(&path).unwrap_err().to_string();
     assert!(message.contains("it has 3 positions, but 2 radii; it needs one for each"), "{message}");
 }
 
@@ -77,7 +77,7 @@ fn the_last_frame_of_a_run_is_read() {
         trajectory.append((step, 0.1), &frame).unwrap();
     }
     drop(trajectory);
-    let placed = read_placed(folder.path()).unwrap();
+    let placed = read_positions(folder.path()).unwrap();
     assert_eq!(placed.positions, frame.particles.positions);
     assert_eq!((placed.radii, placed.species), (Some(vec![1.0, 2.0]), Some(vec![0, 1])));
 }
@@ -86,7 +86,7 @@ fn the_last_frame_of_a_run_is_read() {
 fn other_files_are_refused_by_name() {
     assert!(read("a.txt", "").unwrap_err().contains("positions are read from .csv"));
     assert!(read("a.h5", "no").unwrap_err().contains("a.h5 is damaged"));
-    let missing = read_placed(Path::new("/nowhere/a.h5")).unwrap_err().to_string();
+    let missing = read_positions(Path::new("/nowhere/a.h5")).unwrap_err().to_string();
     assert!(missing.contains("can't read /nowhere/a.h5: there is no such file"));
-    assert!(read_placed(Path::new("/nowhere/a.csv")).unwrap_err().to_string().contains("can't read /nowhere/a.csv"));
+    assert!(read_positions(Path::new("/nowhere/a.csv")).unwrap_err().to_string().contains("can't read /nowhere/a.csv"));
 }

@@ -1,4 +1,4 @@
-//! How far the preparation of a start is, or of many runs, for whoever waits.
+//! The progress of work without time steps: the preparation of a start, or many runs.
 
 use crate::streams;
 use domain::Comm;
@@ -9,9 +9,8 @@ use std::time::{Duration, Instant};
 /// Time between two lines where there is no terminal.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// A bar on a terminal, which is gone in the end; now and then a line elsewhere; nothing from other ranks than the
-/// first.
-pub struct Preparing {
+/// A bar on a terminal, which is removed at the end; elsewhere a line now and then. Only the first rank shows it.
+pub struct PartProgress {
     display: Display,
     what: &'static str,
 }
@@ -22,8 +21,8 @@ enum Display {
     Nothing,
 }
 
-impl Preparing {
-    /// What happens, in a few words.
+impl PartProgress {
+    /// Starts to show work, described in a few words.
     pub fn start(comm: &Comm, what: &'static str) -> Self {
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
             (false, _) => Display::Nothing,
@@ -56,7 +55,7 @@ impl Preparing {
     }
 }
 
-impl Drop for Preparing {
+impl Drop for PartProgress {
     fn drop(&mut self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();

@@ -1,10 +1,10 @@
 //! Positions in text.
 
-use domain::Placed;
+use domain::GivenPositions;
 use domain::Vector;
 
 /// Comma-separated values under a line of names; lines that start with # are skipped.
-pub(super) fn csv(text: &str) -> Result<Placed, String> {
+pub(super) fn csv(text: &str) -> Result<GivenPositions, String> {
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let names: Vec<&str> = lines.next().ok_or("it is empty")?.1.split(',').map(str::trim).collect();
     let place = |name: &str| names.iter().position(|n| *n == name);
@@ -18,7 +18,7 @@ pub(super) fn csv(text: &str) -> Result<Placed, String> {
 }
 
 /// Extended XYZ: the number of particles, a line with `Properties=name:type:columns:...`, and a line for each.
-pub(super) fn extended_xyz(text: &str) -> Result<Placed, String> {
+pub(super) fn extended_xyz(text: &str) -> Result<GivenPositions, String> {
     let mut lines = text.lines().enumerate();
     let count = lines.next().and_then(|(_, line)| line.trim().parse::<usize>().ok());
     let count = count.ok_or("its first line is not the number of particles")?;
@@ -65,9 +65,12 @@ struct Columns {
 }
 
 impl Columns {
-    fn read<'a>(&self, rows: impl Iterator<Item = (usize, Vec<&'a str>)>) -> Result<Placed, String> {
-        let mut placed =
-            Placed { radii: self.radius.map(|_| vec![]), species: self.species.map(|_| vec![]), ..Placed::default() };
+    fn read<'a>(&self, rows: impl Iterator<Item = (usize, Vec<&'a str>)>) -> Result<GivenPositions, String> {
+        let mut placed = GivenPositions {
+            radii: self.radius.map(|_| vec![]),
+            species: self.species.map(|_| vec![]),
+            ..GivenPositions::default()
+        };
         for (line, cells) in rows {
             let number = |column: usize| {
                 let cell = cells.get(column).copied().unwrap_or("nothing");

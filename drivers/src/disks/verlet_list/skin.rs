@@ -1,8 +1,8 @@
-//! How much farther than their reach two disks may be and still be listed.
+//! The skin of the Verlet list: by how much its cutoff exceeds contact.
 
 /// A pair of reach `R` is listed if its distance is less than `R (1 + stretch) + skin`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Slack {
+pub(crate) struct ListMargin {
     skin: f64,
     stretch: f64,
     /// Smallest and largest reach.
@@ -11,10 +11,10 @@ pub(crate) struct Slack {
 
 /// Skin in units of the smallest reach; the best of those tried for the mixture of the paper.
 const SKIN: f64 = 0.35;
-/// Strain that the stretch is made for: what a shear of 0.01 brings about before the skin is used up.
+/// Strain that the stretch allows for: that of a shear at the rate 0.01 before the skin is used up.
 const STRAIN: f64 = 0.05;
 
-impl Slack {
+impl ListMargin {
     pub(crate) fn new(smallest: f64, largest: f64) -> Self {
         let reaches = [2.0 * smallest, 2.0 * largest];
         Self { skin: SKIN * reaches[0], stretch: norm(STRAIN) - 1.0, reaches }
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn drift_and_strain_use_it_up() {
-        let slack = Slack::new(1.0, 4.0);
+        let slack = ListMargin::new(1.0, 4.0);
         assert!(!slack.is_used_up(0.0, 0.5 * SKIN * 2.0));
         assert!(slack.is_used_up(0.0, 1.1 * SKIN * 2.0));
         assert!(slack.is_used_up(0.5, 0.0));

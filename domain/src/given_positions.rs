@@ -1,11 +1,11 @@
-//! Positions that somebody brings.
+//! Positions that a user gives.
 
 use crate::Vector;
 
-/// Positions from outside, with what else is known of the particles.
+/// Positions from a file or a caller, with radii and species if these are given too.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Placed {
-    /// Where they are from, for messages.
+pub struct GivenPositions {
+    /// Their source, for messages.
     pub name: String,
     /// Positions.
     pub positions: Vec<Vector>,

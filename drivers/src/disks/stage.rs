@@ -1,4 +1,4 @@
-//! The three stages of a run and what governs the motion in each.
+//! The three stages of a run, and the contacts, drag, flow and integrator of each.
 
 use super::flow::Profile;
 use super::gear::Corrector;
@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 /// A stage of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Overlaps of a random start are taken out by almost plastic contacts.
+    /// Almost plastic contacts remove the overlaps of a random start.
     Settle,
-    /// Elastic contacts bring the disks near equilibrium.
+    /// Elastic contacts bring the disks close to equilibrium.
     Mix,
     /// The run itself: flow, drag and the contacts asked for.
     Flow,
@@ -27,7 +27,7 @@ impl Stage {
     }
 }
 
-/// What governs the motion in a stage.
+/// The contacts, drag, flow and integrator of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Law {
     pub(super) contact: Contact,
@@ -49,13 +49,14 @@ impl Law {
         6.0 * PI * radius * self.viscosity
     }
 
-    /// What turns force and excess velocity of a disk into `dt^2 a / 2 = force * kick - excess * drag`.
+    /// The factors `kick` and `drag` of a disk in `dt^2 a / 2 = force * kick - excess * drag`, with the velocity in
+    /// excess of the liquid's.
     pub(super) fn response(&self, radius: f64, mass: f64) -> (f64, f64) {
         let kick = 0.5 * self.dt * self.dt / mass;
         (kick, self.drag(radius) * kick)
     }
 
-    /// Strain of the lattice after so many steps.
+    /// Strain of the lattice after `step` steps.
     pub(super) fn strain(&self, step: u64) -> f64 {
         self.profile.lattice_rate * self.dt * step as f64
     }

@@ -1,4 +1,4 @@
-//! Who was in touch when the list was made anew.
+//! The pairs in contact when the list was rebuilt.
 
 use super::List;
 

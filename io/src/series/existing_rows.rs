@@ -1,22 +1,22 @@
-//! The table of a time series as a former run left it.
+//! The rows that a former run has written to a time series.
 
 use super::header;
 use crate::FileError;
 use simulation::Quantity;
 use std::path::Path;
 
-/// What the table of a former run has: whole rows until a step.
+/// The complete rows of the table of a former run up to a step.
 #[derive(Default)]
-pub(super) struct Former {
-    /// Those of which all numbers can be read, in their order.
+pub(super) struct ExistingRows {
+    /// The rows whose numbers can all be read, in their order.
     pub(super) rows: Vec<Row>,
 }
 
 /// Step, time, and the numbers of each quantity in turn.
 pub(super) type Row = ((u64, f64), Vec<Vec<f64>>);
 
-impl Former {
-    /// Reads what there is.
+impl ExistingRows {
+    /// Reads the table, if there is one.
     pub(super) fn read(path: &Path, quantities: &[Quantity], last: u64) -> Result<Self, FileError> {
         if !path.exists() {
             return Ok(Self::default());

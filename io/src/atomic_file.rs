@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Atomic replacement of files: they are complete, or as they were before.
 
 use crate::FileError;
 use std::ffi::OsString;
@@ -6,8 +6,9 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Puts a file in place of another at once: written to a temporary file in the same folder, synced, renamed, and the
-/// folder synced. Whatever goes wrong, the former file is intact. What is no file, such as a pipe, is written to.
+/// Replaces a file atomically: the content is written to a temporary file in the same folder, which is synced and
+/// renamed, and the folder is synced. If anything fails, the former file is intact. What is not a regular file, such as
+/// a pipe, is written to directly.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), FileError> {
     if path.exists() && !path.is_file() {
         return std::fs::write(path, content).map_err(|e| FileError::write(path, &e));
@@ -15,7 +16,7 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), FileError> {
     put(path, |file, _| file.write_all(content))
 }
 
-/// The same with a file that `write` fills, by the handle or by the path of the temporary file.
+/// The same with content that `write` writes, to the handle or the path of the temporary file.
 pub(crate) fn put<E: std::fmt::Display>(
     path: &Path,
     write: impl FnOnce(&mut File, &Path) -> Result<(), E>,
@@ -40,15 +41,14 @@ pub(crate) fn place(file: &File, path: &Path) -> std::io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
-/// The name of a file until it is whole.
+/// The name of the temporary file.
 pub(crate) fn temporary(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(".tmp");
     name.into()
 }
 
-/// After a failure: what the temporary file holds is worthless, and its room may be needed. The failure is what to
-/// report, not that this fails too.
+/// Removes the temporary file after a failure. That failure is reported; an error of this removal is not.
 pub(crate) fn remove_temporary(path: &Path) {
     let _ = std::fs::remove_file(temporary(path));
 }

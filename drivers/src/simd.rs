@@ -1,4 +1,4 @@
-//! Running a loop with the widest vectors that the processor has.
+//! Running a loop with the widest SIMD vectors of the processor.
 
 /// A loop to run. The implementation marks `run` as `#[inline(always)]`, so that it is compiled for each vector width.
 pub(crate) trait Kernel {

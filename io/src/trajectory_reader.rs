@@ -1,7 +1,7 @@
-//! Trajectories that were written before.
+//! Reading trajectories.
 
 use crate::frames::Sums;
-use crate::{FileError, checksum, sized, text};
+use crate::{FileError, Provenance, checksum, claimed_size};
 use domain::{Column, Particles, PeriodicBox, Vector};
 use hdf5::types::FixedAscii;
 use hdf5::{File, Group, H5Type, Hyperslab};
@@ -9,15 +9,14 @@ use simulation::Frame;
 use std::path::{Path, PathBuf};
 
 /// A trajectory of this program, read frame by frame.
-pub struct Recorded {
+pub struct TrajectoryReader {
     path: PathBuf,
     group: Group,
     fixed: Particles,
     times: Vec<f64>,
     steps: Vec<u64>,
     sums: Option<Sums>,
-    scene: String,
-    plan: String,
+    provenance: Provenance,
 }
 
 /// A frame at its step and time.
@@ -33,7 +32,7 @@ pub struct Snapshot {
 /// The columns of a frame that may be there, and their widths.
 const COLUMNS: [(&str, usize); 3] = [("velocity", 3), ("angular_velocity", 3), ("stresslet", 5)];
 
-impl Recorded {
+impl TrajectoryReader {
     /// Opens a trajectory.
     pub fn open(path: &Path) -> Result<Self, FileError> {
         if !path.is_file() {
@@ -58,24 +57,17 @@ impl Recorded {
             species: checksum::read(&group.dataset("species")?)?,
             columns: Vec::new(),
         };
-        let mut times: Vec<f64> = sized::read(&group, "position/time")?;
+        let mut times: Vec<f64> = claimed_size::read(&group, "position/time")?;
         // Times are written before steps: there may be one more.
-        let steps: Vec<u64> = sized::read(&group, "position/step")?;
+        let steps: Vec<u64> = claimed_size::read(&group, "position/step")?;
         times.truncate(steps.len());
-        let parameters = file.group("parameters")?;
-        let (scene, plan) = (text::read_dataset(&parameters, "scene")?, text::read_dataset(&parameters, "plan")?);
-        let sums = Sums::open(&file)?;
-        Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, scene, plan })
+        let (sums, provenance) = (Sums::open(&file)?, Provenance::read(&file)?);
+        Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, provenance })
     }
 
-    /// The scene of the run.
-    pub fn scene(&self) -> &str {
-        &self.scene
-    }
-
-    /// How the fluid was computed, in words.
-    pub fn plan(&self) -> &str {
-        &self.plan
+    /// The provenance of the file.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
     }
 
     /// The times of the frames.
@@ -117,7 +109,7 @@ impl Recorded {
             return Err(damage.to_string().into());
         }
         let edges: Vec<f64> = self.value("box/edges", frame)?;
-        let strains: Vec<f64> = sized::read(&self.group, "box/strain/value")?;
+        let strains: Vec<f64> = claimed_size::read(&self.group, "box/strain/value")?;
         let [xx, _, _, _, yy, _, _, _, zz] = edges[..] else {
             return Err(format!("its box/edges have {} numbers a frame instead of 9", edges.len()).into());
         };
@@ -141,7 +133,7 @@ impl Recorded {
 
     fn value<T: H5Type + Clone>(&self, name: &str, frame: usize) -> hdf5::Result<Vec<T>> {
         let slice = Hyperslab::from((frame, .., ..));
-        let dataset = sized::dataset(&self.group, &format!("{name}/value"))?;
+        let dataset = claimed_size::dataset(&self.group, &format!("{name}/value"))?;
         Ok(dataset.read_slice_2d::<T, _>(slice)?.into_raw_vec_and_offset().0)
     }
 }
@@ -185,7 +177,9 @@ mod tests {
         let frame = Frame { particles, cell, periodic: [true; 3] };
         Trajectory::create(&path, &provenance, &frame, 1).unwrap().append((0, 0.0), &frame).unwrap();
         change(&File::open_rw(&path).unwrap()).unwrap();
-        Recorded::open(&path).and_then(|recorded| recorded.frame(0)).map_or_else(|e| e.to_string(), |_| String::new())
+        TrajectoryReader::open(&path)
+            .and_then(|recorded| recorded.frame(0))
+            .map_or_else(|e| e.to_string(), |_| String::new())
     }
 
     #[test]
@@ -226,16 +220,16 @@ mod tests {
             trajectory.append((u64::from(k), 0.5 * f64::from(k)), &frame(k)).unwrap();
         }
         drop(trajectory);
-        let recorded = Recorded::open(&path).unwrap();
-        assert_eq!((recorded.scene(), recorded.plan(), recorded.times()), ("a = 1", "one", &[0.0, 0.5, 1.0][..]));
+        let recorded = TrajectoryReader::open(&path).unwrap();
+        assert_eq!((recorded.provenance(), recorded.times()), (&provenance, &[0.0, 0.5, 1.0][..]));
         for k in 0..3 {
             let Frame { cell, particles, .. } = frame(k as u32);
             assert_eq!(recorded.frame(k).unwrap(), (cell, particles));
         }
-        assert!(Recorded::open(&folder.path().join("none.h5")).is_err());
+        assert!(TrajectoryReader::open(&folder.path().join("none.h5")).is_err());
         drop(recorded);
         flip(&path, 2.0_f64 * 0.3);
-        let recorded = Recorded::open(&path).unwrap();
+        let recorded = TrajectoryReader::open(&path).unwrap();
         assert!(recorded.frame(1).is_ok());
         let error = recorded.frame(2).unwrap_err().to_string();
         assert!(error.contains("trajectory.h5 is damaged: frame 2 does not fit its checksums: particles/all/position"));
@@ -243,7 +237,7 @@ mod tests {
         assert_eq!(contents.damage, ["frame 2 does not fit its checksums: particles/all/position"]);
         drop(recorded);
         flip(&path, 7.125);
-        let error = Recorded::open(&path).err().unwrap().to_string();
+        let error = TrajectoryReader::open(&path).err().unwrap().to_string();
         assert!(error.contains("trajectory.h5 is damaged: particles/all/radius does not fit its checksum"), "{error}");
     }
 

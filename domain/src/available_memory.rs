@@ -1,20 +1,20 @@
-//! How much memory is left, and what processes have taken, as Linux tells it. Elsewhere nothing is known, and nothing
-//! is refused.
+//! Memory that is available, and memory in use by a process, as Linux reports them. On other systems they are unknown,
+//! and nothing is refused.
 
 use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
 
-/// Bytes that may still be taken, and who says so.
+/// Bytes that can still be allocated, and the limit that says so.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Room {
-    /// How many.
+pub struct AvailableMemory {
+    /// Number of bytes.
     pub bytes: f64,
     /// The limit, in words.
     pub limit: String,
 }
 
-impl Room {
-    /// What this machine, and the control groups that this process is in, have left.
+impl AvailableMemory {
+    /// What is left of the machine's memory and of the limits of this process's control groups.
     pub fn of_machine() -> Option<Self> {
         let machine = read_to_string("/proc/meminfo").ok().and_then(|text| kilobytes(&text, "MemAvailable:"));
         let machine = machine.map(|bytes| Self { bytes, limit: "the machine's memory".to_owned() });
@@ -25,10 +25,10 @@ impl Room {
             .min_by(|a, b| a.bytes.total_cmp(&b.bytes))
     }
 
-    /// What the limits of this process leave it, `mapped` bytes of which it will map besides what it holds.
+    /// What is left of the limits (`ulimit`) of this process once it has mapped `mapped` bytes more.
     pub fn of_process(mapped: f64) -> Option<Self> {
         let limits = read_to_string("/proc/self/limits").ok()?;
-        let taken = Taken::now()?;
+        let taken = ProcessMemory::now()?;
         let address = soft_limit(&limits, "Max address space")
             .map(|limit| (limit - taken.mapped - mapped, "the limit on address space, ulimit -v"));
         let data =
@@ -38,19 +38,19 @@ impl Room {
     }
 }
 
-/// What this process has taken.
+/// Memory in use by this process.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Taken {
-    /// In memory.
+pub struct ProcessMemory {
+    /// Resident bytes.
     pub resident: f64,
-    /// Of addresses.
+    /// Bytes of address space.
     pub mapped: f64,
-    /// Of memory to write to.
+    /// Bytes of writable memory.
     pub data: f64,
 }
 
-impl Taken {
-    /// As it is.
+impl ProcessMemory {
+    /// The numbers of now.
     pub fn now() -> Option<Self> {
         let text = read_to_string("/proc/self/status").ok()?;
         let [resident, mapped, data] = ["VmRSS:", "VmSize:", "VmData:"].map(|name| kilobytes(&text, name));
@@ -71,7 +71,7 @@ fn soft_limit(text: &str, name: &str) -> Option<f64> {
 }
 
 /// What each control group in the list of `/proc/self/cgroup`, and each that it is part of, has left.
-fn of_groups(list: &str, root: &Path) -> Vec<Room> {
+fn of_groups(list: &str, root: &Path) -> Vec<AvailableMemory> {
     let mut rooms = Vec::new();
     for line in list.lines() {
         let mut fields = line.splitn(3, ':').skip(1);
@@ -99,14 +99,14 @@ const VERSION_2: Names = ["memory.max", "memory.current", "inactive_file"];
 /// A limit above this is none.
 const UNLIMITED: f64 = 1e18;
 
-fn of_group(folder: &Path, [limit, used, files]: Names) -> Option<Room> {
+fn of_group(folder: &Path, [limit, used, files]: Names) -> Option<AvailableMemory> {
     let number = |name: PathBuf| read_to_string(name).ok()?.trim().parse::<f64>().ok();
     let most = number(folder.join(limit)).filter(|&bytes| bytes < UNLIMITED)?;
     let used = number(folder.join(used))?;
     let statistics = read_to_string(folder.join("memory.stat")).unwrap_or_default();
     let cached = statistics.lines().find_map(|line| line.strip_prefix(files)?.trim().parse::<f64>().ok());
     let bytes = (most - used + cached.unwrap_or(0.0)).max(0.0);
-    Some(Room { bytes, limit: format!("the limit of the control group, {}", folder.join(limit).display()) })
+    Some(AvailableMemory { bytes, limit: format!("the limit of the control group, {}", folder.join(limit).display()) })
 }
 
 #[cfg(test)]
@@ -171,8 +171,8 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn this_process_takes_something_and_this_machine_has_something() {
-        let taken = Taken::now().unwrap();
+        let taken = ProcessMemory::now().unwrap();
         assert!(taken.resident > 1e5 && taken.mapped > taken.resident, "{taken:?}");
-        assert!(Room::of_machine().unwrap().bytes > 1e6);
+        assert!(AvailableMemory::of_machine().unwrap().bytes > 1e6);
     }
 }

@@ -1,18 +1,18 @@
-//! Positions that somebody brings.
+//! Reading positions from files.
 
 mod hdf5_file;
 mod table;
 
 use crate::FileError;
-use domain::Placed;
+use domain::GivenPositions;
 use std::path::Path;
 
 /// Reads positions: a CSV file with the columns `x`, `y`, `z` and perhaps `radius` and `species`; extended XYZ with
 /// `pos` and perhaps `radius` and `species` among its properties; HDF5 with `positions` and perhaps `radii` and
 /// `species`, or in the H5MD format; or the last frame of a former run, by its folder.
-pub fn read_placed(path: &Path) -> Result<Placed, FileError> {
+pub fn read_positions(path: &Path) -> Result<GivenPositions, FileError> {
     if path.is_dir() {
-        return read_placed(&path.join("trajectory.h5"));
+        return read_positions(&path.join("trajectory.h5"));
     }
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let read_text = || std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e));
@@ -28,8 +28,8 @@ pub fn read_placed(path: &Path) -> Result<Placed, FileError> {
     Ok(placed)
 }
 
-/// Every particle needs a place, and a radius and a species if the file has such.
-fn check(placed: &Placed) -> Result<(), String> {
+/// Every particle needs a position, and a radius and a species if the file has these.
+fn check(placed: &GivenPositions) -> Result<(), String> {
     let count = placed.positions.len();
     let lists = [("radii", placed.radii.as_ref().map(Vec::len)), ("species", placed.species.as_ref().map(Vec::len))];
     if let Some((name, Some(found))) = lists.into_iter().find(|(_, found)| found.is_some_and(|n| n != count)) {

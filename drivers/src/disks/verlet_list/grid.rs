@@ -38,7 +38,7 @@ pub(in crate::disks) struct Grid {
 }
 
 impl Grid {
-    /// Sorts the places that drift counts from, which are inside the box, into cells of about the edges given.
+    /// Sorts the reference positions of drift, which are inside the box, into cells of about the edges given.
     pub(super) fn sort(cell: &PeriodicBox, state: &State, about: DVec2) -> Self {
         let edges = cell.edges().truncate();
         let counts = Self::counts(edges, about, state.len());
@@ -87,8 +87,8 @@ impl Grid {
         self.entries.iter().map(|e| e.row).collect()
     }
 
-    /// Hands over, range by range, the entries that may be within a distance, less than an edge, of a place, each range
-    /// with the lattice steps to the image meant.
+    /// Passes on the entries that may be within a distance, less than a cell's edge, of a position, in ranges, each
+    /// with the lattice steps to its image.
     pub(super) fn for_each_near(&self, place: DVec2, distance: f64, mut visit: impl FnMut([i32; 2], Range<usize>)) {
         let per_cell = DVec2::new(self.counts[0] as f64, self.counts[1] as f64) / self.edges;
         let xi = place.x - self.strain * place.y;

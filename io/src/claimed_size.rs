@@ -1,14 +1,14 @@
-//! HDF5 values whose number is believed only if the file can hold as many.
+//! Reading HDF5 datasets whose claimed size is checked against the size of the file.
 
 use hdf5::{Container, Dataset, Group, H5Type};
 
-/// What the tightest filter makes of a byte in the file (deflate: 1032).
+/// The largest compression ratio of a filter (deflate: 1032).
 const TIGHTEST: f64 = 1100.0;
-/// Bytes that a dataset may have without any in the file: nothing was written, and all values are the fill value.
+/// Bytes that a dataset may have without storage in the file: if nothing was written, all values are the fill value.
 const UNWRITTEN: f64 = 1048576.0;
 
-/// Refuses values that would take far more memory than the file has for them: a few bytes can claim a shape of
-/// petabytes.
+/// Refuses a dataset that would need far more memory than its storage in the file allows: a few bytes can claim a shape
+/// of petabytes.
 pub(crate) fn check(values: &Container) -> hdf5::Result<()> {
     let (shape, stored) = (values.shape(), values.storage_size());
     let claimed = shape.iter().map(|&n| n as f64).product::<f64>() * values.dtype()?.size() as f64;
@@ -18,14 +18,14 @@ pub(crate) fn check(values: &Container) -> hdf5::Result<()> {
     Err(format!("{} has the shape {shape:?}, but {stored} bytes in the file", values.name()).into())
 }
 
-/// A dataset that the file can hold.
+/// Opens a dataset and checks its size.
 pub(crate) fn dataset(group: &Group, name: &str) -> hdf5::Result<Dataset> {
     let dataset = group.dataset(name)?;
     check(&dataset)?;
     Ok(dataset)
 }
 
-/// All numbers of a dataset.
+/// Reads all numbers of a dataset and checks its size.
 pub(crate) fn read<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<Vec<T>> {
     dataset(group, name)?.read_raw()
 }

@@ -1,11 +1,11 @@
-//! Scenes as they are run here.
+//! Scenes with the values that are determined when they are run.
 
 use crate::streams;
 use domain::{Comm, Number};
 use io::Scene;
 
-/// The scene with the costs of this machine, and with the least repulsion, if it asks for that. Collective.
-pub fn made_ready(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
+/// The scene with the costs of this machine, and with a calibrated repulsion if it asks for that. Collective.
+pub fn prepared(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
     let (scene, strength) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
     if let Some(strength) = strength.filter(|_| comm.is_first()) {
         let strength = Number(strength);

@@ -1,4 +1,4 @@
-//! Runs that go on from a checkpoint.
+//! Continuing runs from a checkpoint.
 
 use crate::causes::in_full;
 use crate::run_loop::run_to_end;
@@ -11,8 +11,7 @@ use io::{Checkpoints, FileError, Recorder, RunFolder, Scene};
 use simulation::State;
 use std::process::ExitCode;
 
-/// Goes on from a checkpoint, which the first rank brings, until step `steps` if that is not the end of the scene in
-/// the folder. Collective.
+/// Continues from a checkpoint, which the first rank passes, to the scene's end or to step `steps`. Collective.
 pub fn go_on(
     folder: RunFolder,
     state: Option<State>,

@@ -1,14 +1,14 @@
 //! Positions in HDF5.
 
 use crate::frames::Sums;
-use crate::{FileError, checksum, sized};
+use crate::{FileError, checksum, claimed_size};
 use bytemuck::NoUninit;
-use domain::Placed;
+use domain::GivenPositions;
 use domain::Vector;
 use hdf5::{File, Group, H5Type};
 use std::path::Path;
 
-pub(super) fn read(path: &Path) -> Result<Placed, FileError> {
+pub(super) fn read(path: &Path) -> Result<GivenPositions, FileError> {
     if !path.exists() {
         return Err(FileError::read(path, &"there is no such file"));
     }
@@ -18,26 +18,31 @@ pub(super) fn read(path: &Path) -> Result<Placed, FileError> {
 }
 
 /// Datasets of the names that `fcm-solve mobility` uses.
-fn flat(file: &File) -> hdf5::Result<Placed> {
-    let positions = vectors(&sized::read(file, "positions")?);
+fn flat(file: &File) -> hdf5::Result<GivenPositions> {
+    let positions = vectors(&claimed_size::read(file, "positions")?);
     let radii = perhaps(file, "radii")?;
     let radii = radii.map(|r| if r.len() == 1 { vec![r[0]; positions.len()] } else { r });
     let species = perhaps(file, "species")?;
-    Ok(Placed { positions, radii, species, ..Placed::default() })
+    Ok(GivenPositions { positions, radii, species, ..GivenPositions::default() })
 }
 
 /// The last whole frame of an H5MD trajectory.
-fn last_frame(file: &File) -> hdf5::Result<Placed> {
+fn last_frame(file: &File) -> hdf5::Result<GivenPositions> {
     let group = file.group("particles/all")?;
     let frames = group.dataset("position/step")?.size();
     let Some(last) = frames.checked_sub(1) else { return Err("the trajectory has no frame".into()) };
     if let Some(damage) = Sums::open(file)?.and_then(|sums| sums.damage(last)) {
         return Err(damage.to_string().into());
     }
-    let positions = sized::dataset(&group, "position/value")?.read_slice_2d::<f64, _>(hdf5_slice(last))?;
+    let positions = claimed_size::dataset(&group, "position/value")?.read_slice_2d::<f64, _>(hdf5_slice(last))?;
     let radii = perhaps(&group, "radius")?;
     let species = perhaps(&group, "species")?;
-    Ok(Placed { positions: vectors(positions.as_slice().unwrap_or_default()), radii, species, ..Placed::default() })
+    Ok(GivenPositions {
+        positions: vectors(positions.as_slice().unwrap_or_default()),
+        radii,
+        species,
+        ..GivenPositions::default()
+    })
 }
 
 /// The numbers of a dataset that may be missing.

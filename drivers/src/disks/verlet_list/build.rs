@@ -1,9 +1,9 @@
-//! Making the list.
+//! Building the Verlet list.
 
 use super::grid::{Entry, Grid};
 use super::touching::Touching;
-use super::{Batch, Chunk, List, Pair, Slack};
-use crate::disks::law::Law;
+use super::{Batch, Chunk, List, ListMargin, Pair};
+use crate::disks::stage::Law;
 use crate::disks::state::{CHUNK, Identity, State};
 use crate::disks::{Model, for_each_part};
 use domain::PeriodicBox;
@@ -13,15 +13,15 @@ use std::ops::Range;
 /// Width and height of a cell in units of the mean diameter: few rows are searched, and few disks in each.
 const CELL: DVec2 = DVec2::new(0.5, 2.0);
 
-/// The disks are sorted again when the first list is made after each so many steps.
+/// Disks are sorted in memory again at the first rebuild after this number of steps.
 const SORT_EVERY: u64 = 2048;
 
-/// What the search for pairs has at hand.
+/// The input of the search for pairs.
 struct Search<'a> {
     grid: Grid,
     state: &'a State,
     cell: &'a PeriodicBox,
-    slack: Slack,
+    slack: ListMargin,
     touching: &'a Touching,
     /// What marks pairs that touched at the step before.
     touched: u32,
@@ -62,7 +62,7 @@ impl List {
     /// Finds the pairs among the places that drift counts from.
     fn link(state: &State, cell: &PeriodicBox, step: u64, touching: &Touching) -> Self {
         let radii = state.identities.iter().map(|d| d.radius);
-        let slack = Slack::new(radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max));
+        let slack = ListMargin::new(radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max));
         let search = Search {
             grid: Grid::sort(cell, state, cell_edges(&state.identities)),
             state,
@@ -79,7 +79,7 @@ impl List {
     }
 }
 
-/// A disk that may touch another, and the image of it that is meant.
+/// A disk that may touch another, and which of its images.
 #[derive(Debug, Clone, Copy, Default)]
 struct Candidate {
     entry: u32,
@@ -108,8 +108,8 @@ impl Search<'_> {
         chunk.make_room();
     }
 
-    /// Adds those of a range of entries that are near enough and rank below a disk, without a branch. Returns how many
-    /// there are now.
+    /// Adds the entries of a range that are within the cutoff and rank below a disk, without a branch. Returns the
+    /// number of candidates so far.
     #[inline(always)]
     fn gather(
         &self,

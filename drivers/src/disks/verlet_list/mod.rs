@@ -1,19 +1,19 @@
-//! The pairs of disks that may touch before the list is made anew (Verlet's list), each cut to its own reach.
+//! The Verlet list: pairs of disks that may touch before it is rebuilt, each with a cutoff of its own.
 
 mod build;
 mod grid;
-mod slack;
+mod skin;
 #[cfg(test)]
 mod tests;
 mod touching;
 
-use super::law::Law;
+use super::stage::Law;
 use glam::DVec2;
 use std::ops::Range;
 
 pub(super) use build::cell_of;
 pub(super) use grid::Grid;
-pub(super) use slack::Slack;
+pub(super) use skin::ListMargin;
 
 /// Two disks that may touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,19 +26,19 @@ pub(super) struct Pair {
     pub(super) lightness: f64,
 }
 
-/// Pairs whose second disk is meant in the same image.
+/// Pairs whose second disk is shifted by the same lattice steps.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Batch {
     /// Lattice steps added to the second.
     pub(super) steps: [i32; 2],
     pub(super) pairs: Vec<Pair>,
-    /// Where those images are now.
+    /// The present shift of those images.
     pub(super) image: Image,
     /// The last step, modulo 2^32, at which each pair touched.
     pub(super) touched: Vec<u32>,
 }
 
-/// Where the images of a batch are and how fast they move past.
+/// Displacement and relative velocity of the images of a batch.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Image {
     pub(super) shift: DVec2,
@@ -61,7 +61,7 @@ impl Images {
     }
 }
 
-/// The pairs that one thread works on: those whose first disk is in a range of rows. The second disk of the inner ones
+/// The pairs that one thread processes: those whose first disk is in a range of rows. The second disk of the inner ones
 /// is in that range too.
 #[derive(Debug, Clone)]
 pub(super) struct Chunk {
@@ -70,11 +70,11 @@ pub(super) struct Chunk {
     pub(super) border: Vec<Batch>,
     /// Room for the places of the pairs that touch.
     pub(super) found: Vec<u32>,
-    /// Forces on pairs across the border.
+    /// Forces of pairs whose second disk is in another range.
     pub(super) pushes: Vec<(Pair, DVec2)>,
 }
 
-/// All pairs, when they were found, and for how long they do.
+/// All pairs, the step at which they were found, and the margin that decides how long they are valid.
 #[derive(Debug, Clone)]
 pub(super) struct List {
     /// The step at which it was made.
@@ -82,18 +82,18 @@ pub(super) struct List {
     /// The strain of the lattice then, in its range.
     strain: f64,
     edges: DVec2,
-    slack: Slack,
+    slack: ListMargin,
     pub(super) chunks: Vec<Chunk>,
 }
 
 impl List {
-    /// Where images are at a step.
+    /// The positions of images at a step.
     fn images(&self, law: &Law, step: u64) -> Images {
         let strain = self.strain + law.strain(step - self.born);
         Images { edges: self.edges, strain, rate: law.profile.lattice_rate }
     }
 
-    /// Moves the images of all batches to where they are at a step.
+    /// Updates the images of all batches to a step.
     pub(super) fn move_images(&mut self, law: &Law, step: u64) {
         let images = self.images(law, step);
         for batch in self.batches_mut() {
@@ -101,7 +101,8 @@ impl List {
         }
     }
 
-    /// Whether a pair that is not listed may touch at a step, when no disk has left the liquid by more than `drift`.
+    /// Whether a pair that is not in the list may touch at a step, if no disk has moved relative to the liquid by more
+    /// than `drift`.
     pub(super) fn is_stale(&self, law: &Law, step: u64, drift: f64) -> bool {
         self.slack.is_used_up(law.profile.steepest * law.dt * (step - self.born) as f64, drift)
     }
