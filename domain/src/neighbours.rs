@@ -1,17 +1,8 @@
 //! Neighbour lists: the particles within a cutoff of each.
 
 use crate::cells::{Around, Cells};
-use crate::{PeriodicBox, Vector};
+use crate::{Neighbour, PeriodicBox, Vector};
 use rayon::prelude::*;
-
-/// A neighbour of a particle: its row among local particles and ghosts, and the lattice steps to its nearest image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Neighbour {
-    /// Row of the neighbour.
-    pub row: u32,
-    /// Lattice steps added to the neighbour's position.
-    pub steps: [i8; 3],
-}
 
 /// The lists of one batch of particles, concatenated, with the end of each.
 #[derive(Default)]

@@ -1,25 +1,11 @@
 //! Scenes that are not advanced in steps: they are carried out as a whole.
 
-use super::{RunError, RunFolder, continuum, sweep};
+use super::{Listener, RunError, RunFolder, continuum, sweep};
 use crate::{ContinuumScene, Kind, Scene};
 use domain::Comm;
 use drivers::StartError;
 use drivers::disks::Sweep;
 use std::path::Path;
-
-/// Receives messages and progress of a scene that is carried out, and can stop it.
-pub trait Listener: Sync {
-    /// Called with a message for the user.
-    fn line(&self, text: &str);
-
-    /// Called now and then with the part of the work that is done.
-    fn part(&self, _part: f64) {}
-
-    /// Whether to continue. It is called often; the work stops when it first returns false.
-    fn goes_on(&self) -> bool {
-        true
-    }
-}
 
 /// A scene that is carried out as a whole, in one process. What was done before it was interrupted is kept.
 pub enum WholeScene<'a> {

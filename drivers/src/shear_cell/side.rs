@@ -1,0 +1,34 @@
+//! The four walls of a shear cell.
+
+/// The walls, in the order of their tallies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// `y = 0`: moves with the trough.
+    Bottom,
+    /// `y = H`: rests.
+    Top,
+    /// `z = 0`: the outer side wall, moves with the trough.
+    Outer,
+    /// `z = W`: the inner side wall, moves with the trough.
+    Inner,
+}
+
+impl Side {
+    /// All four.
+    pub const ALL: [Self; 4] = [Self::Bottom, Self::Top, Self::Outer, Self::Inner];
+
+    /// Axis of the normal.
+    pub fn axis(self) -> usize {
+        1 + self as usize / 2
+    }
+
+    /// Whether the grains are on the wall's positive side.
+    pub fn is_below(self) -> bool {
+        (self as usize).is_multiple_of(2)
+    }
+
+    /// The wall that bounds an axis (1 or 2) from below or above.
+    pub(super) fn of(axis: usize, below: bool) -> Self {
+        Self::ALL[2 * (axis - 1) + usize::from(!below)]
+    }
+}
