@@ -12,12 +12,13 @@ pub fn leave_files_unlocked() {
 }
 
 /// Keeps freed memory for the next step, which needs as much: returned to the system, it would have to be mapped and
-/// zeroed again page by page.
+/// zeroed again page by page. Only blocks of 32 MB and more go back, such as copies of large grids, which are rare: they would
+/// leave holes that smaller blocks then break up.
 pub fn keep_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: two numbers are set, of which any value is allowed.
     unsafe {
-        libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 30);
+        libc::mallopt(libc::M_MMAP_THRESHOLD, 32 << 20);
         libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
     }
 }

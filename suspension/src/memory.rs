@@ -6,7 +6,7 @@ mod tests;
 use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::forces::barrier;
-use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
+use crate::hydrodynamics::memory::{pairs_bytes, solve_bytes, table_bytes};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::{Integrator, Model, Multipoles, Species, Start};
 use crate::plan::{Radii, largest_strain};
@@ -189,7 +189,10 @@ impl Share<'_> {
     }
 
     fn report(&self) -> Bytes {
-        self.far.divergence().or(self.near(self.gap_search()).freed())
+        // Large grids are not put where a solve has freed its pairs.
+        let pairs = self.range().map_or_else(Bytes::default, |range| pairs_bytes(self.expected, range));
+        let divergence = Bytes::keep(pairs.most).then(self.far.divergence()).freed();
+        divergence.or(self.near(self.gap_search()).freed())
     }
 
     fn gathered(&self, numbers: usize) -> Bytes {

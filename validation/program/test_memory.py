@@ -76,10 +76,10 @@ class Memory(unittest.TestCase):
         self.assertIn("not placed", run(["check", many]))
 
     def test_a_limit_on_addresses_or_data_is_kept(self):
-        scene = self.scene(memory.spheres(8_000, "direct", True))
+        scene = self.scene(memory.spheres(16_000, "direct", True))
         said = self.refused(["run", scene, "--out", self.folder / "out"], limit_kb=270_000)
         self.assertIn("ulimit -v", said)
-        self.assertIn("8000 spheres", said)
+        self.assertIn("16000 spheres", said)
 
     def test_what_a_control_group_does_not_leave_is_refused(self):
         """The files of a control group, in the place of the machine's as this process alone sees them."""
