@@ -180,7 +180,7 @@ impl Mobility {
         mobility.arrange(cell, particles);
         let motion = mobility.apply(&loads, Evaluation::All);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
-        Ok(Solved { motion, stresslets, far: loads, iterations: 0, residual: 0.0 })
+        Ok(Solved { motion, stresslets, far: loads, induced: Motion::default(), iterations: 0, residual: 0.0 })
     }
 }
 

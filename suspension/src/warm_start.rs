@@ -6,12 +6,12 @@ use crate::hydrodynamics::{Guess, Solved};
 use domain::{Comm, Particles, Vector};
 use fcm::Loads;
 
-/// With lubrication: the stresslets of the far field, the forces and torques of lubrication on it, and the motions
-/// relative to the background flow.
+/// With lubrication: the stresslets of the far field, the forces and torques of lubrication on it, and the velocities
+/// that the loads of all others induce at each sphere.
 pub const STRESSLET_FAR: &str = "far stresslet";
 const FORCE: &str = "lubrication force";
 const TORQUE: &str = "lubrication torque";
-const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
+const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];
 
 /// Values at the start of this many last steps extrapolate.
 const PAST: usize = 3;
@@ -40,14 +40,14 @@ impl WarmStart {
 
     /// The columns that a search starts from, with their widths.
     fn columns(&self) -> Vec<(&'static str, usize)> {
-        let motions = MOTION.iter().filter(|_| self.lubrication).map(|&name| (name, 3));
+        let motions = INDUCED.iter().filter(|_| self.lubrication).map(|&name| (name, 3));
         std::iter::once((self.stresslet(), 5)).chain(motions).collect()
     }
 
     /// Numbers of a particle in all columns that are kept for it, besides what users of a solution see.
     pub fn numbers(&self) -> usize {
         let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
-        let present = if self.lubrication { 5 + 3 * (2 + MOTION.len()) } else { 0 };
+        let present = if self.lubrication { 5 + 3 * (2 + INDUCED.len()) } else { 0 };
         past + present + self.columns().len()
     }
 
@@ -87,7 +87,7 @@ impl WarmStart {
         {
             particles.vectors(name).iter_mut().enumerate().for_each(|(i, value)| *value = difference(far, given, i));
         }
-        for (name, motions) in MOTION.iter().zip([&solved.motion.velocities, &solved.motion.angular_velocities]) {
+        for (name, motions) in INDUCED.iter().zip([&solved.induced.velocities, &solved.induced.angular_velocities]) {
             particles.vectors(name).copy_from_slice(motions);
         }
     }
@@ -225,13 +225,14 @@ mod tests {
         let vector = |x: f64| vec![Vector::new(x, 2.0 * x, -x)];
         let given = Loads { forces: vector(1.0), ..Loads::default() };
         let far = Loads { forces: vector(5.0), torques: vector(3.0), stresslets: vec![Traceless([1.0; 5])] };
-        let motion = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
-        let solved = Solved { motion, stresslets: Vec::new(), far: far.clone(), iterations: 1, residual: 0.0 };
+        let induced = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
+        let (motion, far) = (Motion::default(), far.clone());
+        let solved = Solved { motion, stresslets: Vec::new(), far: far.clone(), induced, iterations: 1, residual: 0.0 };
         let mut particles = Particles::default();
         particles.push(0, Vector::ZERO, 1.0, 0);
         let warm_start = WarmStart::new(true);
         warm_start.record(&mut particles, &given, &solved);
-        let kept = [FORCE, TORQUE, MOTION[0], MOTION[1]].map(|name| particles.vectors(name).to_vec());
+        let kept = [FORCE, TORQUE, INDUCED[0], INDUCED[1]].map(|name| particles.vectors(name).to_vec());
         assert_eq!(kept, [4.0, 3.0, 7.0, 9.0].map(vector));
         let mut loads = given.clone();
         warm_start.add_to(&mut loads, &particles);

@@ -208,7 +208,7 @@ impl System for Coupled<'_> {
 
 /// Motions and what some pairs resist to them. Collective.
 pub fn resisted(near: &NearPairs, pairs: &PairMatrix, motions: &Screws) -> Resisted {
-    Resisted { loads: near.times(pairs, motions), motions: motions.clone() }
+    Resisted { loads: near.times(&[pairs], motions), motions: motions.clone() }
 }
 
 /// Loads on the far field: forces, torques, and stresslets `-D`.

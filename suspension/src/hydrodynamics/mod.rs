@@ -50,6 +50,8 @@ pub struct Solved {
     pub stresslets: Vec<Traceless>,
     /// What the far field sees: the loads given and those of lubrication, and its part of the stresslets.
     pub far: Loads,
+    /// What the loads of all others do to each sphere: its velocities less those that its own loads alone would give it.
+    pub induced: Motion,
     /// Applications of the mobility, besides one to begin with.
     pub iterations: usize,
     /// The error left, as the iteration estimates it, relative to the solution.
@@ -61,14 +63,20 @@ pub struct Solved {
 pub struct Guess {
     /// The far field's part of the stresslets.
     pub stresslets_far: Vec<Traceless>,
-    /// Velocities relative to the background flow.
+    /// Velocities that the loads of all others induce, see [`Solved::induced`].
     pub velocities: Vec<Vector>,
-    /// Angular velocities relative to the background flow.
+    /// Angular velocities that they induce.
     pub angular_velocities: Vec<Vector>,
 }
 
 /// Iterations after which a solve has failed.
 const MOST_ITERATIONS: usize = 1000;
+
+/// Error left in the preconditioner's solves of the stiff pairs; the outer iteration corrects it.
+const ROUGH: f64 = 0.1;
+
+/// Error left in the near field of the start, over that allowed in the end.
+const START: f64 = 0.1;
 
 impl Hydrodynamics {
     /// Prepares what `plan` decided, with lubrication at the gaps of `range` if there is one. Not to be called from a
@@ -139,7 +147,7 @@ impl Hydrodynamics {
         let solved = self.far.solve(cell, particles, loads, background, &guess.stresslets_far)?;
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
-        Ok(Solved { motion, stresslets, far, iterations, residual })
+        Ok(Solved { motion, stresslets, far, induced: Motion::default(), iterations, residual })
     }
 }
 
@@ -160,10 +168,11 @@ fn lubricated(
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
     let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
-    let mut matrix = preconditioned.then(|| ParticleMatrix::new(comm, near, &single));
+    let matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &[near.stiff()], &single, ROUGH));
     let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
-    let mut x = start((comm, near), matrix.as_mut(), &known, guess);
+    let start_tolerance = preconditioned.then_some(START * limits.tolerance);
+    let mut x = start((comm, near), start_tolerance, &single, &known, guess);
     let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
@@ -183,9 +192,12 @@ fn lubricated(
     }
     known.add(1.0, &x.loads());
     let far = coupled::far_loads(&known, &x.moments);
-    let near = near.stresslets(&Screws::new(radii.len(), &motion.velocities, &motion.angular_velocities));
-    let stresslets = far.stresslets.iter().zip(near).map(|(&far, near)| far + near).collect();
-    Ok(Solved { motion, stresslets, far, iterations: outcome.iterations, residual: outcome.residual })
+    let motions = Screws::new(radii.len(), &motion.velocities, &motion.angular_velocities);
+    let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
+    let induced = motions.less_those_alone(&single, &known);
+    let (velocities, angular_velocities) = (induced.linear(), induced.angular());
+    let induced = Motion { velocities, angular_velocities, strain_rates: Vec::new() };
+    Ok(Solved { motion, stresslets, far, induced, iterations: outcome.iterations, residual: outcome.residual })
 }
 
 /// The resistance of a sphere on its own.
@@ -194,19 +206,24 @@ fn single(viscosity: f64, radius: f64) -> Screw {
     Screw::new(Vector::splat(force), Vector::splat(torque))
 }
 
-/// The unknowns that go with a guess, or where there is none with the motions by lubrication alone. Collective.
+/// The unknowns that go with a guess: with what the others' loads induce as guessed, or nothing where nothing is, the
+/// motions `U` of all near pairs follow, with an error of `tolerance`, from `(M_0^-1 + R) U = M_0^-1 U_induced + F`; without
+/// a tolerance they are those induced. Collective.
 fn start(
     (comm, near): (&Comm, &NearPairs),
-    matrix: Option<&mut ParticleMatrix>,
+    tolerance: Option<f64>,
+    single: &[Screw],
     known: &Screws,
     guess: &Guess,
 ) -> Unknowns {
     let count = known.0.len();
     let mut motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
-    if !comm.any(!guess.velocities.is_empty())
-        && let Some(matrix) = matrix
-    {
-        [motions, _] = matrix.solve(known);
+    if let Some(tolerance) = tolerance {
+        let mut loads = known.clone();
+        loads.add_resisted(1.0, single, &motions);
+        let all = [near.stiff(), near.soft()];
+        let mut matrix = ParticleMatrix::new((comm, near), &all, single, tolerance);
+        [motions, _] = matrix.solve(&loads);
     }
     let against = motions.negative();
     let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));

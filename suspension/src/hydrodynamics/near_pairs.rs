@@ -5,6 +5,7 @@ use super::pair_matrix::{PairMatrix, ROWS};
 use super::screw::Screws;
 use super::stiffness::Stiffness;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, VerletList};
+use fcm::Linear;
 use lubrication::PairForce;
 use rayon::prelude::*;
 use solver::Real;
@@ -72,9 +73,12 @@ impl NearPairs {
         &self.soft
     }
 
-    /// One of the two times the motions of the particles that this rank owns. Collective.
-    pub fn times(&self, matrix: &PairMatrix, motions: &Screws) -> Screws {
-        Screws(matrix.times(&self.present(motions).0))
+    /// Some of them times the motions of the particles that this rank owns. Collective.
+    pub fn times(&self, pairs: &[&PairMatrix], motions: &Screws) -> Screws {
+        let present = self.present(motions);
+        let mut loads = Screws::zero(motions.0.len());
+        pairs.iter().for_each(|matrix| loads.add(1.0, &Screws(matrix.times(&present.0))));
+        loads
     }
 
     /// Loads of lubrication on the fluid in the ambient flow, with the particles not moving relative to it.

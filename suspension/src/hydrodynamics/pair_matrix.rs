@@ -100,10 +100,9 @@ impl PairMatrix {
         self.parts.iter().all(|part| part.groups.is_empty())
     }
 
-    /// The blocks on the diagonal.
-    pub fn diagonal(&self) -> impl IndexedParallelIterator<Item = Block> + '_ {
-        let rows = self.parts.iter().map(|part| part.own.len()).sum();
-        (0..rows).into_par_iter().map(|row: usize| self.parts[row / ROWS].own[row % ROWS].block())
+    /// The block on the diagonal of a row.
+    pub fn block(&self, row: usize) -> Block {
+        self.parts[row / ROWS].own[row % ROWS].block()
     }
 
     /// The matrix times the motions of all particles present: the loads of those that the rank owns.

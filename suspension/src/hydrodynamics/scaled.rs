@@ -45,6 +45,7 @@ pub fn solution(found: &Solved, units: &Units) -> Solved {
         motion: motion_times(&found.motion, units.velocity(), units.rate()),
         stresslets: tensors_times(&found.stresslets, units.torque()),
         far: times(&found.far, units.torque()),
+        induced: motion_times(&found.induced, units.velocity(), units.rate()),
         iterations: found.iterations,
         residual: found.residual,
     }

@@ -102,6 +102,16 @@ impl Screws {
     }
 }
 
+impl Screws {
+    /// These motions less those that loads give single spheres of the given resistances.
+    pub fn less_those_alone(&self, single: &[Screw], loads: &Self) -> Self {
+        let less = |((motion, single), load): ((&Screw, &Screw), &Screw)| {
+            Screw(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
+        };
+        Self(self.0.iter().zip(single).zip(&loads.0).map(less).collect())
+    }
+}
+
 impl Linear for Screws {
     fn add(&mut self, factor: f64, other: &Self) {
         self.0.par_chunks_mut(BATCH).zip(other.0.par_chunks(BATCH)).for_each(|(a, b)| {

@@ -275,8 +275,8 @@ fn a_solution_is_its_own_best_guess() {
     let first = fluid.solve(&plan.cell(), &particles, &loads, strain, &Guess::default()).unwrap();
     let guess = Guess {
         stresslets_far: first.far.stresslets.clone(),
-        velocities: first.motion.velocities.clone(),
-        angular_velocities: first.motion.angular_velocities.clone(),
+        velocities: first.induced.velocities.clone(),
+        angular_velocities: first.induced.angular_velocities.clone(),
     };
     let again = fluid.solve(&plan.cell(), &particles, &loads, strain, &guess).unwrap();
     assert!(again.iterations <= 1 && first.iterations > 5, "{} after {}", again.iterations, first.iterations);

@@ -81,7 +81,7 @@ impl Setting {
         let resisted = Resisted { motions: nothing.clone(), loads: nothing.clone() };
         let moments = vec![Traceless::ZERO; self.spheres()];
         let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
-        let matrix = Some(ParticleMatrix::new(&Comm::alone(), &self.near, &self.single));
+        let matrix = Some(ParticleMatrix::new((&Comm::alone(), &self.near), &[self.near.stiff()], &self.single, 0.1));
         let mobility = Scaled { mobility: &mut self.mobility, units: Units::ONE };
         Coupled::new(mobility, &self.near, matrix, (&self.single, &self.strain_resistance), (&nothing, &start))
     }
@@ -145,13 +145,13 @@ fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
 fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     let mut setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
-    let mut matrix = ParticleMatrix::new(&Comm::alone(), near, single);
+    let mut matrix = ParticleMatrix::new((&Comm::alone(), near), &[near.stiff()], single, 0.1);
     let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
     let error = |matrix: &mut ParticleMatrix| {
         let [motions, _] = matrix.solve(&loads);
         let mut residual = loads.clone();
         residual.add(-1.0, &matrix.apply(&motions));
-        (residual.dot(&matrix.precondition(&residual)) / loads.dot(&matrix.precondition(&loads))).sqrt()
+        (matrix.error(&residual, &motions) / matrix.size(&motions)).sqrt()
     };
     let mut errors = vec![error(&mut matrix)];
     while errors.len() < 9 && matrix.sharpen() {
@@ -172,8 +172,8 @@ fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
     let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
-    let [motions, resisted] = ParticleMatrix::new(&Comm::alone(), near, single).solve(&loads);
-    let mut difference = near.times(near.stiff(), &motions);
+    let [motions, resisted] = ParticleMatrix::new((&Comm::alone(), near), &[near.stiff()], single, 0.1).solve(&loads);
+    let mut difference = near.times(&[near.stiff()], &motions);
     let size = difference.dot(&difference).sqrt();
     difference.add(-1.0, &resisted);
     let error = difference.dot(&difference).sqrt();
