@@ -59,6 +59,7 @@ const WORDS: [&str; 38] = [
     "positions",
     "file",
     "adaptive",
+    "implicit",
     "adams-bashforth",
     "monopole",
     "direct",

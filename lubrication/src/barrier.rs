@@ -81,12 +81,16 @@ impl Barrier {
         (radii[0] + radii[1]) * (1.0 + 0.5 * self.range)
     }
 
-    /// How fast the force falls with the gap, `-dF/dr`, at a gap within the range.
+    /// How fast the force falls with the gap, `-dF/dr`: zero beyond the range, and deep in an overlap, where it falls the
+    /// other way.
     pub fn stiffness(&self, gap: f64, radii: [f64; 2]) -> f64 {
         let (contact, reach_squared) = (radii[0] + radii[1], self.reach(radii).powi(2));
         let (distance, width) = (contact + gap, reach_squared - contact * contact);
         let depth = (reach_squared - distance * distance) / width;
-        self.strength(radii) / contact * depth * (4.0 * distance * distance / width - depth)
+        if depth <= 0.0 {
+            return 0.0;
+        }
+        self.strength(radii) / contact * depth * (4.0 * distance * distance / width - depth).max(0.0)
     }
 
     /// Force on the first sphere; `separation` is `x_j - x_i`. The second sphere feels the opposite.
@@ -152,6 +156,11 @@ mod tests {
             let slope = (force(gap - step) - force(gap + step)) / (2.0 * step);
             assert!((barrier.stiffness(gap, radii) - slope).abs() < 1e-6 * slope, "gap {gap}");
         }
+        assert_eq!(
+            [0.2, -2.0].map(|gap| barrier.stiffness(gap, radii)),
+            [0.0; 2],
+            "beyond its reach, and deep in an overlap"
+        );
     }
 
     #[test]

@@ -4,17 +4,18 @@ use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::error::StartError;
 use crate::fluid;
-use crate::forces::Forces;
+use crate::forces::{Ahead, Forces};
 use crate::gap::Gap;
-use crate::hydrodynamics::{Guess, Hydrodynamics, Solved};
-use crate::model::{Model, Multipoles};
+use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, ShortRange, Solved, Springs};
+use crate::integrator::EXPECTED;
+use crate::model::{Integrator, Model, Multipoles};
 use crate::moving_box::MovingBox;
 use crate::relative_motion::RelativeMotion;
 use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::warm_start::WarmStart;
 use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
-use fcm::{Loads, PlanError, SolveError};
+use fcm::{PlanError, SolveError};
 use lubrication::Range;
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -42,13 +43,16 @@ pub struct Moment {
     pub ages: Vec<f64>,
     /// The time since then.
     pub ahead: f64,
+    /// The time by which forces between near spheres are to be ahead of this moment, where they are in the solve: they are
+    /// taken with the velocities solved for instead of those in the column [`EXPECTED`].
+    pub implicit: Option<f64>,
 }
 
 impl Moment {
     /// When a fraction of a step is over, solutions being remembered at the start of each step.
     pub fn in_step(clock: &Clock, fraction: f64) -> Self {
         let ages = (0..=clock.step().min(2)).map(|k| k as f64 * clock.dt()).collect();
-        Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt() }
+        Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt(), implicit: None }
     }
 }
 
@@ -72,13 +76,17 @@ impl Dynamics {
         let chosen = &model.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
         let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
-        let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, range);
+        let forces = Forces::new(model, setup.radii.largest())?;
+        let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
+        let springs = forces.reach().filter(|_| is_implicit);
+        let short_range = ShortRange { lubrication: range, springs };
+        let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
         let dynamics = Self {
             hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
             lubrication: range,
-            warm_start: WarmStart::new(chosen.lubrication),
-            forces: Forces::new(model, setup.radii.largest())?,
+            warm_start: WarmStart::new(model.is_coupled()),
+            forces,
             applied: AppliedForces::default(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             smallest_radius: setup.radii.smallest(),
@@ -123,24 +131,41 @@ impl Dynamics {
         if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
             return Err(Interrupted.into());
         }
-        self.check_positions(particles, clock)?;
-        self.moving.go_to(clock.time_at(moment.fraction), particles);
+        self.place(particles, moment)?;
         let cell = *self.moving.cell();
-        particles.migrate(&self.partition, &cell);
-        let mut loads = self.forces.on(particles, &cell, &self.partition);
+        let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
+        let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities });
+        let mut loads = self.forces.on(particles, (&cell, &self.partition), ahead.as_ref());
         let time = clock.time_at(moment.fraction);
         let applied = self.applied.add_to(&mut loads, particles, (&cell, &self.partition), time);
         applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
         let guess =
             if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
-        let ambient = self.flow.strain_rate();
-        let solved = self.hydrodynamics.solve(&cell, particles, &loads, ambient, &guess);
+        let forces = &self.forces;
+        let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
+        let springs = resistance.as_ref().map(|resistance| Springs { resistance });
+        let acting = Acting { loads: &loads, strain_rate: self.flow.strain_rate(), springs: springs.as_ref() };
+        let solved = self.hydrodynamics.solve(&cell, particles, &acting, &guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, clock.step()))?;
-        self.record(particles, &loads, &solved);
+        self.record(particles, &solved);
         if self.rigid {
             self.warm_start.learn(particles, &moment.ages, moment.ahead, self.partition.comm());
         }
         Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
+    }
+
+    /// Brings the particles into the box as it is at a moment, and to their ranks. Collective.
+    pub fn place(&mut self, particles: &mut Particles, moment: &Moment) -> Result<(), StepError> {
+        self.check_positions(particles, &moment.clock)?;
+        self.moving.go_to(moment.clock.time_at(moment.fraction), particles);
+        particles.migrate(&self.partition, self.moving.cell());
+        Ok(())
+    }
+
+    /// A column of velocities less those of the background flow.
+    fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
+        let velocities = particles.vectors(name).to_vec();
+        velocities.iter().zip(&particles.positions).map(|(&v, &x)| v - self.flow.velocity(x)).collect()
     }
 
     /// Why the flow could not be found at a step. Collective.
@@ -175,7 +200,7 @@ impl Dynamics {
     }
 
     /// Writes what was solved for into the particles' columns, the background flow included.
-    fn record(&self, particles: &mut Particles, loads: &Loads, solved: &Solved) {
+    fn record(&self, particles: &mut Particles, solved: &Solved) {
         let carried = particles.positions.iter().zip(&solved.motion.velocities);
         let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.flow.velocity(x)).collect();
         particles.vectors(VELOCITY).copy_from_slice(&velocities);
@@ -187,7 +212,7 @@ impl Dynamics {
             }
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
             particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
-            self.warm_start.record(particles, loads, solved);
+            self.warm_start.record(particles, solved);
         }
     }
 
@@ -199,6 +224,12 @@ impl Dynamics {
     /// From which gap to which lubrication acts, if it does.
     pub fn lubrication(&self) -> Option<Range> {
         self.lubrication
+    }
+
+    /// Gaps over the mean radius that smaller ones count as, where what they lose and where their errors are looked at:
+    /// with lubrication the closest gap that it knows, and the tolerance; else the range of the repulsion.
+    pub fn least_gaps(&self, tolerance: f64) -> [f64; 2] {
+        self.lubrication.map_or([self.forces.range(); 2], |range| [range.closest(), tolerance])
     }
 
     /// The box as it is.
@@ -239,9 +270,9 @@ impl Dynamics {
     /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in
     /// the order `[z][y][x]`, x fastest; on the first rank. An error where no grid can carry it. Collective.
     pub fn velocity_field(&mut self, particles: &Particles) -> Result<([usize; 3], Vec<Vector>), PlanError> {
-        let mut loads = self.forces.on(particles, self.moving.cell(), &self.partition);
+        let mut loads = self.forces.on(particles, (self.moving.cell(), &self.partition), None);
         applied::add_last(&mut loads, particles);
-        self.warm_start.add_to(&mut loads, particles);
+        let loads = self.warm_start.felt(loads, particles);
         // Whatever the strain: programs that draw a series take all of its frames for as large as the first.
         let plan = self.hydrodynamics.mobility().plan().on_the_grid_alone(self.moving.largest_strain())?;
         Ok(fluid::velocity(&plan, self.moving.cell(), (particles, &loads), self.partition.comm()))

@@ -21,6 +21,14 @@ pub fn barrier(model: &Model) -> Result<Option<Barrier>, BarrierError> {
     model.repulsion.map(barrier).transpose()
 }
 
+/// How particles will move for some time, by which forces at its end are foretold.
+pub struct Ahead<'a> {
+    /// The time.
+    pub time: f64,
+    /// Velocities relative to the background flow, as expected.
+    pub velocities: &'a [Vector],
+}
+
 impl Forces {
     /// The forces of a scene whose largest particle has the given radius.
     pub fn new(model: &Model, largest_radius: f64) -> Result<Self, BarrierError> {
@@ -29,18 +37,56 @@ impl Forces {
         Ok(Self { species: model.species.clone(), gravity: model.gravity, barrier })
     }
 
-    /// Forces and torques on the particles that this rank owns. Collective.
-    pub fn on(&self, particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Loads {
+    /// Forces and torques on the particles that this rank owns. Where they are to be those at the end of some time, repulsion
+    /// has what [`Self::resistance`] takes off it for the velocities expected: so the sum of both is right for these, and
+    /// nearly for others. Collective.
+    pub fn on(
+        &self,
+        particles: &Particles,
+        (cell, partition): (&PeriodicBox, &Partition),
+        ahead: Option<&Ahead>,
+    ) -> Loads {
         let mut forces = self.steady_forces(particles);
         if let Some((barrier, reach)) = &self.barrier {
             forces.resize(particles.len(), Vector::ZERO);
-            let repulsion = Near::find(particles, cell, partition, *reach).sums(|separation, radii| {
-                let force = barrier.force(separation, radii);
+            let near = Near::find(particles, cell, partition, *reach);
+            let added = ahead.map(|ahead| self.expected(&near, ahead)).unwrap_or_default();
+            let on_pair = |(k, (separation, radii, _)): (usize, (Vector, [f64; 2], _))| {
+                let force = barrier.force(separation, radii) + added.get(k).copied().unwrap_or_default();
                 [force, -force]
-            });
+            };
+            let repulsion = near.summed(near.pairs().enumerate().map(on_pair));
             forces.iter_mut().zip(repulsion).for_each(|(force, repulsion)| *force += repulsion);
         }
         Loads { forces, torques: self.torques(particles), stresslets: Vec::new() }
+    }
+
+    /// For each pair, the force on the first sphere by which [`Self::resistance`] changes repulsion at the velocities
+    /// expected, taken back. Collective.
+    fn expected(&self, near: &Near, ahead: &Ahead) -> Vec<Vector> {
+        let relative = near.differences(ahead.velocities);
+        let of_pair = |((separation, radii, _), velocity): ((Vector, [f64; 2], _), Vector)| {
+            let distance = separation.length();
+            let axis = separation / distance;
+            axis * (-self.resistance(ahead.time, distance, radii) * axis.dot(velocity))
+        };
+        near.pairs().zip(relative).map(of_pair).collect()
+    }
+
+    /// By how much the repulsion of two spheres at a distance falls in some time if they part at unit velocity.
+    pub fn resistance(&self, time: f64, distance: f64, radii: [f64; 2]) -> f64 {
+        let gap = distance - radii[0] - radii[1];
+        self.barrier.as_ref().map_or(0.0, |(barrier, _)| time * barrier.stiffness(gap, radii))
+    }
+
+    /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
+    pub fn range(&self) -> f64 {
+        self.barrier.as_ref().map_or(0.0, |(barrier, _)| barrier.range())
+    }
+
+    /// The distance of centres up to which spheres repel each other, if they do.
+    pub fn reach(&self) -> Option<f64> {
+        self.barrier.as_ref().map(|(_, reach)| *reach)
     }
 
     /// For each particle that this rank owns, its share of the first moments of repulsion: of a pair at `x_i` and

@@ -1,19 +1,19 @@
 //! Particles as a state brings them.
 
-use crate::adaptive::AGES;
 use crate::applied::APPLIED;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::integrator::VELOCITY_COLUMNS;
+use crate::substeps::{AGES, AHEAD};
 use crate::warm_start::WarmStart;
 use domain::Particles;
 
 /// Refuses particles of a species that the scene does not have, and a column that has another number of values for each
 /// particle than a run gives it.
-pub fn check(particles: &Particles, species: usize, lubrication: bool) -> Result<(), String> {
+pub fn check(particles: &Particles, species: usize, coupled: bool) -> Result<(), String> {
     if let Some(unknown) = particles.species.iter().find(|&&s| s as usize >= species) {
         return Err(format!("a sphere is of species {unknown}; the scene has {species}, from 0"));
     }
-    let known = widths(lubrication);
+    let known = widths(coupled);
     for column in &particles.columns {
         let width = known.iter().find(|(name, _)| *name == column.name).map(|(_, width)| *width);
         if let Some(width) = width.filter(|&width| width != column.width) {
@@ -24,11 +24,12 @@ pub fn check(particles: &Particles, species: usize, lubrication: bool) -> Result
 }
 
 /// The columns of a run, and how many numbers of each a particle has.
-fn widths(lubrication: bool) -> Vec<(String, usize)> {
+fn widths(coupled: bool) -> Vec<(String, usize)> {
     let velocities = VELOCITY_COLUMNS.map(|name| (name.to_owned(), 3));
-    let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (AGES, 2)].map(|(name, width)| (name.to_owned(), width));
+    let others =
+        [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (AGES, 2), (AHEAD, 1)].map(|(name, width)| (name.to_owned(), width));
     let applied = APPLIED.map(|name| (name.to_owned(), 3));
-    velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(lubrication).kept()).collect()
+    velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(coupled).kept()).collect()
 }
 
 #[cfg(test)]

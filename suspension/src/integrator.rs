@@ -10,9 +10,17 @@ pub const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocit
 /// Velocities of the stages within a Runge-Kutta step; there is no such column between steps.
 const STAGES: [&str; 2] = ["stage velocity 2", "stage velocity 3"];
 
+/// The mean velocity of the last substep, and that which is expected at the end of the one at hand; there is no such
+/// column as the latter between substeps.
+pub const MEAN: &str = "mean velocity";
+pub const EXPECTED: &str = "expected velocity";
+
 /// All columns that hold velocities: what has to change with a change of the frame of reference, as when a particle
 /// leaves a sheared box on one side and enters it on the other.
-pub const VELOCITY_COLUMNS: [&str; 6] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1]];
+pub const VELOCITY_COLUMNS: [&str; 8] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1], MEAN, EXPECTED];
+
+/// The last columns of those, which only implicit steps have.
+pub const IMPLICIT: usize = 2;
 
 /// The explicit Adams-Bashforth method of order `p`,
 ///

@@ -7,7 +7,7 @@ use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::forces::barrier;
 use crate::hydrodynamics::memory::{pairs_bytes, solve_bytes, table_bytes};
-use crate::integrator::VELOCITY_COLUMNS;
+use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
 use crate::model::{Integrator, Model, Multipoles, Species, Start};
 use crate::plan::{Radii, largest_strain};
 use crate::sampling;
@@ -137,9 +137,10 @@ impl Share<'_> {
 
     /// Numbers of all columns of a particle.
     fn numbers(&self) -> usize {
-        let velocities = 3 * VELOCITY_COLUMNS.len();
+        let is_implicit = matches!(self.model.integrator, Integrator::Implicit(_));
+        let velocities = 3 * (VELOCITY_COLUMNS.len() - if is_implicit { 0 } else { IMPLICIT });
         if self.is_rigid() {
-            velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.hydrodynamics.lubrication).numbers()
+            velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.is_coupled()).numbers()
         } else {
             velocities
         }
@@ -182,7 +183,9 @@ impl Share<'_> {
 
     /// Steps of any length look at pairs up to a gap of a radius.
     fn approach(&self) -> Bytes {
-        let Integrator::Adaptive(_) = self.model.integrator else { return Bytes::default() };
+        if matches!(self.model.integrator, Integrator::AdamsBashforth { .. }) {
+            return Bytes::default();
+        }
         let distance = 3.0 * self.expected.largest_radius();
         let pairs = 0.5 * self.expected.owned() * self.expected.neighbours(distance);
         self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed()

@@ -1,6 +1,6 @@
 //! The mobility of spheres at given positions: loads to motions.
 
-use crate::hydrodynamics::{Guess, Hydrodynamics, Solved};
+use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, ShortRange, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
 use domain::{Bytes, Comm, Failure, Interrupt, Particles, Partition, PeriodicBox, Traceless, Vector};
@@ -96,7 +96,8 @@ impl Mobility {
         SingleEvaluation { plan: &plan, radii, lubrication, numbers: NUMBERS, besides, remedy: REMEDY }
             .check_memory(comm)?;
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-        let hydrodynamics = comm.agree(Hydrodynamics::new(&plan, &partition, lubrication))?;
+        let hydrodynamics =
+            comm.agree(Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
         Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions: Vec::new() })
     }
 
@@ -171,7 +172,8 @@ impl Mobility {
         }
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = background.strain_rate();
-            return self.hydrodynamics.solve(cell, particles, &loads, strain_rate, &Guess::default());
+            let acting = Acting { loads: &loads, strain_rate, springs: None };
+            return self.hydrodynamics.solve(cell, particles, &acting, &Guess::default());
         }
         if stresslets {
             loads.stresslets = traceless(particles, column::STRESSLET).to_vec();

@@ -9,7 +9,7 @@ use crate::model::{Integrator, Model};
 use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::stress::ParticleStress;
-use crate::{adaptive, given_positions, initial, near};
+use crate::{adaptive, given_positions, implicit, initial, near};
 use domain::{Comm, GivenPositions, Interrupt, Particles, PeriodicBox, Vector};
 use fcm::PlanError;
 use simulation::{Clock, LoadFunction, State};
@@ -81,7 +81,7 @@ impl Suspension {
         comm.broadcast(&mut step);
         let then = state.as_ref().map(|state| state.plan.clone());
         let mut particles = state.map(|state| state.particles).unwrap_or_default();
-        comm.agree(given_positions::check(&particles, model.species.len(), model.hydrodynamics.lubrication))?;
+        comm.agree(given_positions::check(&particles, model.species.len(), model.is_coupled()))?;
         initial::share_columns(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], model.time_step);
@@ -179,6 +179,7 @@ impl Suspension {
         let before = dynamics.evaluations();
         *outcome = match integrator {
             Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
+            Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
             Integrator::AdamsBashforth { order } => {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
             }

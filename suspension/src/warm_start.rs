@@ -6,11 +6,11 @@ use crate::hydrodynamics::{Guess, Solved};
 use domain::{Comm, Particles, Vector};
 use fcm::Loads;
 
-/// With lubrication: the stresslets of the far field, the forces and torques of lubrication on it, and the velocities
-/// that the loads of all others induce at each sphere.
+/// With forces between near spheres in the solve: the stresslets of the far field, the forces and torques that the fluid
+/// feels, and the velocities that the loads of all others induce at each sphere.
 pub const STRESSLET_FAR: &str = "far stresslet";
-const FORCE: &str = "lubrication force";
-const TORQUE: &str = "lubrication torque";
+const FORCE: &str = "far force";
+const TORQUE: &str = "far torque";
 const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];
 
 /// Values at the start of this many last steps extrapolate.
@@ -24,30 +24,30 @@ const NEWEST: f64 = 0.5;
 
 /// What is kept of former solutions, as columns of the particles.
 pub struct WarmStart {
-    lubrication: bool,
+    coupled: bool,
 }
 
 impl WarmStart {
-    /// For particles with lubrication, or without.
-    pub fn new(lubrication: bool) -> Self {
-        Self { lubrication }
+    /// For particles with forces between near ones in the solve, or without.
+    pub fn new(coupled: bool) -> Self {
+        Self { coupled }
     }
 
     /// The column of the far field's stresslets.
     fn stresslet(&self) -> &'static str {
-        if self.lubrication { STRESSLET_FAR } else { STRESSLET }
+        if self.coupled { STRESSLET_FAR } else { STRESSLET }
     }
 
     /// The columns that a search starts from, with their widths.
     fn columns(&self) -> Vec<(&'static str, usize)> {
-        let motions = INDUCED.iter().filter(|_| self.lubrication).map(|&name| (name, 3));
+        let motions = INDUCED.iter().filter(|_| self.coupled).map(|&name| (name, 3));
         std::iter::once((self.stresslet(), 5)).chain(motions).collect()
     }
 
     /// Numbers of a particle in all columns that are kept for it, besides what users of a solution see.
     pub fn numbers(&self) -> usize {
         let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
-        let present = if self.lubrication { 5 + 3 * (2 + INDUCED.len()) } else { 0 };
+        let present = if self.coupled { 5 + 3 * (2 + INDUCED.len()) } else { 0 };
         past + present + self.columns().len()
     }
 
@@ -74,33 +74,29 @@ impl WarmStart {
     }
 
     /// What a solution keeps for later, besides what its users see.
-    pub fn record(&self, particles: &mut Particles, loads: &Loads, solved: &Solved) {
-        if !self.lubrication {
+    pub fn record(&self, particles: &mut Particles, solved: &Solved) {
+        if !self.coupled {
             return;
         }
         particles.column(STRESSLET_FAR, 5).values.copy_from_slice(bytemuck::cast_slice(&solved.far.stresslets));
-        let difference = |far: &[Vector], given: &[Vector], i: usize| {
-            far.get(i).copied().unwrap_or_default() - given.get(i).copied().unwrap_or_default()
-        };
-        for (name, far, given) in
-            [(FORCE, &solved.far.forces, &loads.forces), (TORQUE, &solved.far.torques, &loads.torques)]
-        {
-            particles.vectors(name).iter_mut().enumerate().for_each(|(i, value)| *value = difference(far, given, i));
+        for (name, far) in [(FORCE, &solved.far.forces), (TORQUE, &solved.far.torques)] {
+            let known = far.iter().copied().chain(std::iter::repeat(Vector::ZERO));
+            particles.vectors(name).iter_mut().zip(known).for_each(|(value, far)| *value = far);
         }
         for (name, motions) in INDUCED.iter().zip([&solved.induced.velocities, &solved.induced.angular_velocities]) {
             particles.vectors(name).copy_from_slice(motions);
         }
     }
 
-    /// Adds to the loads on the particles what the fluid feels of them besides: stresslets and lubrication.
-    pub fn add_to(&self, loads: &mut Loads, particles: &Particles) {
+    /// What the fluid felt in the last solution; `loads` are those given, which it felt besides stresslets if no others act
+    /// between near spheres.
+    pub fn felt(&self, loads: Loads, particles: &Particles) -> Loads {
         let values = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| &c.values[..]);
-        loads.stresslets = values(self.stresslet()).map(|v| bytemuck::cast_slice(v).to_vec()).unwrap_or_default();
-        for (name, list) in [(FORCE, &mut loads.forces), (TORQUE, &mut loads.torques)] {
-            if let Some(values) = values(name) {
-                list.resize(particles.len(), Vector::ZERO);
-                list.iter_mut().zip(bytemuck::cast_slice::<f64, Vector>(values)).for_each(|(sum, &v)| *sum += v);
-            }
+        let vectors = |name| values(name).map(|v| bytemuck::cast_slice(v).to_vec());
+        Loads {
+            forces: vectors(FORCE).unwrap_or(loads.forces),
+            torques: vectors(TORQUE).unwrap_or(loads.torques),
+            stresslets: values(self.stresslet()).map(|v| bytemuck::cast_slice(v).to_vec()).unwrap_or_default(),
         }
     }
 
@@ -219,23 +215,23 @@ mod tests {
         assert!(error < 0.1 * 2.0_f64.sqrt() * 2.5, "{error}");
     }
 
-    /// Of what the far field sees, the loads given are known anyway: lubrication is the rest.
+    /// What the fluid feels is kept whole, and what is induced.
     #[test]
-    fn with_lubrication_its_loads_are_kept_apart_from_those_given() {
+    fn what_the_fluid_feels_is_kept() {
         let vector = |x: f64| vec![Vector::new(x, 2.0 * x, -x)];
         let given = Loads { forces: vector(1.0), ..Loads::default() };
         let far = Loads { forces: vector(5.0), torques: vector(3.0), stresslets: vec![Traceless([1.0; 5])] };
         let induced = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
-        let (motion, far) = (Motion::default(), far.clone());
-        let solved = Solved { motion, stresslets: Vec::new(), far: far.clone(), induced, iterations: 1, residual: 0.0 };
+        let (motion, stresslets) = (Motion::default(), Vec::new());
+        let solved = Solved { motion, stresslets, far: far.clone(), induced, iterations: 1, residual: 0.0 };
         let mut particles = Particles::default();
         particles.push(0, Vector::ZERO, 1.0, 0);
         let warm_start = WarmStart::new(true);
-        warm_start.record(&mut particles, &given, &solved);
+        warm_start.record(&mut particles, &solved);
         let kept = [FORCE, TORQUE, INDUCED[0], INDUCED[1]].map(|name| particles.vectors(name).to_vec());
-        assert_eq!(kept, [4.0, 3.0, 7.0, 9.0].map(vector));
-        let mut loads = given.clone();
-        warm_start.add_to(&mut loads, &particles);
-        assert_eq!(loads, far);
+        assert_eq!(kept, [5.0, 3.0, 7.0, 9.0].map(vector));
+        assert_eq!(warm_start.felt(given.clone(), &particles), far);
+        let alone = WarmStart::new(false).felt(given.clone(), &Particles::default());
+        assert_eq!(alone, given, "without such forces, those given");
     }
 }

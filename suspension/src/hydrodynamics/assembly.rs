@@ -3,6 +3,7 @@
 use super::lanes::{LANES, Lanes, turn};
 use super::pair_matrix::{Group, MomentGroup, Own, Part, ROWS, add_tensor};
 use super::screw::Screw;
+use super::springs::Springs;
 use super::stiffness::Stiffness;
 use domain::{Neighbours, PeriodicBox, Traceless, Vector};
 use lubrication::{Arithmetic, Coefficients, PairForce, RECORD};
@@ -10,8 +11,10 @@ use solver::simd::{Vector as Width, Work};
 
 /// The particles present and who is near whom.
 pub struct Arrangement<'a> {
-    pub force: &'a PairForce,
-    pub stiffness: &'a Stiffness,
+    pub lubrication: Option<(&'a PairForce, &'a Stiffness)>,
+    pub springs: Option<&'a Springs<'a>>,
+    /// Radii by species.
+    pub radii: &'a [f64],
     pub cell: &'a PeriodicBox,
     pub positions: &'a [Vector],
     pub species: &'a [u32],
@@ -36,10 +39,12 @@ pub struct Assembly<'a> {
     pub rows: usize,
 }
 
-/// Numbers of a pair: those of its coefficients, its axis, 1 where the row's particle is the larger one, and zeros.
+/// Numbers of a pair: those of its coefficients, its axis, 1 where the row's particle is the larger one, the resistance of
+/// its spring, and zeros.
 const NUMBERS: usize = 56;
 const AXIS: usize = RECORD;
 const IS_LARGER: usize = RECORD + 3;
+const SPRING: usize = RECORD + 4;
 
 /// Pairs of one row that wait for a full group.
 struct Waiting {
@@ -89,7 +94,8 @@ impl Assembly<'_> {
 
     #[inline(always)]
     fn assemble<V: Width<f64>>(&self, row: usize, waiting: [&mut Waiting; 2], assembled: &mut Assembled) {
-        let Arrangement { force, stiffness, cell, positions, species, neighbours, ambient } = *self.arrangement;
+        let Arrangement { lubrication, springs, radii, cell, positions, species, neighbours, ambient } =
+            *self.arrangement;
         let (mut sums, mut strained) = ([Sums::<V>::zero(), Sums::zero()], InStrain::zero());
         for neighbour in neighbours.of(row) {
             let other = neighbour.row as usize;
@@ -98,16 +104,27 @@ impl Assembly<'_> {
                 separation += cell.lattice(neighbour.steps.map(i32::from));
             }
             let (pair, distance) = ([species[row], species[other]], separation.length());
-            let Some(gap) = force.gap(distance, pair) else { continue };
-            let list = usize::from(!stiffness.holds(pair, gap));
-            let is_larger = force.radii()[pair[0] as usize] > force.radii()[pair[1] as usize];
+            let pair_radii = pair.map(|s| radii[s as usize]);
+            let spring = springs.map_or(0.0, |springs| (springs.resistance)(distance, pair_radii));
+            let lubricated =
+                lubrication.and_then(|(force, stiffness)| Some((force, stiffness, force.gap(distance, pair)?)));
+            if lubricated.is_none() && spring == 0.0 {
+                continue;
+            }
+            let is_stiff = spring > 0.0 || lubricated.is_some_and(|(_, stiffness, gap)| stiffness.holds(pair, gap));
+            let list = usize::from(!is_stiff);
+            let is_larger = pair_radii[0] > pair_radii[1];
             let axis = separation * (if is_larger { -1.0 } else { 1.0 } / distance);
             let waiting = &mut *waiting[list];
             let numbers = waiting.next(neighbour.row);
             let record = numbers.first_chunk_mut().expect("numbers begin with a record");
-            force.record::<Lanes<V>>(distance, pair, record);
+            match lubricated {
+                Some((force, ..)) => force.record::<Lanes<V>>(distance, pair, record),
+                None => *record = [0.0; RECORD],
+            }
             numbers[AXIS..AXIS + 3].copy_from_slice(&axis.to_array());
             numbers[IS_LARGER] = f64::from(u8::from(is_larger));
+            numbers[SPRING] = spring;
             if waiting.count == LANES {
                 let part = if list == 0 { &mut assembled.stiff } else { &mut assembled.soft };
                 waiting.flush::<V>(row, part, (&mut sums[list], &mut strained), ambient);
@@ -160,7 +177,12 @@ impl Waiting {
         for k in 0..RECORD {
             record[k] = Lanes::read(&numbers[k]);
         }
-        let coefficients = Coefficients::of(&record);
+        let mut coefficients = Coefficients::of(&record);
+        let spring = Lanes::read(&numbers[SPRING]);
+        for k in 0..2 {
+            coefficients.along[k][k] = coefficients.along[k][k] + spring;
+            coefficients.along[k][1 - k] = coefficients.along[k][1 - k] - spring;
+        }
         let mut z = [Lanes::constant(0.0); 3];
         for k in 0..3 {
             z[k] = Lanes::read(&numbers[AXIS + k]);

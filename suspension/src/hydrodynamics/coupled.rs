@@ -5,7 +5,7 @@ use super::pair_matrix::PairMatrix;
 use super::particle_matrix::ParticleMatrix;
 use super::scaled::Scaled;
 use super::screw::{Screw, Screws};
-use domain::Traceless;
+use domain::{Comm, Traceless};
 use fcm::{Linear, Loads, Motion, System};
 
 /// Motions of the particles that a rank owns, and what some pairs resist to them.
@@ -132,10 +132,16 @@ impl<'a> Coupled<'a> {
         residual
     }
 
-    /// The motions of the particles and the unknowns after a last step of the preconditioner alone, which is known
-    /// already: lubrication is that of these motions exactly, so that near pairs do not run into each other by the
-    /// error of their forces.
-    pub fn finish(self, mut x: Unknowns) -> (Motion, Unknowns) {
+    /// The motions of the particles, with an error of `tolerance` besides that of the loads and moments found, and the unknowns,
+    /// after a last step of the preconditioner alone: lubrication is that of these motions exactly, so that near pairs do
+    /// not run into each other by the error of their forces. Collective.
+    pub fn finish(mut self, mut x: Unknowns, residual: &Residual, tolerance: f64, comm: &Comm) -> (Motion, Unknowns) {
+        let mut sizes = [self.size(&x), self.size(&self.correction)];
+        comm.sum(&mut sizes);
+        let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
+        if self.matrix.as_mut().is_some_and(|matrix| matrix.needs(needed)) {
+            self.precondition(residual);
+        }
         x.add(1.0, &self.correction);
         let rigid = x.stiff.motions.negative();
         let (velocities, angular_velocities) = (rigid.linear(), rigid.angular());
@@ -192,17 +198,27 @@ impl System for Coupled<'_> {
         self.matrix.as_mut().is_some_and(ParticleMatrix::sharpen)
     }
 
-    /// Of the motions and moments themselves, as single spheres resist to them: a preconditioned residual is nearly
-    /// what they lack. The energy norm would see stiff pairs above all, which resist to what hardly moves them.
+    /// That of single spheres' motions under the loads that a preconditioned residual adds, and of the moments: motions that
+    /// no pair resists to follow from the others in the end. The energy norm would see stiff pairs above all, which resist
+    /// to what hardly moves them.
     fn error(&self, _: &Residual, z: &Unknowns) -> f64 {
-        self.size(z)
+        let loads = |((a, b), single): ((&Screw, &Screw), &Screw)| -> f64 {
+            (0..6).map(|k| (a.0[k] + b.0[k]).powi(2) / single.0[k]).sum()
+        };
+        z.stiff.loads.0.iter().zip(&z.soft.loads.0).zip(self.single).map(loads).sum::<f64>() + self.strained(z)
     }
 
+    /// That of the motions and moments, as single spheres resist to them.
     fn size(&self, x: &Unknowns) -> f64 {
         let moved = |(y, single): (&Screw, &Screw)| -> f64 { (0..6).map(|k| single.0[k] * y.0[k].powi(2)).sum() };
-        let strained = |(d, &resistance): (&Traceless, &f64)| d.contract(*d) / resistance;
-        x.stiff.motions.0.iter().zip(self.single).map(moved).sum::<f64>()
-            + x.moments.iter().zip(self.strain_resistance).map(strained).sum::<f64>()
+        x.stiff.motions.0.iter().zip(self.single).map(moved).sum::<f64>() + self.strained(x)
+    }
+}
+
+impl Coupled<'_> {
+    /// The rate of strain of single spheres under moments, times these.
+    fn strained(&self, x: &Unknowns) -> f64 {
+        x.moments.iter().zip(self.strain_resistance).map(|(d, resistance)| d.contract(*d) / resistance).sum()
     }
 }
 

@@ -10,16 +10,18 @@ mod pair_matrix;
 mod particle_matrix;
 mod scaled;
 mod screw;
+mod springs;
 mod stiffness;
 
 use coupled::{Coupled, Unknowns, resisted};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
-use fcm::{Limits, Linear, Loads, Mobility, Motion, Plan, SolveError, conjugate_gradients};
+use fcm::{Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, SolveError, conjugate_gradients};
 use lubrication::{PairForce, PairForceError, Range};
-use near_pairs::NearPairs;
+use near_pairs::{NearField, NearPairs};
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
 use screw::{Screw, Screws};
+pub use springs::Springs;
 use std::f64::consts::PI;
 use stiffness::Stiffness;
 
@@ -28,17 +30,29 @@ use stiffness::Stiffness;
 pub struct Hydrodynamics {
     far: fcm::Hydrodynamics,
     /// In units of length and viscosity in which the particles' and the fluid's are about 1.
-    lubrication: Option<Lubrication>,
+    near: Option<NearField>,
     units: Units,
     preconditioned: bool,
     partition: Partition,
 }
 
-/// Lubrication between near pairs, and the lists of who is near.
-struct Lubrication {
-    force: PairForce,
-    stiffness: Stiffness,
-    lists: VerletList,
+/// What acts between near particles besides the far field.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ShortRange {
+    /// Gaps at which there is lubrication, if there is any.
+    pub lubrication: Option<Range>,
+    /// Distance of the centres up to which springs act, if there are any.
+    pub springs: Option<f64>,
+}
+
+/// What makes the particles move.
+pub struct Acting<'a> {
+    /// Forces and torques; stresslets are ignored and solved for.
+    pub loads: &'a Loads,
+    /// The rate of strain of the background flow.
+    pub strain_rate: Traceless,
+    /// Springs whose resistance goes with the loads, if there are any.
+    pub springs: Option<&'a Springs<'a>>,
 }
 
 /// The motions of the spheres and what was needed to find them.
@@ -79,21 +93,25 @@ const ROUGH: f64 = 0.1;
 const START: f64 = 0.1;
 
 impl Hydrodynamics {
-    /// Prepares what `plan` decided, with lubrication at the gaps of `range` if there is one. Not to be called from a
-    /// rayon task.
-    pub fn new(plan: &Plan, partition: &Partition, range: Option<Range>) -> Result<Self, PairForceError> {
+    /// Prepares what `plan` decided, with what acts between near particles. Not to be called from a rayon task.
+    pub fn new(plan: &Plan, partition: &Partition, short_range: ShortRange) -> Result<Self, PairForceError> {
         let extreme = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
         let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
         let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
-        let force = range.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
+        let force = short_range.lubrication.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
         let lubrication = force.map(|force| {
             let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
             let stiffness = Stiffness::new(&force, &single);
-            let lists = VerletList::new(force.reach(), partition);
-            Lubrication { force, stiffness, lists }
+            (force, stiffness)
+        });
+        let reaches =
+            [lubrication.as_ref().map(|(force, _)| force.reach()), short_range.springs.map(|r| r / units.length)];
+        let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
+            let lists = VerletList::new(reach, partition);
+            NearField { lubrication, lists, radii, reach }
         });
         let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
-        Ok(Self { far, lubrication, units, preconditioned: true, partition })
+        Ok(Self { far, near, units, preconditioned: true, partition })
     }
 
     /// With the preconditioner of the solve with lubrication, as it comes, or without, to see what it is worth.
@@ -117,22 +135,23 @@ impl Hydrodynamics {
         self.far.interrupt()
     }
 
-    /// The motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`;
-    /// `loads.stresslets` are ignored and solved for. Where no pair is near, this is the far field alone. Collective;
-    /// an error is an error on all ranks.
+    /// The motion of the particles under what acts on them, relative to the background flow. Where no pair is near, this is
+    /// the far field alone. Collective; an error is an error on all ranks.
     pub fn solve(
         &mut self,
         cell: &PeriodicBox,
         particles: &Particles,
-        loads: &Loads,
-        background: Traceless,
+        acting: &Acting,
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
-        if let Some(Lubrication { force, stiffness, lists }) = &mut self.lubrication {
+        let Acting { loads, strain_rate: background, springs } = *acting;
+        if let Some(field) = &mut self.near {
             let (units, own) = (self.units, scaled::particles(particles, &self.units));
             let scaled_background = background * (1.0 / units.rate());
             let flow = (&cell.scaled(1.0 / units.length), scaled_background);
-            let near = NearPairs::find((force, stiffness, lists), &own, flow, &self.partition);
+            let resistance = springs.map(|springs| scaled::resistance(springs, &units));
+            let springs = resistance.as_ref().map(|resistance| Springs { resistance });
+            let near = NearPairs::find((field, springs.as_ref()), &own, flow, &self.partition);
             if self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
@@ -147,7 +166,10 @@ impl Hydrodynamics {
         let solved = self.far.solve(cell, particles, loads, background, &guess.stresslets_far)?;
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
-        Ok(Solved { motion, stresslets, far, induced: Motion::default(), iterations, residual })
+        let plan = self.far.mobility().plan();
+        let single: Vec<Screw> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
+        let induced = induced(&single, &motion, &far);
+        Ok(Solved { motion, stresslets, far, induced, iterations, residual })
     }
 }
 
@@ -163,7 +185,7 @@ fn lubricated(
     (loads, background): (&Loads, Traceless),
     guess: &Guess,
 ) -> Result<Solved, SolveError> {
-    let plan = mobility.mobility.plan();
+    let plan = mobility.mobility.plan().clone();
     let viscosity = plan.viscosity / mobility.units.viscosity;
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
@@ -172,7 +194,8 @@ fn lubricated(
     let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
     let start_tolerance = preconditioned.then_some(START * limits.tolerance);
-    let mut x = start((comm, near), start_tolerance, &single, &known, guess);
+    let is_rigid = plan.multipoles == Multipoles::Dipole;
+    let mut x = start((comm, near), (start_tolerance, is_rigid), &single, &known, guess);
     let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
@@ -186,7 +209,7 @@ fn lubricated(
         let (iterations, residual) = (outcome.iterations, outcome.residual);
         return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
     }
-    let (motion, x) = system.finish(x);
+    let (motion, x) = system.finish(x, &residual, START * limits.tolerance, comm);
     if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
         return Err(SolveError::NotFinite);
     }
@@ -194,10 +217,15 @@ fn lubricated(
     let far = coupled::far_loads(&known, &x.moments);
     let motions = Screws::new(radii.len(), &motion.velocities, &motion.angular_velocities);
     let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
-    let induced = motions.less_those_alone(&single, &known);
-    let (velocities, angular_velocities) = (induced.linear(), induced.angular());
-    let induced = Motion { velocities, angular_velocities, strain_rates: Vec::new() };
+    let induced = induced(&single, &motion, &far);
     Ok(Solved { motion, stresslets, far, induced, iterations: outcome.iterations, residual: outcome.residual })
+}
+
+/// Motions of spheres of some resistances alone, less those that their own loads alone would give them.
+fn induced(single: &[Screw], motion: &Motion, loads: &Loads) -> Motion {
+    let motions = Screws::new(single.len(), &motion.velocities, &motion.angular_velocities);
+    let induced = motions.less_those_alone(single, &Screws::new(single.len(), &loads.forces, &loads.torques));
+    Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
 }
 
 /// The resistance of a sphere on its own.
@@ -211,7 +239,7 @@ fn single(viscosity: f64, radius: f64) -> Screw {
 /// a tolerance they are those induced. Collective.
 fn start(
     (comm, near): (&Comm, &NearPairs),
-    tolerance: Option<f64>,
+    (tolerance, rigid): (Option<f64>, bool),
     single: &[Screw],
     known: &Screws,
     guess: &Guess,
@@ -228,7 +256,7 @@ fn start(
     let against = motions.negative();
     let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
-    moments.resize(count, Traceless::ZERO);
+    moments.resize(if rigid { count } else { 0 }, Traceless::ZERO);
     Unknowns { stiff, soft, moments }
 }
 

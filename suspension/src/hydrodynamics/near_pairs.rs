@@ -3,6 +3,7 @@
 use super::assembly::{Arrangement, Assembled, Assembly};
 use super::pair_matrix::{PairMatrix, ROWS};
 use super::screw::Screws;
+use super::springs::Springs;
 use super::stiffness::Stiffness;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, VerletList};
 use fcm::Linear;
@@ -10,7 +11,17 @@ use lubrication::PairForce;
 use rayon::prelude::*;
 use solver::Real;
 
-/// The lubrication resistance of the near pairs of the particles that a rank owns, with what is needed of ghosts.
+/// Forces between near particles, and the lists of who is near.
+pub struct NearField {
+    pub lubrication: Option<(PairForce, Stiffness)>,
+    pub lists: VerletList,
+    /// Radii by species.
+    pub radii: Vec<f64>,
+    /// Largest distance of the centres of a near pair.
+    pub reach: f64,
+}
+
+/// The resistance of the near pairs of the particles that a rank owns, with what is needed of ghosts.
 pub struct NearPairs {
     halo: Halo,
     stiff: PairMatrix,
@@ -21,17 +32,18 @@ pub struct NearPairs {
 }
 
 impl NearPairs {
-    /// Finds the pairs within reach of lubrication, in a flow whose rate of strain is `ambient`, by lists that reach as
-    /// far. Collective.
+    /// Finds the pairs within reach of lubrication or of springs, in a flow whose rate of strain is `ambient`, by lists that
+    /// reach as far. Collective.
     pub fn find(
-        (force, stiffness, lists): (&PairForce, &Stiffness, &mut VerletList),
+        (field, springs): (&mut NearField, Option<&Springs>),
         particles: &Particles,
         (cell, ambient): (&PeriodicBox, Traceless),
         partition: &Partition,
     ) -> Self {
-        let (owned, reach) = (particles.len(), force.reach());
-        let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
-        let class = |a: &f64| force.radii().partition_point(|radius| radius < a) as u32;
+        let NearField { lubrication, lists, radii, reach } = field;
+        let owned = particles.len();
+        let halo = Halo::plan(partition, cell, &particles.positions, [*reach; 2]);
+        let class = |a: &f64| radii.partition_point(|radius| radius < a) as u32;
         let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
         let mut species: Vec<u32> = particles.radii.iter().map(class).collect();
         halo.extend(&mut positions);
@@ -39,8 +51,9 @@ impl NearPairs {
         halo.extend(&mut species);
         lists.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &positions });
         let neighbours = lists.neighbours();
-        let arrangement =
-            Arrangement { force, stiffness, cell, positions: &positions, species: &species, neighbours, ambient };
+        let lubrication = lubrication.as_ref().map(|(force, stiffness)| (force, stiffness));
+        let (positions, species) = (&positions, &species);
+        let arrangement = Arrangement { lubrication, springs, radii, cell, positions, species, neighbours, ambient };
         let part = |k: usize| {
             let first = k * ROWS;
             f64::dispatch(Assembly { arrangement: &arrangement, first, rows: ROWS.min(owned - first) })

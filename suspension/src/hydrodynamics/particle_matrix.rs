@@ -58,6 +58,15 @@ impl<'a> ParticleMatrix<'a> {
         [motions, resisted]
     }
 
+    /// Solves with an error of `tolerance` at most from now on; whether that is less than before.
+    pub fn needs(&mut self, tolerance: f64) -> bool {
+        let is_less = tolerance < self.tolerance;
+        if is_less {
+            self.tolerance = tolerance.max(LEAST_TOLERANCE);
+        }
+        is_less
+    }
+
     /// Solves more exactly from now on, unless that is as exact as it can be.
     pub fn sharpen(&mut self) -> bool {
         let can = self.tolerance > LEAST_TOLERANCE;

@@ -1,9 +1,9 @@
 //! Lubricated spheres in units of length and viscosity in which their own are about 1: the amplitudes of the modes have
 //! the root of both, which loses its last digit where a power of two is taken out of it.
 
-use super::{Guess, Solved};
+use super::{Guess, Solved, Springs};
 use domain::{Particles, Traceless, Units, Vector};
-use fcm::{Evaluation, Loads, Mobility, Motion};
+use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
 
 /// A mobility in such units.
 pub struct Scaled<'a> {
@@ -14,9 +14,21 @@ pub struct Scaled<'a> {
 impl Scaled<'_> {
     /// The motions that loads cause, as [`Mobility::apply`].
     pub fn apply(&mut self, loads: &Loads) -> Motion {
-        let motion = self.mobility.apply(&times(loads, self.units.torque()), Evaluation::All);
+        let motion = match self.mobility.plan().multipoles {
+            Multipoles::Dipole => self.mobility.apply(&times(loads, self.units.torque()), Evaluation::All),
+            Multipoles::Monopole => {
+                let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
+                self.mobility.apply(&forces, Evaluation::Velocities)
+            }
+        };
         motion_times(&motion, 1.0 / self.units.velocity(), 1.0 / self.units.rate())
     }
+}
+
+/// Resistances of springs by distances and radii.
+pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, [f64; 2]) -> f64 + Sync + 'a {
+    let (length, velocity) = (units.length, units.velocity());
+    move |distance, radii| (springs.resistance)(distance * length, radii.map(|a| a * length)) * velocity
 }
 
 /// Particles in place, without their columns.

@@ -34,6 +34,14 @@ fn placed(positions: &[Vector], radii: &[f64]) -> Particles {
     particles
 }
 
+fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
+    ShortRange { lubrication, springs: None }
+}
+
+fn acting(loads: &Loads, strain_rate: Traceless) -> Acting<'_> {
+    Acting { loads, strain_rate, springs: None }
+}
+
 fn cube(edge: f64) -> PeriodicBox {
     PeriodicBox::new(Vector::splat(edge)).unwrap()
 }
@@ -41,9 +49,9 @@ fn cube(edge: f64) -> PeriodicBox {
 /// Solves on one rank, particles in the order given.
 fn solve(plan: &Plan, particles: &Particles, forces: &[Vector], strain: Traceless, range: Option<Range>) -> Solved {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = Hydrodynamics::new(plan, &partition, range).unwrap();
+    let mut fluid = Hydrodynamics::new(plan, &partition, lubricated_at(range)).unwrap();
     let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-    fluid.solve(&plan.cell(), particles, &loads, strain, &Guess::default()).unwrap()
+    fluid.solve(&plan.cell(), particles, &acting(&loads, strain), &Guess::default()).unwrap()
 }
 
 /// Two spheres with the line of centres along z in a box so large that images change forces without sum and strains by
@@ -242,10 +250,10 @@ fn on_ranks(ranks: usize) -> Vec<f64> {
         let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
         let mut particles = if comm.is_first() { placed(&positions, &radii) } else { Particles::default() };
         particles.migrate(&partition, &cell);
-        let mut fluid = Hydrodynamics::new(&plan, &partition, Some(Range::default())).unwrap();
+        let mut fluid = Hydrodynamics::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
         let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
         let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
-        let solved = fluid.solve(&cell, &particles, &loads, strain, &Guess::default()).unwrap();
+        let solved = fluid.solve(&cell, &particles, &acting(&loads, strain), &Guess::default()).unwrap();
         particles.vectors("velocity").copy_from_slice(&solved.motion.velocities);
         particles.column("stresslet", 5).values.copy_from_slice(bytemuck::cast_slice(&solved.stresslets));
         let mut all = particles.gathered(&partition);
@@ -269,16 +277,16 @@ fn ranks_agree() {
 fn a_solution_is_its_own_best_guess() {
     let (plan, particles) = cluster();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = Hydrodynamics::new(&plan, &partition, Some(Range::default())).unwrap();
+    let mut fluid = Hydrodynamics::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
     let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
     let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
-    let first = fluid.solve(&plan.cell(), &particles, &loads, strain, &Guess::default()).unwrap();
+    let first = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &Guess::default()).unwrap();
     let guess = Guess {
         stresslets_far: first.far.stresslets.clone(),
         velocities: first.induced.velocities.clone(),
         angular_velocities: first.induced.angular_velocities.clone(),
     };
-    let again = fluid.solve(&plan.cell(), &particles, &loads, strain, &guess).unwrap();
+    let again = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &guess).unwrap();
     assert!(again.iterations <= 1 && first.iterations > 5, "{} after {}", again.iterations, first.iterations);
 }
 
@@ -300,4 +308,44 @@ fn iterations_are_few_and_do_not_grow_as_gaps_shrink() {
     particles.wrap(&cell);
     let nearer = solve(&plan, &particles, &[], shear, Some(Range::default())).iterations;
     assert!(as_packed <= 18 && nearer <= as_packed + 2, "{as_packed}, with a near pair {nearer}");
+}
+
+/// With springs the motions are those without, under the forces that the springs make of them; on pairs within reach of
+/// lubrication or not, in any units.
+#[test]
+fn springs_push_as_the_motions_say() {
+    let (plan, particles) = cluster();
+    let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+    let (reach, strain) = (5.0, Traceless([0.0, 0.5, 0.0, 0.2, 0.0]));
+    let forces: Vec<Vector> = (0..particles.len()).map(|i| Vector::new(1.0, -0.5 * i as f64, 0.3)).collect();
+    let resistance = |distance: f64, radii: [f64; 2]| {
+        if distance < reach { 300.0 * (reach - distance) * radii[0] * radii[1] } else { 0.0 }
+    };
+    for lubrication in [None, Some(Range::new(0.5, 1e-6).unwrap())] {
+        let mut fluid =
+            Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
+        let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
+            let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
+            let acting = Acting { loads: &loads, strain_rate: strain, springs };
+            fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
+        };
+        let sprung = solve(&forces, Some(&Springs { resistance: &resistance }));
+        let mut pushed = forces.clone();
+        for i in 0..particles.len() {
+            for j in (0..particles.len()).filter(|&j| j != i) {
+                let apart = plan.cell().nearest_image(particles.positions[j] - particles.positions[i]);
+                let (axis, distance) = (apart / apart.length(), apart.length());
+                let opening = axis.dot(sprung.motion.velocities[j] - sprung.motion.velocities[i]);
+                pushed[i] += axis * (resistance(distance, [particles.radii[i], particles.radii[j]]) * opening);
+            }
+        }
+        let plain = solve(&pushed, None);
+        let free = solve(&forces, None);
+        for i in 0..particles.len() {
+            let error = (plain.motion.velocities[i] - sprung.motion.velocities[i]).length();
+            assert!(error < 1e-4, "sphere {i}: {error}");
+        }
+        let matters = (free.motion.velocities[0] - sprung.motion.velocities[0]).length();
+        assert!(matters > 0.02, "{matters}");
+    }
 }

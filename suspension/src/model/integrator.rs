@@ -12,6 +12,8 @@ pub enum Integrator {
     },
     /// Each in as many parts as are needed.
     Adaptive(Adaptive),
+    /// The same, with short-range forces as they will be at the end of a part, so that their stiffness does not limit it.
+    Implicit(Adaptive),
 }
 
 /// What limits the length of a substep.
@@ -37,7 +39,8 @@ impl Integrator {
                 Err(ParameterError::new("time.order", message))
             }
             Self::AdamsBashforth { .. } => Ok(()),
-            Self::Adaptive(Adaptive { tolerance, gap_fraction }) => {
+            Self::Adaptive(Adaptive { tolerance, gap_fraction })
+            | Self::Implicit(Adaptive { tolerance, gap_fraction }) => {
                 ParameterError::unless_between("time.tolerance", *tolerance, [1e-10, 0.9])?;
                 ParameterError::unless_between("time.gap_fraction", *gap_fraction, [1e-10, 0.9]).map(drop)
             }

@@ -121,6 +121,11 @@ impl Model {
         Ok(Self(parameters))
     }
 
+    /// Whether forces between near spheres are part of the solve.
+    pub(crate) fn is_coupled(&self) -> bool {
+        self.hydrodynamics.lubrication || matches!(self.integrator, Integrator::Implicit(_))
+    }
+
     /// The axis along which the species' steady forces, added up by their sizes, act most; `None` without forces.
     pub fn force_axis(&self) -> Option<usize> {
         let sum: Vector = self.species.iter().map(|s| s.force_on(s.radius, self.gravity).abs()).sum();

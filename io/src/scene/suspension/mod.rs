@@ -148,20 +148,23 @@ fn integrator(raw: &raw::Time) -> Result<Integrator, Fault> {
     if raw.integrator == raw::Integrator::AdamsBashforth {
         for (key, given) in [("time.tolerance", raw.tolerance), ("time.gap_fraction", raw.gap_fraction)] {
             if given.is_some() {
-                let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or leave it out";
+                let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or \"implicit\", or leave it out";
                 return Err(Fault::new(key, message));
             }
         }
         return Ok(Integrator::AdamsBashforth { order: raw.order.unwrap_or(4) });
     }
     if raw.order.is_some() {
-        return Err(Fault::new("time.order", "is set, but \"adaptive\" chooses its own; leave it out"));
+        let message = "is set, but only steps of \"adams-bashforth\" have a choice of it; leave it out";
+        return Err(Fault::new("time.order", message));
     }
     let usual = Adaptive::default();
-    Ok(Integrator::Adaptive(Adaptive {
+    let control = Adaptive {
         tolerance: raw.tolerance.unwrap_or(usual.tolerance),
         gap_fraction: raw.gap_fraction.unwrap_or(usual.gap_fraction),
-    }))
+    };
+    let is_implicit = raw.integrator == raw::Integrator::Implicit;
+    Ok(if is_implicit { Integrator::Implicit(control) } else { Integrator::Adaptive(control) })
 }
 
 fn output(raw: raw::Output, steps: u64) -> Output {

@@ -214,14 +214,15 @@ pub(super) struct Time {
     pub(super) steps: Option<u64>,
     /// Time at the end; or steps.
     pub(super) duration: Option<f64>,
-    /// Steps all alike, or each in as many parts as needed.
+    /// Steps all alike, or each in as many parts as needed; "implicit" takes short-range forces at the end of a part, so that
+    /// their stiffness does not limit it.
     #[serde(default)]
     pub(super) integrator: Integrator,
     /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
-    /// Error of a part of a step in any position, over the radius, for "adaptive".
+    /// Error of a part of a step in any position, over the radius, for "adaptive" and "implicit".
     pub(super) tolerance: Option<f64>,
-    /// Part of any gap that a part of a step may take away, for "adaptive".
+    /// Part of any gap that a part of a step may take away, for "adaptive" and "implicit".
     pub(super) gap_fraction: Option<f64>,
 }
 
@@ -231,6 +232,7 @@ pub(super) enum Integrator {
     #[default]
     AdamsBashforth,
     Adaptive,
+    Implicit,
 }
 
 #[derive(Deserialize, JsonSchema, Default)]

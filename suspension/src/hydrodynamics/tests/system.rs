@@ -46,8 +46,10 @@ impl Setting {
         let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
         let alone: Vec<Screw> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
         let stiffness = Stiffness::new(&force, &alone);
-        let mut lists = VerletList::new(force.reach(), &partition);
-        let near = NearPairs::find((&force, &stiffness, &mut lists), &particles, (&cell, Traceless::ZERO), &partition);
+        let (reach, radii) = (force.reach(), plan.radii.clone());
+        let (lubrication, lists) = (Some((force, stiffness)), VerletList::new(reach, &partition));
+        let mut field = NearField { lubrication, lists, radii, reach };
+        let near = NearPairs::find((&mut field, None), &particles, (&cell, Traceless::ZERO), &partition);
         let mut mobility = Mobility::new(&plan, &partition);
         mobility.arrange(&cell, &particles);
         let radii = &particles.radii;

@@ -32,12 +32,13 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
     })
     .unwrap();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = Hydrodynamics::new(&plan, &partition, Some(Range::default())).unwrap();
+    let mut fluid = Hydrodynamics::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
     let (forces, torques) = (given(1, force), given(2, force * length));
     let rate = force / (viscosity * length * length);
     let strain = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]) * rate;
     let loads = Loads { forces, torques, ..Loads::default() };
-    let found = fluid.solve(&cell, &placed(&positions, &place(&radii)), &loads, strain, &Guess::default()).unwrap();
+    let found =
+        fluid.solve(&cell, &placed(&positions, &place(&radii)), &acting(&loads, strain), &Guess::default()).unwrap();
     assert!(found.iterations > 0);
     let vectors = |list: &[Vector], unit: f64| list.iter().flat_map(|v| (*v / unit).to_array()).collect();
     let stresslets = found.stresslets.iter().flat_map(|s| s.0.map(|c| c / (force * length))).collect();

@@ -5,13 +5,10 @@ use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::extrapolation::integral;
 use crate::integrator::{PAST, move_by, remember};
 use crate::model::Adaptive;
-use crate::relative_motion::RelativeMotion;
 use crate::step_error::StepError;
-use domain::{Comm, Particles, Vector};
+use crate::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
+use domain::{Particles, Vector};
 use simulation::Clock;
-
-/// The column that says how old the past velocities are, and the past solutions: 0 where there is none.
-pub(super) const AGES: &str = "past ages";
 
 /// Velocities that a substep may use.
 const USED: [&str; 3] = [VELOCITY, PAST[0], PAST[1]];
@@ -21,12 +18,6 @@ const GROWTH: f64 = 3.0;
 
 /// A gap's error may be this part of what it may lose.
 const GAP_ERROR: f64 = 0.01;
-
-/// A substep shorter than this part of the clock's step is none.
-const SHORTEST: f64 = 1e-9;
-
-/// Shares that are whole but for round-off are taken as whole: the same steps are taken whatever the units of time.
-const ROUND_OFF: f64 = 1e-9;
 
 /// Takes one step of the clock in as many substeps as are needed, each by the Adams-Bashforth method of order 3 for
 /// steps of any length,
@@ -65,8 +56,8 @@ pub fn advance(
         move_by(particles, USED, weights(&ages, step));
         particles.positions.iter_mut().zip(&apart).for_each(|(position, &apart)| *position += apart);
         remember(particles);
-        outcome =
-            dynamics.evaluate(particles, &Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step })?;
+        let moment = Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit: None };
+        outcome = dynamics.evaluate(particles, &moment)?;
         grow_older(particles, &ages, step);
         fraction = end;
     }
@@ -95,11 +86,12 @@ impl Substep<'_> {
         let approach = dynamics.approach(self.particles, USED);
         let mut longest = self.ages.get(1).map_or(rest, |last| rest.min(GROWTH * last));
         loop {
-            let step = rest / (rest / longest - ROUND_OFF).ceil().max(1.0);
+            let step = share(rest, longest);
             let both = [weights(self.ages, step), lower_weights(self.ages, step)];
             let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.closest(), self.control.tolerance]);
             let gaps = approach.after(both, least, comm);
-            let error = largest_error(self.particles, both, comm) / self.control.tolerance;
+            let difference = std::array::from_fn(|k| both[0][k] - both[1][k]);
+            let error = largest_displacement(self.particles, (USED, difference), comm) / self.control.tolerance;
             let error = error.max(gaps.error / (GAP_ERROR * self.control.gap_fraction));
             let loss = gaps.loss / self.control.gap_fraction;
             if error <= 1.0
@@ -117,12 +109,6 @@ impl Substep<'_> {
     }
 }
 
-/// How spheres are moved apart if lubrication acts. None if they cannot be. Collective.
-fn moved_apart(approach: &RelativeMotion<3>, weights: [f64; 3], dynamics: &Dynamics) -> Option<Vec<Vector>> {
-    let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
-    approach.apart(weights, range.closest(), dynamics.partition().comm())
-}
-
 /// Weights of the velocities in [`USED`] for a substep.
 fn weights(ages: &[f64], step: f64) -> [f64; 3] {
     let times: Vec<f64> = ages.iter().take(USED.len()).map(|age| -age).collect();
@@ -133,32 +119,4 @@ fn weights(ages: &[f64], step: f64) -> [f64; 3] {
 /// Weights of one order less; of order 0 nothing moves.
 fn lower_weights(ages: &[f64], step: f64) -> [f64; 3] {
     if ages.len() > 1 { weights(&ages[..ages.len() - 1], step) } else { [0.0; 3] }
-}
-
-/// The largest difference between the displacements with two sets of weights, over the radius. Collective.
-fn largest_error(particles: &mut Particles, [weights, lower]: [[f64; 3]; 2], comm: &Comm) -> f64 {
-    let mut errors = vec![Vector::ZERO; particles.len()];
-    for (k, name) in USED.into_iter().enumerate() {
-        let weight = weights[k] - lower[k];
-        errors.iter_mut().zip(particles.vectors(name).iter()).for_each(|(error, &v)| *error += v * weight);
-    }
-    let over_radius = errors.iter().zip(&particles.radii).map(|(error, a)| error.length() / a);
-    // The maximum of floating-point numbers passes over those that are none.
-    let mut largest = [over_radius.fold(0.0, |m, e| if e.is_nan() { f64::INFINITY } else { f64::max(m, e) })];
-    comm.max(&mut largest);
-    largest[0]
-}
-
-/// How old the velocities in [`USED`], and the solutions that were remembered, are: 0 first. Collective.
-fn ages(particles: &mut Particles, comm: &Comm) -> Vec<f64> {
-    let column = particles.column(AGES, 2).values.get(..2).map_or([0.0; 2], |ages| [ages[0], ages[1]]);
-    let mut known = column;
-    comm.max(&mut known);
-    std::iter::once(0.0).chain(known.into_iter().take_while(|&age| age > 0.0)).collect()
-}
-
-/// Notes that a substep has passed.
-fn grow_older(particles: &mut Particles, ages: &[f64], step: f64) {
-    let next = [step, ages.get(1).map_or(0.0, |age| age + step)];
-    particles.column(AGES, 2).values.chunks_exact_mut(2).for_each(|pair| pair.copy_from_slice(&next));
 }
