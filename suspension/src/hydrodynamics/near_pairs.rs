@@ -90,7 +90,9 @@ impl NearPairs {
     pub fn times(&self, pairs: &[&PairMatrix], motions: &Screws) -> Screws {
         let present = self.present(motions);
         let mut loads = Screws::zero(motions.0.len());
-        pairs.iter().for_each(|matrix| loads.add(1.0, &Screws(matrix.times(&present.0))));
+        for matrix in pairs {
+            loads.add(1.0, &Screws(matrix.times(&present.0)));
+        }
         loads
     }
 

@@ -38,7 +38,9 @@ impl<'a> ParticleMatrix<'a> {
     ) -> Self {
         let block = |row: usize| {
             let mut block = Block::default();
-            pairs.iter().for_each(|matrix| block += matrix.block(row));
+            for matrix in pairs {
+                block += matrix.block(row);
+            }
             (0..6).for_each(|k| block.0[k][k] += single[row].0[k]);
             block.inverse()
         };
