@@ -156,11 +156,8 @@ mod tests {
             let slope = (force(gap - step) - force(gap + step)) / (2.0 * step);
             assert!((barrier.stiffness(gap, radii) - slope).abs() < 1e-6 * slope, "gap {gap}");
         }
-        assert_eq!(
-            [0.2, -2.0].map(|gap| barrier.stiffness(gap, radii)),
-            [0.0; 2],
-            "beyond its reach, and deep in an overlap"
-        );
+        let nowhere = [0.2, -2.0].map(|gap| barrier.stiffness(gap, radii));
+        assert!(nowhere.iter().all(|&k| k == 0.0), "beyond its reach, and deep in an overlap: {nowhere:?}");
     }
 
     #[test]
