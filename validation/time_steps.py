@@ -1,5 +1,5 @@
-"""What fixed time steps of each order cost and how far they lead astray: places after a while, against those by short steps of order 4,
-where a barrier holds near spheres apart."""
+"""What time steps of each kind cost and how far they lead astray where a barrier holds near spheres apart: places after a while,
+against those by short steps of order 4; and the viscosity of a dense suspension with lubrication, by substeps."""
 
 import csv
 import pathlib
@@ -47,18 +47,46 @@ TIME = 4.0
 # Short ones of order 4, which the others are compared with.
 EXACT = (4, 0.00125)
 STEPS = {4: (0.005, 0.01), 3: (0.01, 0.02), 2: (0.01, 0.02, 0.03125, 0.05)}
-# The method is wrong where a median error is more than this many times the square of the step.
+# Substeps of clock steps as long as this, by the tolerance.
+SUBSTEPS = {"adaptive": (1e-4, 1e-3), "implicit": (1e-4, 1e-3)}
+CLOCK_STEP = 0.2
+# The method is wrong where a median error is more than this many times the square of the step, or than this many tolerances.
 ALLOWED = 10.0
+TOLERANCES_ALLOWED = 20.0
+
+DENSE = """
+seed = 1
+box.edges = [12.5, 12.5, 12.5]
+fluid.viscosity = 1.0
+particles = { initial = "random", minimum_gap = 0.01 }
+hydrodynamics = { tolerance = 1e-2, lubrication = true }
+flow = { kind = "shear", rate = 1.0, lees_edwards = true }
+species = [
+    { name = "small", radius = 1.0, volume_fraction = 0.27 },
+    { name = "large", radius = 1.4, volume_fraction = 0.18 },
+]
+"""
+STRENGTHS = (200.0, 2000.0, 20000.0)
+STRAIN, FINE = 1.0, 1e-6
+# Largest difference of the mean viscosity from that by the finest substeps.
+VISCOSITY_ALLOWED = 0.01
 
 
-def result(scene, order, step):
+def fixed(order, step):
+    return f"time = {{ step = {step}, steps = {round(TIME / step)}, order = {order} }}", round(TIME / step)
+
+
+def divided(integrator, tolerance, step, time):
+    keys = f'integrator = "{integrator}", tolerance = {tolerance}'
+    return f"time = {{ step = {step}, steps = {round(time / step)}, {keys} }}", round(time / step)
+
+
+def result(scene, time, count):
     """Places at the end, the rows of the time series, and what was warned of."""
-    count = round(TIME / step)
-    time = f"time = {{ step = {step}, steps = {count}, order = {order} }}"
     output = f"output = {{ trajectory_every = {count}, checkpoint_every = 0 }}"
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
-        ended = run("\n".join([COMMON, time, output, scene]), out)
+        ended = run("\n".join([time, output, scene]), out)
         if ended.returncode:
             raise SystemExit(ended.stderr)
         with open(out / "observables.csv") as file:
@@ -68,32 +96,76 @@ def result(scene, order, step):
         return places, rows, "longer than" in ended.stderr
 
 
-def main():
+def ways():
+    """Each way of stepping: its name, its step or tolerance, the scene's [time] and steps, and the median error allowed."""
+    for order, steps in STEPS.items():
+        for step in steps:
+            yield f"order {order}", f"{step:g}", fixed(order, step), ALLOWED * step**2
+    for integrator, tolerances in SUBSTEPS.items():
+        for tolerance in tolerances:
+            time = divided(integrator, tolerance, CLOCK_STEP, TIME)
+            yield f"{integrator}, to", f"{tolerance:g}", time, TOLERANCES_ALLOWED * tolerance
+
+
+def places():
+    """A table of errors of places, and what is wrong."""
     rows, failed = [], []
     for name, scene in CASES.items():
-        exact, *_ = result(scene, *EXACT)
-        for order, steps in STEPS.items():
-            for step in steps:
-                places, series, warned = result(scene, order, step)
-                errors = np.linalg.norm(places - exact, axis=1)
-                median, most = np.median(errors), np.quantile(errors, 0.95)
-                evaluations = sum(row["evaluations"] for row in series[1:]) / TIME
-                gap = min(row["smallest_gap"] for row in series)
-                row = [name, str(order), f"{step:g}", "yes" if warned else "", f"{evaluations:.0f}", f"{median:.1e}", f"{most:.1e}", f"{gap:.3f}"]
-                print(*row, flush=True)
-                rows.append(row)
-                if median > ALLOWED * step**2:
-                    failed.append(f"{name}, order {order}, step {step:g}: median error {median:.1e}, more than {ALLOWED * step**2:.1e}")
-    header = ["case", "order", "step", "warned of", "evaluations in a unit of time", "median error", "error of 95%", "smallest gap"]
+        exact, *_ = result(COMMON + scene, *fixed(*EXACT))
+        for way, size, time, allowed in ways():
+            found, series, warned = result(COMMON + scene, *time)
+            errors = np.linalg.norm(found - exact, axis=1)
+            median, most = np.median(errors), np.quantile(errors, 0.95)
+            evaluations = sum(row["evaluations"] for row in series[1:]) / TIME
+            gap = min(row["smallest_gap"] for row in series)
+            row = [name, f"{way} {size}", "yes" if warned else "", f"{evaluations:.0f}", f"{median:.1e}", f"{most:.1e}", f"{gap:.3f}"]
+            print(*row, flush=True)
+            rows.append(row)
+            if median > allowed:
+                failed.append(f"{name}, {way} {size}: median error {median:.1e}, more than {allowed:.1e}")
+    header = ["case", "steps", "warned of", "evaluations in a unit of time", "median error", "error of 95%", "smallest gap"]
+    return table(header, rows), failed
+
+
+def viscosities():
+    """A table of viscosities of a dense suspension, and what is wrong."""
+    rows, failed = [], []
+    for strength in STRENGTHS:
+        scene = f"{DENSE}repulsion.strength = {strength}\n"
+        exact = None
+        for integrator, tolerances in {"adaptive": (FINE, *SUBSTEPS["adaptive"]), "implicit": SUBSTEPS["implicit"]}.items():
+            for tolerance in tolerances:
+                time = divided(integrator, tolerance, 0.02, STRAIN)
+                _, series, _ = result(scene, *time)
+                viscosity = np.mean([row["relative_viscosity"] for row in series[1:]])
+                exact = viscosity if exact is None else exact
+                evaluations, gap = sum(row["evaluations"] for row in series[1:]), min(row["smallest_gap"] for row in series)
+                off = viscosity / exact - 1
+                rows.append([f"{strength:g}", f"{integrator}, to {tolerance:g}", f"{evaluations:.0f}", f"{viscosity:.3f}", f"{100 * off:+.2f}%", f"{gap:.1e}"])
+                print(*rows[-1], flush=True)
+                if abs(off) > VISCOSITY_ALLOWED:
+                    failed.append(f"strength {strength:g}, {integrator} to {tolerance:g}: viscosity off by {off:.1%}")
+    header = ["strength", "substeps", "evaluations in a strain of 1", "mean relative viscosity", "off", "smallest gap"]
+    return table(header, rows), failed
+
+
+def main():
+    errors, failed = places()
+    dense, failed_dense = viscosities()
     lines = [
         "Spheres in a box of side 20, velocities to 1e-2, held apart by repulsion that starts at a gap of 0.2. Errors are",
         f"those of places, over the small radius, against order {EXACT[0]} with a step of {EXACT[1]}. A velocity that is off by a hundredth leads 0.01 to 0.04 astray.",
+        f'Substeps, by `integrator = "adaptive"` and `"implicit"`, divide steps of {CLOCK_STEP:g} to the tolerance given.',
         "",
-        *table(header, rows),
+        *errors,
+        "",
+        "27% of radius 1 and 18% of radius 1.4 with lubrication, in a box of side 12.5, by the strength of the repulsion:",
+        "",
+        *dense,
     ]
     write_section("method.md", "time-steps", "Orders and time steps", lines)
-    if failed:
-        raise SystemExit("failed: " + "; ".join(failed))
+    if failed or failed_dense:
+        raise SystemExit("failed: " + "; ".join(failed + failed_dense))
 
 
 if __name__ == "__main__":
