@@ -7,11 +7,12 @@ use domain::{Comm, Particles, Vector};
 use fcm::Loads;
 
 /// With forces between near spheres in the solve: the stresslets of the far field, the forces and torques that the fluid
-/// feels, and the velocities that the loads of all others induce at each sphere.
+/// feels, the velocities that the loads of all others induce at each sphere, and those relative to the background flow.
 pub const STRESSLET_FAR: &str = "far stresslet";
 const FORCE: &str = "far force";
 const TORQUE: &str = "far torque";
 const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];
+const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
 
 /// Values at the start of this many last steps extrapolate.
 const PAST: usize = 3;
@@ -40,14 +41,14 @@ impl WarmStart {
 
     /// The columns that a search starts from, with their widths.
     fn columns(&self) -> Vec<(&'static str, usize)> {
-        let motions = INDUCED.iter().filter(|_| self.coupled).map(|&name| (name, 3));
+        let motions = INDUCED.iter().chain(&MOTION).filter(|_| self.coupled).map(|&name| (name, 3));
         std::iter::once((self.stresslet(), 5)).chain(motions).collect()
     }
 
     /// Numbers of a particle in all columns that are kept for it, besides what users of a solution see.
     pub fn numbers(&self) -> usize {
         let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
-        let present = if self.coupled { 5 + 3 * (2 + INDUCED.len()) } else { 0 };
+        let present = if self.coupled { 5 + 3 * (2 + INDUCED.len() + MOTION.len()) } else { 0 };
         past + present + self.columns().len()
     }
 
@@ -64,11 +65,9 @@ impl WarmStart {
     /// Makes the values of now, at the start of a step, the last past ones.
     pub fn remember(&self, particles: &mut Particles) {
         for (name, width) in self.columns() {
-            for k in (0..PAST).rev() {
-                let from = if k == 0 { name.to_owned() } else { past(name, k) };
-                let values = std::mem::take(&mut particles.column(&from, width).values);
-                particles.column(&past(name, k + 1), width).values.copy_from_slice(&values);
-                particles.column(&from, width).values = values;
+            let mut newest = particles.column(name, width).values.clone();
+            for k in 1..=PAST {
+                std::mem::swap(&mut particles.column(&past(name, k), width).values, &mut newest);
             }
         }
     }
@@ -83,8 +82,10 @@ impl WarmStart {
             let known = far.iter().copied().chain(std::iter::repeat(Vector::ZERO));
             particles.vectors(name).iter_mut().zip(known).for_each(|(value, far)| *value = far);
         }
-        for (name, motions) in INDUCED.iter().zip([&solved.induced.velocities, &solved.induced.angular_velocities]) {
-            particles.vectors(name).copy_from_slice(motions);
+        for (names, motion) in [(INDUCED, &solved.induced), (MOTION, &solved.motion)] {
+            for (name, list) in names.iter().zip([&motion.velocities, &motion.angular_velocities]) {
+                particles.vectors(name).iter_mut().zip(list).for_each(|(value, &known)| *value = known);
+            }
         }
     }
 
@@ -119,9 +120,9 @@ impl WarmStart {
             line.iter().zip(parabola).map(|(line, parabola)| line + share * (parabola - line)).collect::<Vec<f64>>()
         });
         let stresslets_far = lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default();
-        let [velocities, angular_velocities] =
-            [(); 2].map(|()| lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default());
-        Guess { stresslets_far, velocities, angular_velocities }
+        let [induced_velocities, induced_angular_velocities, velocities, angular_velocities] =
+            [(); 4].map(|()| lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default());
+        Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities }
     }
 
     /// Learns from a solution that was found, with the `ages` and the time `ahead` with which it was guessed, how much of

@@ -78,8 +78,12 @@ pub struct Guess {
     /// The far field's part of the stresslets.
     pub stresslets_far: Vec<Traceless>,
     /// Velocities that the loads of all others induce, see [`Solved::induced`].
-    pub velocities: Vec<Vector>,
+    pub induced_velocities: Vec<Vector>,
     /// Angular velocities that they induce.
+    pub induced_angular_velocities: Vec<Vector>,
+    /// Velocities relative to the background flow: where the search for those that go with the former starts.
+    pub velocities: Vec<Vector>,
+    /// Angular velocities relative to the background flow.
     pub angular_velocities: Vec<Vector>,
 }
 
@@ -90,7 +94,7 @@ const MOST_ITERATIONS: usize = 1000;
 const ROUGH: f64 = 0.1;
 
 /// Error left in the near field of the start, over that allowed in the end.
-const START: f64 = 0.1;
+const START: f64 = 0.3;
 
 impl Hydrodynamics {
     /// Prepares what `plan` decided, with what acts between near particles. Not to be called from a rayon task.
@@ -190,12 +194,11 @@ fn lubricated(
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
     let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
-    let matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &[near.stiff()], &single, ROUGH));
+    let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &[near.stiff()], &single, ROUGH));
     let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
-    let start_tolerance = preconditioned.then_some(START * limits.tolerance);
     let is_rigid = plan.multipoles == Multipoles::Dipole;
-    let mut x = start((comm, near), (start_tolerance, is_rigid), &single, &known, guess);
+    let mut x = start(near, (matrix.as_mut(), START * limits.tolerance), (&single, &known), (guess, is_rigid));
     let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
@@ -236,27 +239,25 @@ fn single(viscosity: f64, radius: f64) -> Screw {
 
 /// The unknowns that go with a guess: with what the others' loads induce as guessed, or nothing where nothing is, the
 /// motions `U` of all near pairs follow, with an error of `tolerance`, from `(M_0^-1 + R) U = M_0^-1 U_induced + F`; without
-/// a tolerance they are those induced. Collective.
-fn start(
-    (comm, near): (&Comm, &NearPairs),
-    (tolerance, rigid): (Option<f64>, bool),
-    single: &[Screw],
-    known: &Screws,
-    guess: &Guess,
+/// a matrix they are those guessed. Collective.
+fn start<'a>(
+    near: &'a NearPairs,
+    (matrix, tolerance): (Option<&mut ParticleMatrix<'a>>, f64),
+    (single, known): (&[Screw], &Screws),
+    (guess, is_rigid): (&Guess, bool),
 ) -> Unknowns {
     let count = known.0.len();
     let mut motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
-    if let Some(tolerance) = tolerance {
+    if let Some(matrix) = matrix {
         let mut loads = known.clone();
-        loads.add_resisted(1.0, single, &motions);
-        let all = [near.stiff(), near.soft()];
-        let mut matrix = ParticleMatrix::new((comm, near), &all, single, tolerance);
-        [motions, _] = matrix.solve(&loads);
+        let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
+        loads.add_resisted(1.0, single, &induced);
+        motions = matrix.solve_with(near.soft(), motions, &loads, tolerance);
     }
     let against = motions.negative();
     let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
-    moments.resize(if rigid { count } else { 0 }, Traceless::ZERO);
+    moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
     Unknowns { stiff, soft, moments }
 }
 

@@ -52,12 +52,34 @@ impl<'a> ParticleMatrix<'a> {
     pub fn solve(&mut self, loads: &Screws) -> [Screws; 2] {
         let (mut motions, mut residual) = (Screws::zero(loads.0.len()), loads.clone());
         let comm = self.comm.clone();
-        let limits = Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
+        let limits = self.limits();
         conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
         let mut resisted = loads.clone();
         resisted.add(-1.0, &residual);
         resisted.add_resisted(-1.0, self.single, &motions);
         [motions, resisted]
+    }
+
+    /// The motions under the given loads with these pairs and others, with an error of `tolerance`, sought from some motions
+    /// on. Collective.
+    pub fn solve_with(
+        &mut self,
+        others: &'a PairMatrix,
+        mut motions: Screws,
+        loads: &Screws,
+        tolerance: f64,
+    ) -> Screws {
+        self.pairs.push(others);
+        let mut residual = loads.clone();
+        residual.add(-1.0, &self.apply(&motions));
+        let (comm, limits) = (self.comm.clone(), Limits { tolerance, ..self.limits() });
+        conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
+        self.pairs.pop();
+        motions
+    }
+
+    fn limits(&self) -> Limits<'static> {
+        Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER }
     }
 
     /// Solves with an error of `tolerance` at most from now on; whether that is less than before.

@@ -46,6 +46,8 @@ pub fn guess(given: &Guess, units: &Units) -> Guess {
     let times = |list: &[Vector], unit: f64| list.iter().map(|&v| v * (1.0 / unit)).collect();
     Guess {
         stresslets_far: tensors_times(&given.stresslets_far, 1.0 / units.torque()),
+        induced_velocities: times(&given.induced_velocities, units.velocity()),
+        induced_angular_velocities: times(&given.induced_angular_velocities, units.rate()),
         velocities: times(&given.velocities, units.velocity()),
         angular_velocities: times(&given.angular_velocities, units.rate()),
     }

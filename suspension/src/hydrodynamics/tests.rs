@@ -283,8 +283,9 @@ fn a_solution_is_its_own_best_guess() {
     let first = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &Guess::default()).unwrap();
     let guess = Guess {
         stresslets_far: first.far.stresslets.clone(),
-        velocities: first.induced.velocities.clone(),
-        angular_velocities: first.induced.angular_velocities.clone(),
+        induced_velocities: first.induced.velocities.clone(),
+        induced_angular_velocities: first.induced.angular_velocities.clone(),
+        ..Guess::default()
     };
     let again = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &guess).unwrap();
     assert!(again.iterations <= 1 && first.iterations > 5, "{} after {}", again.iterations, first.iterations);
