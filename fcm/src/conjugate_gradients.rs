@@ -185,6 +185,46 @@ mod tests {
         }
     }
 
+    /// A system that sees the first number alone, and counts both as errors.
+    struct Blind;
+
+    impl System for Blind {
+        type Unknowns = [f64; 2];
+        type Residual = [f64; 2];
+
+        fn product(&self, residual: &[f64; 2], x: &[f64; 2]) -> f64 {
+            residual[0] * x[0]
+        }
+
+        fn apply(&mut self, direction: &[f64; 2]) -> [f64; 2] {
+            *direction
+        }
+
+        fn stepped(&mut self, _: f64) {}
+
+        fn precondition(&mut self, residual: &[f64; 2]) -> [f64; 2] {
+            *residual
+        }
+
+        fn error(&self, _: &[f64; 2], z: &[f64; 2]) -> f64 {
+            self.size(z)
+        }
+
+        fn size(&self, x: &[f64; 2]) -> f64 {
+            x[0] * x[0] + x[1] * x[1]
+        }
+    }
+
+    /// No direction lessens what is left, so the solve ends with numbers.
+    #[test]
+    fn an_error_that_no_product_sees_ends_the_solve() {
+        let (mut x, mut residual) = ([1.0, 1.0], [0.0, 0.5]);
+        let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
+        let outcome = conjugate_gradients(&Comm::alone(), &mut Blind, (&mut x, &mut residual), limits);
+        let residual = (0.25_f64 / 2.0).sqrt();
+        assert_eq!(outcome, Outcome { iterations: 0, residual, converged: false, interrupted: false });
+    }
+
     fn solved(left: usize, can: usize) -> ([f64; 2], Outcome) {
         let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
         let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };

@@ -50,3 +50,33 @@ impl Averages {
         (!tables.is_empty()).then_some(TableSet { folder: Some("statistics"), name: "statistics", tables })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species};
+    use domain::{Comm, PeriodicBox, Vector};
+
+    /// What is taken up again gives the same bytes and tables; of another scene's it is refused.
+    #[test]
+    fn a_state_is_taken_up_whole() {
+        let model = |count| {
+            let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
+            let species = vec![Species::new("one", 1.0, count)];
+            let statistics = Some(Wanted::ALL);
+            Model::new(Parameters { statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
+        };
+        let scene = model(3);
+        let suspension = Suspension::start(&scene, &Comm::alone()).unwrap();
+        let frame = suspension.gathered(None);
+        let none = || Averages::new(&scene, Wanted::ALL, &frame);
+        let (mut first, mut second) = (none(), none());
+        first.sample(&suspension);
+        let state = first.state();
+        assert_eq!(second.take_up(&state), Ok(()));
+        assert_eq!(second.state(), state);
+        assert!(second.tables().is_some() && none().tables().is_none());
+        assert!(none().take_up(&[1]).is_err());
+        assert_eq!(none().take_up(&[]), Ok(()));
+    }
+}

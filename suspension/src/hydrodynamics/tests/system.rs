@@ -182,3 +182,23 @@ fn what_stiff_pairs_resist_is_known_from_the_solve() {
     // Round-off of resistances of up to 1e5.
     assert!(error < 1e-9 * size, "{error:e} of {size}");
 }
+
+/// Whether the loads of pairs are off or the moments, it is an error, and both together are a larger one.
+#[test]
+fn loads_and_moments_count_as_errors() {
+    let mut setting = Setting::new();
+    let n = setting.spheres();
+    // A sphere with stiff pairs, and a moment.
+    let stiff = (0..6 * n).find(|&k| setting.unit(k).stiff.loads.0.iter().any(|load| load.0[0].abs() > 0.1)).unwrap();
+    let [load, moment] = [stiff, 12 * n].map(|k| setting.unit(k));
+    let mut both = load.clone();
+    both.add(1.0, &moment);
+    let residual = as_residual(&both, &setting.strain_resistance);
+    let single = setting.single.clone();
+    let system = setting.system();
+    let [by_load, by_moment, by_both] = [&load, &moment, &both].map(|z| system.error(&residual, z));
+    let loads = load.stiff.loads.0.iter().zip(&single);
+    let exact: f64 = loads.map(|(load, one)| (0..6).map(|k| load.0[k].powi(2) / one.0[k]).sum::<f64>()).sum();
+    assert!((by_load - exact).abs() < 1e-12 * exact && (by_moment - 1.0).abs() < 1e-12, "{by_load} {by_moment}");
+    assert!((by_both - by_load - by_moment).abs() < 1e-12 * by_both);
+}
