@@ -1,6 +1,6 @@
 use super::*;
 use crate::Suspension;
-use crate::model::Parameters;
+use crate::model::{Axis, Parameters};
 use domain::Comm;
 use simulation::Table;
 
@@ -112,4 +112,18 @@ fn ranks_agree() {
             assert!(difference < 1e-3 * numbers[0].abs().max(0.1) || numbers[0].is_nan(), "{words:?}");
         }
     }
+}
+
+/// Columns stand along the axis that is asked for; else along that of the forces, or of the gradient without forces.
+#[test]
+fn columns_stand_along_the_forces_or_the_gradient() {
+    let of = |change: &dyn Fn(&mut Parameters)| {
+        let mut parameters = Parameters::clone(&model());
+        change(&mut parameters);
+        axis_and_width(&Model::new(parameters).unwrap())
+    };
+    assert_eq!(of(&|_| {}), (GRADIENT, COLUMN_WIDTH * 1.5));
+    assert_eq!(of(&|p| p.species[0].force = Vector::Z).0, 2);
+    let asked = Some(Wanted { axis: Some(Axis::X), ..Wanted::ALL });
+    assert_eq!(of(&|p| (p.species[0].force, p.statistics) = (Vector::Z, asked)).0, 0);
 }
