@@ -141,6 +141,16 @@ pub fn share_columns(particles: &mut Particles, comm: &Comm) {
 mod tests {
     use super::*;
 
+    /// Two cells along each edge would be too few, three along each too many.
+    #[test]
+    fn a_lattice_has_sites_enough() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        let sites = on_lattice(&cell, Lattice::SimpleCubic, (11, 1));
+        assert_eq!(sites.len(), 11);
+        let halved = (0..3).filter(|&d| sites.iter().all(|site| [2.5, 7.5].contains(&site[d]))).count();
+        assert_eq!(halved, 2, "{sites:?}");
+    }
+
     #[test]
     fn a_lattice_has_one_distance() {
         let cell = PeriodicBox::new(Vector::new(8.0, 8.0, 16.0)).unwrap();

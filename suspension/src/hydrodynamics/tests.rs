@@ -315,14 +315,20 @@ fn iterations_are_few_and_do_not_grow_as_gaps_shrink() {
 /// lubrication or not, in any units.
 #[test]
 fn springs_push_as_the_motions_say() {
-    let (plan, particles) = cluster();
-    let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let (reach, strain) = (5.0, Traceless([0.0, 0.5, 0.0, 0.2, 0.0]));
-    let forces: Vec<Vector> = (0..particles.len()).map(|i| Vector::new(1.0, -0.5 * i as f64, 0.3)).collect();
-    let resistance = |distance: f64, radii: [f64; 2]| {
-        if distance < reach { 300.0 * (reach - distance) * radii[0] * radii[1] } else { 0.0 }
-    };
-    for lubrication in [None, Some(Range::new(0.5, 1e-6).unwrap())] {
+    for (unit, lubrication) in [(1.0, None), (1.0, Some(0.5)), (1e-6, Some(0.5))] {
+        let lubrication = lubrication.map(|cutoff| Range::new(cutoff, 1e-6).unwrap());
+        let (_, mut particles) = cluster();
+        particles.positions.iter_mut().for_each(|x| *x *= unit);
+        particles.radii.iter_mut().for_each(|a| *a *= unit);
+        let plan = plan(22.0 * unit, &particles.radii, (1e-3, 1e-9));
+        let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+        let (reach, strain) = (5.0 * unit, Traceless([0.0, 0.5, 0.0, 0.2, 0.0]));
+        let forces: Vec<Vector> =
+            (0..particles.len()).map(|i| unit * unit * Vector::new(1.0, -0.5 * i as f64, 0.3)).collect();
+        let resistance = |distance: f64, radii: [f64; 2]| {
+            let depth = (1.0 - distance / reach).max(0.0);
+            1500.0 * depth * radii[0] * radii[1] / unit
+        };
         let mut fluid =
             Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
@@ -340,13 +346,12 @@ fn springs_push_as_the_motions_say() {
                 pushed[i] += axis * (resistance(distance, [particles.radii[i], particles.radii[j]]) * opening);
             }
         }
-        let plain = solve(&pushed, None);
-        let free = solve(&forces, None);
+        let (plain, free) = (solve(&pushed, None), solve(&forces, None));
         for i in 0..particles.len() {
-            let error = (plain.motion.velocities[i] - sprung.motion.velocities[i]).length();
-            assert!(error < 1e-4, "sphere {i}: {error}");
+            let error = (plain.motion.velocities[i] - sprung.motion.velocities[i]).length() / unit;
+            assert!(error < 1e-4, "unit {unit}, sphere {i}: {error}");
         }
-        let matters = (free.motion.velocities[0] - sprung.motion.velocities[0]).length();
+        let matters = (free.motion.velocities[0] - sprung.motion.velocities[0]).length() / unit;
         assert!(matters > 0.02, "{matters}");
     }
 }
