@@ -88,16 +88,20 @@ static void drop(Grid *g) {
     fftw_destroy_plan(g->forward), fftw_destroy_plan(g->backward), fftw_free(g->field);
 }
 
-/* What the rows of both loops need: the Gaussians along z times those along x and y, and the dipole's times z. */
-static void weigh(const Stencil *s, int jx, int jy, int support, double (*w)[WIDEST]) {
-    double monopole = s->monopole[0][jx] * s->monopole[1][jy], dipole = s->dipole[0][jx] * s->dipole[1][jy];
-#pragma omp simd
-    for (int j = 0; j < support; j++) {
-        w[0][j] = monopole * s->monopole[2][j];
-        w[1][j] = dipole * s->dipole[2][j];
-        w[2][j] = w[1][j] * s->distance[2][j];
+/* Loops over a stencil whose width the compiler knows, so that rows stay in registers. */
+#define ALWAYS static inline __attribute__((always_inline))
+#define FOR_SUPPORT(support, call)                                                                                     \
+    switch (support) {                                                                                                 \
+    case 8: { enum { P = 8 }; call; } break;                                                                           \
+    case 10: { enum { P = 10 }; call; } break;                                                                         \
+    case 12: { enum { P = 12 }; call; } break;                                                                         \
+    case 14: { enum { P = 14 }; call; } break;                                                                         \
+    case 16: { enum { P = 16 }; call; } break;                                                                         \
+    case 18: { enum { P = 18 }; call; } break;                                                                         \
+    case 20: { enum { P = 20 }; call; } break;                                                                         \
+    case 22: { enum { P = 22 }; call; } break;                                                                         \
+    default: { int P = support; call; }                                                                                \
     }
-}
 
 static int first_point(const Grid *g, double x) { return (int)floor(x / g->spacing) - (g->support / 2 - 1); }
 
@@ -117,47 +121,55 @@ static void find(Stencil *s, const Grid *g, const double *centre) {
     s->is_whole = s->index[2][0] + g->support <= g->points;
 }
 
+/* Adds the row along z at jx, jy: all three components at once. */
+ALWAYS void add_row(const Grid *g, const Stencil *s, const double *F, const double *G, int jx, int jy, const int P) {
+    const double slope = -1 / (dipole_width() * dipole_width());
+    double monopole = s->monopole[0][jx] * s->monopole[1][jy];
+    double dipole = slope * s->dipole[0][jx] * s->dipole[1][jy];
+    double X = s->distance[0][jx], Y = s->distance[1][jy], value[3][WIDEST];
+    double Gx = G[0] * X + G[1] * Y, Gy = G[3] * X + G[4] * Y, Gz = G[6] * X + G[7] * Y;
+#pragma omp simd
+    for (int j = 0; j < P; j++) {
+        double m = monopole * s->monopole[2][j], d = dipole * s->dipole[2][j], z = s->distance[2][j];
+        value[0][j] = F[0] * m + (Gx + G[2] * z) * d;
+        value[1][j] = F[1] * m + (Gy + G[5] * z) * d;
+        value[2][j] = F[2] * m + (Gz + G[8] * z) * d;
+    }
+    double *row = g->field + s->index[0][jx] * g->plane + s->index[1][jy] * g->row;
+    for (int c = 0; c < 3; c++) {
+        double *into = row + c * g->component;
+        if (s->is_whole) {
+            into += s->index[2][0];
+#pragma omp simd
+            for (int j = 0; j < P; j++) into[j] += value[c][j];
+        } else {
+            for (int j = 0; j < P; j++) into[s->index[2][j]] += value[c][j];
+        }
+    }
+}
+
+ALWAYS void spread_one(const Grid *g, const Particles *p, int i, int from, int to, const int P) {
+    Stencil s;
+    find(&s, g, p->position + 3 * i);
+    for (int jx = 0; jx < P; jx++)
+        if (s.index[0][jx] >= from && s.index[0][jx] < to)
+            for (int jy = 0; jy < P; jy++) add_row(g, &s, p->force + 3 * i, p->couplet + 9 * i, jx, jy, P);
+}
+
 /* f_i = F_i Delta + G_ij d_j Delta', with d_j Delta' = -x_j / width^2 Delta'. Each thread fills the planes it owns. */
 static void spread(Grid *g, const Particles *p) {
-    const double slope = -1 / (dipole_width() * dipole_width());
 #pragma omp parallel
     {
         int threads = omp_get_num_threads(), thread = omp_get_thread_num(), support = g->support;
         int from = g->points * thread / threads, to = g->points * (thread + 1) / threads;
         for (int c = 0; c < 3; c++) memset(g->field + c * g->component + from * g->plane, 0, (to - from) * g->plane * sizeof(double));
         for (int i = 0; i < p->count; i++) {
-            const double *F = p->force + 3 * i, *G = p->couplet + 9 * i;
             int first = first_point(g, p->position[3 * i]), mine = 0;
             for (int j = 0; j < support; j++) {
                 int x = wrapped(g, first + j);
                 mine |= x >= from && x < to;
             }
-            if (!mine) continue;
-            Stencil s;
-            find(&s, g, p->position + 3 * i);
-            for (int jx = 0; jx < support; jx++) {
-                int x = s.index[0][jx];
-                if (x < from || x >= to) continue;
-                for (int jy = 0; jy < support; jy++) {
-                    double w[3][WIDEST], *row = g->field + x * g->plane + s.index[1][jy] * g->row;
-                    weigh(&s, jx, jy, support, w);
-                    for (int c = 0; c < 3; c++) {
-                        double value[WIDEST], along_z = slope * G[3 * c + 2];
-                        double in_plane = slope * (G[3 * c] * s.distance[0][jx] + G[3 * c + 1] * s.distance[1][jy]);
-#pragma omp simd
-                        for (int j = 0; j < support; j++)
-                            value[j] = F[c] * w[0][j] + in_plane * w[1][j] + along_z * w[2][j];
-                        double *into = row + c * g->component;
-                        if (s.is_whole) {
-                            into += s.index[2][0];
-#pragma omp simd
-                            for (int j = 0; j < support; j++) into[j] += value[j];
-                        } else {
-                            for (int j = 0; j < support; j++) into[s.index[2][j]] += value[j];
-                        }
-                    }
-                }
-            }
+            if (mine) FOR_SUPPORT(support, spread_one(g, p, i, from, to, P))
         }
     }
 }
@@ -184,39 +196,47 @@ static void solve(Grid *g, double edge) {
     }
 }
 
+/* Sums over the row along z at jx, jy of all three components: V, and D by its columns. */
+ALWAYS void sum_row(const Grid *g, const Stencil *s, int jx, int jy, double *V, double *D, const int P) {
+    double monopole = s->monopole[0][jx] * s->monopole[1][jy], dipole = s->dipole[0][jx] * s->dipole[1][jy];
+    const double *row = g->field + s->index[0][jx] * g->plane + s->index[1][jy] * g->row;
+    double u[3][WIDEST];
+    for (int c = 0; c < 3; c++) {
+        const double *from = row + c * g->component;
+        if (s->is_whole)
+            memcpy(u[c], from + s->index[2][0], P * sizeof **u);
+        else
+            for (int j = 0; j < P; j++) u[c][j] = from[s->index[2][j]];
+    }
+    double a0 = 0, a1 = 0, a2 = 0, b0 = 0, b1 = 0, b2 = 0, c0 = 0, c1 = 0, c2 = 0;
+#pragma omp simd reduction(+ : a0, a1, a2, b0, b1, b2, c0, c1, c2)
+    for (int j = 0; j < P; j++) {
+        double m = monopole * s->monopole[2][j], d = dipole * s->dipole[2][j], dz = d * s->distance[2][j];
+        a0 += u[0][j] * m, a1 += u[1][j] * m, a2 += u[2][j] * m;
+        b0 += u[0][j] * d, b1 += u[1][j] * d, b2 += u[2][j] * d;
+        c0 += u[0][j] * dz, c1 += u[1][j] * dz, c2 += u[2][j] * dz;
+    }
+    double X = s->distance[0][jx], Y = s->distance[1][jy];
+    V[0] += a0, V[1] += a1, V[2] += a2;
+    D[0] += b0 * X, D[1] += b0 * Y, D[2] += c0;
+    D[3] += b1 * X, D[4] += b1 * Y, D[5] += c1;
+    D[6] += b2 * X, D[7] += b2 * Y, D[8] += c2;
+}
+
+ALWAYS void interpolate_one(const Grid *g, const Particles *p, int i, double *V, double *D, const int P) {
+    Stencil s;
+    find(&s, g, p->position + 3 * i);
+    for (int jx = 0; jx < P; jx++)
+        for (int jy = 0; jy < P; jy++) sum_row(g, &s, jx, jy, V, D, P);
+}
+
 /* V = integral of u Delta, D_ij = integral of d_j u_i Delta' = - integral of u_i d_j Delta'. */
 static void interpolate(const Grid *g, const Particles *p) {
     const double volume = pow(g->spacing, 3), slope = 1 / (dipole_width() * dipole_width());
 #pragma omp parallel for schedule(dynamic, 16)
     for (int i = 0; i < p->count; i++) {
-        int support = g->support;
         double V[3] = {0}, D[9] = {0};
-        Stencil s;
-        find(&s, g, p->position + 3 * i);
-        for (int jx = 0; jx < support; jx++)
-            for (int jy = 0; jy < support; jy++) {
-                double w[3][WIDEST];
-                weigh(&s, jx, jy, support, w);
-                const double *row = g->field + s.index[0][jx] * g->plane + s.index[1][jy] * g->row;
-                for (int c = 0; c < 3; c++) {
-                    const double *from = row + c * g->component;
-                    double value[WIDEST], mean = 0, plain = 0, moment = 0;
-                    if (s.is_whole)
-                        memcpy(value, from + s.index[2][0], support * sizeof *value);
-                    else
-                        for (int j = 0; j < support; j++) value[j] = from[s.index[2][j]];
-#pragma omp simd reduction(+ : mean, plain, moment)
-                    for (int j = 0; j < support; j++) {
-                        mean += value[j] * w[0][j];
-                        plain += value[j] * w[1][j];
-                        moment += value[j] * w[2][j];
-                    }
-                    V[c] += mean;
-                    D[3 * c] += plain * s.distance[0][jx];
-                    D[3 * c + 1] += plain * s.distance[1][jy];
-                    D[3 * c + 2] += moment;
-                }
-            }
+        FOR_SUPPORT(g->support, interpolate_one(g, p, i, V, D, P))
         for (int c = 0; c < 3; c++) p->velocity[3 * i + c] = volume * V[c];
         for (int c = 0; c < 9; c++) p->gradient[9 * i + c] = volume * slope * D[c];
     }

@@ -7,6 +7,7 @@ import os
 import pathlib
 import platform
 import subprocess
+from statistics import median
 
 import matplotlib
 import parts
@@ -49,6 +50,10 @@ class Case:
         """What tells this case from others, wherever the programs are."""
         arguments = [argument for argument in self.command if not argument.startswith("/")]
         return " ".join([self.label, *arguments, self.environment["OMP_NUM_THREADS"]])
+
+    def totals(self):
+        """The total time of each round."""
+        return [line["seconds"]["total"] for line in self.lines]
 
     def median(self):
         """The line with the median of the total time."""
@@ -144,13 +149,14 @@ def table(lines):
     return rows
 
 
-def verdicts(lines):
-    """Ratios of the programs' times at the paper's case."""
-    by_label = {line["label"]: line["seconds"]["total"] for line in lines}
-    ours = by_label["auto"]
-    for label, seconds in by_label.items():
-        if label != "auto":
-            yield f"- {label}: {seconds / ours:.1f} times as long as `auto`."
+def verdicts(cases):
+    """Ratios of the programs' times at the paper's case: medians and ranges of those of each round."""
+    ours = next(case for case in cases if case.label == "auto").totals()
+    for case in cases:
+        if case.label != "auto":
+            ratios = [theirs / own for theirs, own in zip(case.totals(), ours)]
+            spread = f" ({min(ratios):.1f} to {max(ratios):.1f} in {len(ratios)} rounds)"
+            yield f"- {case.label}: {median(ratios):.1f} times as long as `auto`{spread}."
 
 
 def speedups(lines):
@@ -212,7 +218,7 @@ def processor():
     return platform.machine()
 
 
-def write_page(tables, by_size, rest, rounds):
+def write_page(tables, ratios, by_size, rest, rounds):
     page = [
         "# Benchmarks",
         "",
@@ -230,7 +236,7 @@ def write_page(tables, by_size, rest, rounds):
     for title, lines in tables.items():
         page += [f"## {title}", "", *table(lines), ""]
         if title == FIRST:
-            page += [*verdicts(lines), "", "![Error and time](figures/benchmarks.svg)", ""]
+            page += [*ratios, "", "![Error and time](figures/benchmarks.svg)", ""]
         if title == SHARED:
             page += [*speedups(lines), ""]
     page += ["## Number of spheres, two threads", "", *size_table(by_size), ""]
@@ -241,7 +247,7 @@ def write_page(tables, by_size, rest, rounds):
 def main():
     parser = argparse.ArgumentParser(prog="scripts/benchmark", description=__doc__)
     parser.add_argument("--target", type=pathlib.Path, required=True, help="where the programs were built")
-    parser.add_argument("--rounds", type=int, default=3, help="how often everything is run [3]")
+    parser.add_argument("--rounds", type=int, default=5, help="how often everything is run [5]")
     parser.add_argument("--resume", action="store_true", help="keep what an interrupted benchmark has measured")
     parser.add_argument("--quick", action="store_true", help="the paper's case on one thread alone, and no page")
     arguments = parser.parse_args()
@@ -262,9 +268,11 @@ def main():
     tables = {title: [case.median() for case in cases] for title, cases in chosen.items()}
     for title, lines in tables.items():
         print(f"\n{title}\n", *table(lines), sep="\n")
+    ratios = list(verdicts(chosen[FIRST]))
+    print("", *ratios, sep="\n")
     if not arguments.quick:
         by_size = [case.median() for case in larger]
-        write_page(tables, by_size, parts.page(programs, arguments.target), arguments.rounds)
+        write_page(tables, ratios, by_size, parts.page(programs, arguments.target), arguments.rounds)
         draw([line for lines in tables.values() for line in lines], DOCS / "figures" / "benchmarks.svg")
         draw_sizes(by_size, DOCS / "figures" / "benchmark-sizes.svg")
     print(f"all lines  {raw}")
