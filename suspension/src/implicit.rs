@@ -165,12 +165,13 @@ fn choose(
     loop {
         let length = Length { ages: ages.to_vec(), step: share(rest, longest) };
         let change = approach.after([length.expected(), [0.0; 3]], dynamics.least_gaps(control.tolerance), comm);
+        if length.step < SHORTEST * clock.dt() {
+            return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });
+        }
         if change.loss <= control.gap_fraction {
             return Ok(length);
         }
-        if !change.loss.is_finite() || length.step < SHORTEST * clock.dt() {
-            return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });
-        }
+        // A loss that is no number shortens it too, and comes to an end.
         longest = length.step * (0.9 * control.gap_fraction / change.loss).max(0.1);
     }
 }

@@ -135,10 +135,18 @@ impl Share<'_> {
         chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST).ok()).flatten()
     }
 
+    /// At which gaps forces between near spheres are part of the solve: lubrication, or repulsion that is implicit.
+    fn near_field(&self) -> Option<Range> {
+        let springs = || {
+            let barrier = barrier(self.model).ok().flatten().filter(|_| self.is_implicit())?;
+            Range::new(barrier.range(), Range::CLOSEST).ok()
+        };
+        self.range().or_else(springs)
+    }
+
     /// Numbers of all columns of a particle.
     fn numbers(&self) -> usize {
-        let is_implicit = matches!(self.model.integrator, Integrator::Implicit(_));
-        let velocities = 3 * (VELOCITY_COLUMNS.len() - if is_implicit { 0 } else { IMPLICIT });
+        let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
         if self.is_rigid() {
             velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.is_coupled()).numbers()
         } else {
@@ -161,9 +169,15 @@ impl Share<'_> {
         2.2 * self.expected.largest_radius()
     }
 
-    /// A step, and the particles as they were before it, to which one that is interrupted goes back.
+    /// A step, and the particles as they were before it, to which one that is interrupted goes back; and those before a
+    /// substep that may be taken again.
     fn step(&self) -> Bytes {
-        Particles::bytes(self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
+        let copies = if self.is_implicit() { 2.0 } else { 1.0 };
+        Particles::bytes(copies * self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
+    }
+
+    fn is_implicit(&self) -> bool {
+        matches!(self.model.integrator, Integrator::Implicit(_))
     }
 
     fn evaluation(&self) -> Bytes {
@@ -173,7 +187,7 @@ impl Share<'_> {
         let forces = repulsion.map_or_else(Bytes::default, |reach| self.near(reach).freed());
         let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
         let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
-        let solve = match self.range() {
+        let solve = match self.near_field() {
             Some(range) => solve_bytes(&self.far, self.expected, range).or(self.far.solve()),
             None => self.far.solve(),
         };
@@ -193,7 +207,7 @@ impl Share<'_> {
 
     fn report(&self) -> Bytes {
         // Large grids are not put where a solve has freed its pairs.
-        let pairs = self.range().map_or_else(Bytes::default, |range| pairs_bytes(self.expected, range));
+        let pairs = self.near_field().map_or_else(Bytes::default, |range| pairs_bytes(self.expected, range));
         let divergence = Bytes::keep(pairs.most).then(self.far.divergence()).freed();
         divergence.or(self.near(self.gap_search()).freed())
     }

@@ -57,3 +57,15 @@ fn dense_spheres_take_more_to_be_placed() {
     };
     assert!(placed(0.26) > placed(0.24));
 }
+
+/// Repulsion in the solve takes pairs, and what may be taken again a copy.
+#[test]
+fn implicit_steps_take_more() {
+    let with = |integrator, repulsion| needed(Parameters { integrator, repulsion, ..settling(100_000, 0.12) }, 1)[0];
+    let control = crate::model::Adaptive::default();
+    let repulsion = Some(crate::model::Repulsion::new(1.0));
+    let [adaptive, implicit] =
+        [Integrator::Adaptive(control), Integrator::Implicit(control)].map(|i| with(i, repulsion));
+    assert!(implicit > 1.05 * adaptive, "{implicit} {adaptive} MB");
+    assert!(with(Integrator::Implicit(control), None) < implicit);
+}
