@@ -61,7 +61,7 @@ fn dense_spheres_take_more_to_be_placed() {
 /// Repulsion in the solve takes pairs, and what may be taken again a copy.
 #[test]
 fn implicit_steps_take_more() {
-    let with = |integrator, repulsion| needed(Parameters { integrator, repulsion, ..settling(100_000, 0.12) }, 1)[0];
+    let with = |integrator, repulsion| needed(Parameters { repulsion, integrator, ..settling(100_000, 0.12) }, 1)[0];
     let control = crate::model::Adaptive::default();
     let repulsion = Some(crate::model::Repulsion::new(1.0));
     let [adaptive, implicit] =
