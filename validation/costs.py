@@ -59,7 +59,7 @@ def measured(folder, **values):
     for steps in (STEPS, 2 * STEPS):
         scene.write_text(SCENE.format(steps=steps, **values))
         times.append(min(seconds(scene, folder / "out") for _ in range(2)))
-    outline = subprocess.run([PROGRAM, "check", str(scene), "--json"], check=True, capture_output=True, text=True)
+    outline = subprocess.run([PROGRAM, "check", str(scene), "--json", "--no-trial"], check=True, capture_output=True, text=True)
     return (times[1] - times[0]) / STEPS, json.loads(outline.stdout)["memory_bytes"][0] / 1e6
 
 

@@ -1,5 +1,6 @@
 //! Predicted memory of particles, ghosts and neighbour lists.
 
+use crate::verlet_list::SPARSEST;
 use crate::{Bytes, GROWING, Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
 
 /// The most numbers that a column of particles has in this project.
@@ -68,7 +69,9 @@ impl VerletList {
     /// Lists of `owned` particles, among `present` particles and ghosts within the reach of the lists and `all`
     /// particles of all ranks, with `near` neighbours within the cutoff and `reached` within the reach.
     pub fn bytes([owned, present, all]: [f64; 3], [near, reached]: [f64; 2]) -> Bytes {
-        let found = Bytes::list::<(u32, Vector, bool)>(present).then(Bytes::list::<u32>(all));
+        let rows =
+            if all < SPARSEST as f64 * present { Bytes::list::<u32>(all) } else { Bytes::list::<(u64, u32)>(present) };
+        let found = Bytes::list::<(u32, Vector, bool)>(present).then(rows);
         let search = Neighbours::search_bytes(owned, present, reached).freed();
         let lists = Neighbours::bytes(owned, reached);
         let now = Bytes::list::<(u32, [Vector; 2], [[i8; 3]; 2])>(present);

@@ -34,8 +34,8 @@ pub struct LocalAndGhosts<'a> {
 /// The lists of a rebuild, and the positions at that time.
 struct Found {
     cell: PeriodicBox,
-    /// The row of each id at the rebuild.
-    rows: Vec<u32>,
+    /// Rows at the rebuild.
+    rows: RowById,
     positions: Vec<Vector>,
     /// Whether the list of each row is complete.
     listed: Vec<bool>,
@@ -46,8 +46,8 @@ struct Found {
 /// The skin over the cutoff. It makes lists a third longer, which costs little compared with a rebuild.
 const SKIN: f64 = 0.1;
 
-/// The largest id over the number of particles for which a table of ids is kept.
-const SPARSEST: usize = 16;
+/// The largest id over the number of particles present for which a table of ids is kept.
+pub(crate) const SPARSEST: usize = 8;
 
 /// Particles whose lists one thread processes at a time.
 const BATCH: usize = 1024;
@@ -86,7 +86,7 @@ impl VerletList {
         drop(picked);
         self.found = None;
         let found = self.search(cell, present);
-        // Where nobody can be followed, a search has no skin.
+        // A place that is no number can't be followed.
         self.near = near(&found).unwrap_or_else(|| found.lists.clone());
         self.found = Some(found);
     }
@@ -94,12 +94,8 @@ impl VerletList {
     fn search(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) -> Found {
         let comm = self.partition.comm();
         let (mut ids, mut positions) = (present.ids.to_vec(), present.positions.to_vec());
-        let last = ids.iter().max().map_or(0, |&last| last as usize);
-        let mut all = [present.owned as f64];
-        comm.sum(&mut all);
-        let can_be_followed = !comm.any(last > SPARSEST * all[0] as usize);
         // Who asks but once needs no skin.
-        let skin = if self.searches > 0 && can_be_followed { SKIN } else { 0.0 };
+        let skin = if self.searches > 0 { SKIN } else { 0.0 };
         self.searches += 1;
         let reach = (1.0 + skin) * self.cutoff;
         let mut listed = vec![true; present.owned];
@@ -117,19 +113,44 @@ impl VerletList {
         let mut lists = Neighbours::find(cell, &positions, listed.len(), reach);
         lists.sort_by_key(|neighbour| (ids[neighbour.row as usize], neighbour.steps));
         listed.resize(ids.len(), false);
-        let mut rows = Vec::new();
-        if can_be_followed {
-            rows.resize(ids.iter().max().map_or(0, |&last| last as usize + 1), NOBODY);
-            for (row, &id) in ids.iter().enumerate() {
-                rows[id as usize] = row as u32;
-            }
-        }
+        let rows = RowById::new(&ids);
         Found { cell: *cell, rows, positions, listed, reach, lists }
     }
 }
 
 /// The row of an id without a particle.
 const NOBODY: u32 = u32::MAX;
+
+/// The rows of ids: a table of all where it is not much longer than a list of those that are here.
+enum RowById {
+    Table(Vec<u32>),
+    /// In the order of the ids.
+    List(Vec<(u64, u32)>),
+}
+
+impl RowById {
+    /// Of ids that are in these rows.
+    fn new(ids: &[u64]) -> Self {
+        let last = ids.iter().copied().max().unwrap_or(0);
+        let rows = ids.iter().zip(0..);
+        if last >= (SPARSEST * ids.len()) as u64 {
+            let mut list: Vec<(u64, u32)> = rows.map(|(&id, row)| (id, row)).collect();
+            list.par_sort_unstable();
+            return Self::List(list);
+        }
+        let mut table = vec![NOBODY; last as usize + 1];
+        rows.for_each(|(&id, row)| table[id as usize] = row);
+        Self::Table(table)
+    }
+
+    fn get(&self, id: u64) -> Option<usize> {
+        let row = match self {
+            Self::Table(table) => *table.get(usize::try_from(id).ok()?)?,
+            Self::List(list) => list[list.binary_search_by_key(&id, |&(known, _)| known).ok()?].1,
+        };
+        (row != NOBODY).then_some(row as usize)
+    }
+}
 
 /// The particles of the last rebuild now: the present row of each, its position without wrapping since then, and the
 /// lattice steps of that wrapping. Particles that have left this rank have no neighbours.
@@ -179,10 +200,10 @@ impl Found {
     fn rows_now(&self, present: &LocalAndGhosts) -> Option<Vec<u32>> {
         let mut rows = vec![NOBODY; self.positions.len()];
         for (row, &id) in present.ids.iter().enumerate() {
-            match self.rows.get(id as usize) {
-                Some(&before) if before != NOBODY => rows[before as usize] = row as u32,
-                _ if row < present.owned => return None,
-                _ => {}
+            match self.rows.get(id) {
+                Some(before) => rows[before] = row as u32,
+                None if row < present.owned => return None,
+                None => {}
             }
         }
         Some(rows)
@@ -252,6 +273,19 @@ mod tests {
 
     fn alone(cutoff: f64) -> VerletList {
         VerletList::new(cutoff, &Partition::new(&Comm::alone(), [8, 8]))
+    }
+
+    #[test]
+    fn a_table_and_a_list_know_the_same_rows() {
+        for stride in [1, 3, 1000, 1 << 50] {
+            let ids: Vec<u64> = (0..50).map(|k| (k * 7 % 50) * stride).collect();
+            let rows = RowById::new(&ids);
+            assert_eq!(matches!(rows, RowById::Table(_)), stride < 8);
+            assert!(ids.iter().enumerate().all(|(row, &id)| rows.get(id) == Some(row)));
+            assert!(
+                [50 * stride, u64::MAX, 50 * stride - 2].iter().all(|&id| ids.contains(&id) || rows.get(id).is_none())
+            );
+        }
     }
 
     /// Particles that move in a sheared box, across its faces, past its range of strains and from rank to rank: the
@@ -324,11 +358,11 @@ mod tests {
         verlet_list.update(&cell, &present(&some));
         verlet_list.update(&cell, &present(&some));
         assert_eq!(verlet_list.searches(), 2);
-        // With gaps like these nobody is followed, but everybody found.
+        // As large as you like.
         some.ids[3] = u64::MAX;
         verlet_list.update(&cell, &present(&some));
         verlet_list.update(&cell, &present(&some));
-        assert_eq!(verlet_list.searches(), 4);
+        assert_eq!(verlet_list.searches(), 3);
         assert_eq!(verlet_list.neighbours().count(), Neighbours::find(&cell, &some.positions, 20, 1.5).count());
     }
 }

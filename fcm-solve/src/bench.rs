@@ -46,8 +46,9 @@ pub struct Args {
 
 const LINE: &str = "\
 A line has particles, volume_fraction, size_ratio, tolerance, method, precision, grid, support, ranks,
-threads, bytes_sent, seconds and error. Bytes are what a rank sends to others for one mobility, the most of
-all ranks. Seconds are medians over the repeats: spread, fft, solve, interpolate,
+threads, bytes_sent, messages_sent, seconds and error. Bytes and messages are what a rank sends to others for
+one mobility, the most of all ranks; ranks on one machine read transposed rows from each other's memory
+without messages. Seconds are medians over the repeats: spread, fft, solve, interpolate,
 near, exchange and total, for one mobility F, T, S -> V, Omega, E at new positions. The Stokes solve is
 made within the transform, so its time is part of fft and solve is 0. The error is the largest relative
 2-norm of velocities, angular velocities and rates of strain against an evaluation with a tolerance

@@ -20,6 +20,9 @@ pub struct Args {
     /// Ranks that share a machine [default: all of them]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "ranks")]
     ranks_per_machine: Option<u32>,
+    /// Do not try the first steps to say what time the run takes
+    #[arg(long)]
+    no_trial: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -29,6 +32,10 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let scene = io::on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
     let outline = io::outline(scene.kind(), asked(args, comm), comm)?;
+    // Of ranks that are not present no time is known; and what can't start says so when it is run.
+    let is_tried = !args.no_trial && args.ranks.is_none();
+    let trial = if is_tried { io::trial(&scene, comm).ok().flatten() } else { None };
+    let outline = trial.iter().fold(outline, |outline, trial| trial.add_to(outline));
     streams::print(comm, &if args.json { json(&outline.to_json()) } else { outline.to_string() })
 }
 

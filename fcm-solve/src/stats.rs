@@ -141,8 +141,18 @@ mod tests {
             Table::new("summary", &["quantity", "species", "unit"], &[("value", ""), ("error", ""), ("converged", "")]);
         table.add(&["D_slope_x", "a", "length^2/time"], &[f64::NAN, f64::NAN, 0.0]);
         table.add(&["T_xx", "a", ""], &[0.5, f64::INFINITY, 0.0]);
+        table.add(&["T_yy", "a", ""], &[0.5, 0.25, 0.0]);
+        table.add(&["T_zz", "a", ""], &[0.5, 0.25, 1.0]);
+        table.add(&["count", "a", ""], &[2.0, 0.0, 1.0]);
         let text = in_columns(&table);
         let words: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
-        assert_eq!(words, [vec!["D_slope_x", "a", "unknown", "length^2/time"], vec!["T_xx", "a", "5.000000e-1"]]);
+        let expected = [
+            "D_slope_x a unknown length^2/time",
+            "T_xx a 5.000000e-1",
+            "T_yy a 5.000000e-1 +- 2.50e-1 at least",
+            "T_zz a 5.000000e-1 +- 2.50e-1",
+            "count a 2.000000e0",
+        ];
+        assert_eq!(words.iter().map(|line| line.join(" ")).collect::<Vec<_>>(), expected);
     }
 }

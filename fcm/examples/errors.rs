@@ -12,44 +12,56 @@ mod accuracy;
 
 /// Where the library's module of bounds looks for them.
 mod problem {
-    pub use fcm::MethodName;
+    pub use fcm::Multipoles;
 }
 #[path = "../src/window/kaiser_bessel.rs"]
 #[allow(dead_code, reason = "its shape alone is needed")]
 mod window;
 
-use accuracy::{cutoff_error, grid_error, roughness, stencil_error, window_error};
-use common::{Suspension, errors};
+use accuracy::{Brackets, cutoff_error, direct_grid_error, split_grid_error, stencil_error, window_error};
+use common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Vector};
-use fcm::{Fixed, Loads, Method, MethodName, Motion, Plan, Precision};
+use fcm::{Evaluation, Fixed, Loads, Method, MethodName, Motion, Multipoles, Plan, Precision, Problem};
 
 /// A suspension, loads and the exact motion.
+#[derive(Clone)]
 struct Case {
     name: String,
     suspension: Suspension,
+    multipoles: Multipoles,
     loads: Loads,
     exact: Motion,
 }
 
 impl Case {
-    fn new(count: usize, ratio: f64, fraction: f64) -> Self {
+    fn new(count: usize, ratio: f64, fraction: f64, multipoles: Multipoles) -> Self {
         let volume = 0.5 * count as f64 * 4.0 / 3.0 * std::f64::consts::PI * (1.0 + ratio.powi(3)) / fraction;
         let cell = PeriodicBox::new(Vector::splat(volume.cbrt())).expect("the volume is positive");
         let suspension = Suspension::random(count, ratio, cell, 1);
-        let loads = suspension.loads(1);
+        let mut loads = suspension.loads(1);
+        if multipoles == Multipoles::Monopole {
+            loads = Loads { forces: loads.forces, ..Loads::default() };
+        }
         let exact = suspension.motion(&loads);
-        Self { name: format!("radii 1:{ratio}, {:.0}%", 100.0 * fraction), suspension, loads, exact }
+        let terms = if multipoles == Multipoles::Monopole { "forces alone, " } else { "" };
+        let name = format!("{terms}radii 1:{ratio}, {:.0}%", 100.0 * fraction);
+        Self { name, suspension, multipoles, loads, exact }
     }
 
     /// The tightest plan of a method: one number of it is made worse at a time.
     fn tightest(&self, method: MethodName) -> Plan {
         let fixed = Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() };
-        self.suspension.plan(1e-12, fixed)
+        let problem = Problem { fixed, multipoles: self.multipoles, ..self.suspension.problem(1e-12) };
+        Plan::choose(&problem).expect("a tolerance that is kept")
     }
 
-    /// The largest of the errors of velocities, angular velocities and rates of strain.
+    /// The largest of the errors of velocities, angular velocities and rates of strain, or that of velocities alone.
     fn error(&self, plan: &Plan) -> f64 {
-        errors(&self.suspension.evaluate(plan, &self.loads), &self.exact).into_iter().fold(0.0, f64::max)
+        if self.multipoles == Multipoles::Dipole {
+            return worst(&self.suspension.evaluate(plan, &self.loads), &self.exact);
+        }
+        let found = self.suspension.mobility(plan).apply(&self.loads, Evaluation::Velocities);
+        error(&vectors(&found.velocities), &vectors(&self.exact.velocities))
     }
 }
 
@@ -60,7 +72,7 @@ fn widths(plan: &Plan) -> [f64; 2] {
         Method::Direct => {
             let of = |radius: &f64| fcm::Envelope::of_sphere(*radius);
             let [first, last] = [plan.radii.first(), plan.radii.last()].map(|a| of(a.expect("a plan has radii")));
-            [first.dipole, last.monopole]
+            [own(plan, first), last.monopole]
         }
     }
 }
@@ -85,7 +97,10 @@ fn by_resolution(case: &Case, method: MethodName) -> Vec<Row> {
         Row {
             number: format!("{resolution:.2}"),
             error: case.error(&with_support(&plan, support)),
-            bound: grid_error(method, resolution),
+            bound: match method {
+                MethodName::Direct => direct_grid_error(case.multipoles, resolution),
+                MethodName::Split => split_grid_error(case.multipoles, resolution, brackets(&tight)),
+            },
         }
     };
     grids(&tight).into_iter().map(row).collect()
@@ -130,15 +145,15 @@ fn by_reach(case: &Case) -> Vec<Row> {
 /// The split method's windows, by points and by grid.
 fn by_window(case: &Case) -> Vec<Row> {
     let tight = case.tightest(MethodName::Split);
-    let rest = rest(&tight);
+    let brackets = brackets(&tight);
     let mut rows = Vec::new();
     for support in [4, 5, 6, 7, 8, 10, 12, 14, 16] {
         for points in grids(&tight) {
             let plan = with_support(&on_grid(&tight, points), support);
             let resolution = widths(&tight)[0] * points as f64 / plan.edges.x;
-            let bound = window_error(support, resolution, roughness(rest, plan.edges.x / points as f64));
+            let bound = window_error(case.multipoles, support, resolution, brackets);
             // Where the grid itself does not add much.
-            if 4.0 * grid_error(MethodName::Split, resolution) < bound {
+            if 4.0 * split_grid_error(case.multipoles, resolution, brackets) < bound {
                 rows.push(Row { number: format!("{support} at {resolution:.2}"), error: case.error(&plan), bound });
             }
         }
@@ -146,11 +161,16 @@ fn by_window(case: &Case) -> Vec<Row> {
     rows
 }
 
-/// What the planner calls so: a quarter of the range of the squared widths of dipoles.
-fn rest(plan: &Plan) -> f64 {
-    let [smallest, largest] = [plan.radii.first(), plan.radii.last()]
-        .map(|radius| fcm::Envelope::of_sphere(*radius.expect("a plan has radii")).dipole);
-    0.25 * (largest * largest - smallest * smallest)
+/// The width of the envelope that the terms of a plan have beside the force's, if any.
+fn own(plan: &Plan, envelope: fcm::Envelope) -> f64 {
+    if plan.multipoles == Multipoles::Monopole { envelope.monopole } else { envelope.dipole }
+}
+
+/// What the planner calls so.
+fn brackets(plan: &Plan) -> Brackets {
+    let square = |radius: Option<&f64>| own(plan, fcm::Envelope::of_sphere(*radius.expect("a plan has radii"))).powi(2);
+    let ([least, most], width) = ([square(plan.radii.first()), square(plan.radii.last())], widths(plan)[0].powi(2));
+    Brackets { common: 0.5 - (0.125 * least + 0.375 * most) / width, own: 0.25 * (most - least) / width, stretch: 1.0 }
 }
 
 /// Cutoffs from short to long on the finest grid: the error by the cutoff over the width.
@@ -162,7 +182,7 @@ fn by_cutoff(case: &Case) -> Vec<Row> {
         Row {
             number: format!("{reach:.1}"),
             error: case.error(&plan),
-            bound: cutoff_error(reach, rest(&tight) / (width * width)),
+            bound: cutoff_error(case.multipoles, reach, brackets(&tight)),
         }
     };
     (20..=100).step_by(10).map(row).collect()
@@ -179,7 +199,11 @@ fn print(title: &str, cases: &[Case], measure: impl Fn(&Case) -> Vec<Row>) {
 }
 
 fn main() {
-    let cases = [Case::new(40, 1.0, 0.05), Case::new(60, 1.0, 0.4), Case::new(30, 2.0, 0.2), Case::new(16, 4.0, 0.4)];
+    let of = |terms| {
+        [(40, 1.0, 0.05), (60, 1.0, 0.4), (30, 2.0, 0.2), (16, 4.0, 0.4)]
+            .map(|(count, ratio, fraction)| Case::new(count, ratio, fraction, terms))
+    };
+    let cases = [of(Multipoles::Dipole), of(Multipoles::Monopole)].concat();
     println!("# Errors by one number at a time\n\nThe largest of the relative errors of velocities, angular");
     println!("velocities and rates of strain; the number in units of the width of the Gaussian on the grid.");
     for method in [MethodName::Direct, MethodName::Split] {

@@ -6,13 +6,16 @@
 //! (`cargo run --release -p fcm --example errors`), for radii of ratios 1 to 4 and volume fractions to 40%. The parts
 //! know nothing of each other, so that their squares add up.
 
-use crate::problem::MethodName;
+use crate::problem::Multipoles;
 use crate::window::Window;
 use std::f64::consts::PI;
 use std::ops::{Range, RangeInclusive};
 
-/// Tolerances below this need a grid in `f64`.
-pub(crate) const FINEST_SINGLE: f64 = 2e-5;
+/// Tolerances below this, and of iterations below a quarter of it, need a grid in `f64`.
+pub(crate) const FINEST_SINGLE: f64 = 1e-6;
+
+/// What a grid in `f32` rounds off, relative to motions: at most this, from ten spheres to twenty thousand.
+pub(crate) const ROUND_OFF: f64 = 4e-7;
 
 /// Shares of a tolerance for the grid and the stencils together, and for the cutoff: `0.89^2 + 0.45^2 < 1`.
 const GRID_SHARE: f64 = 0.89;
@@ -27,13 +30,42 @@ pub(crate) struct Accuracy {
     pub points: usize,
 }
 
-/// Error of a grid with `Sigma / h = resolution`: what a Gaussian squared has beyond the highest wavevector, `pi / h`,
-/// and for the split method the polynomials that restore the far field.
-pub(crate) fn grid_error(method: MethodName, resolution: f64) -> f64 {
+/// What the split method leaves to the common Gaussian's brackets, `(1 + k^2 D/2) (1 + k^2 rest)`, over the square of
+/// its width: see [`Common`](crate::envelope::Common).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Brackets {
+    /// `D/2`, half what the squares of widths differ by.
+    pub common: f64,
+    /// A typical `|d - D| / 2`.
+    pub own: f64,
+    /// How much farther wavevectors reach along an axis of the sheared box: `sqrt(1 + s^2)`.
+    pub stretch: f64,
+}
+
+impl Brackets {
+    /// At a wavenumber in units of the inverse width.
+    fn at(self, wavenumber: f64) -> f64 {
+        let square = wavenumber * wavenumber;
+        (1.0 + self.common * square) * (1.0 + self.own * square)
+    }
+}
+
+/// Error of the direct method's grid with `Sigma / h = resolution`: what a Gaussian squared has beyond the highest
+/// wavevector, `pi / h`. That of forces alone has no derivatives.
+pub(crate) fn direct_grid_error(terms: Multipoles, resolution: f64) -> f64 {
     let decay = (-(PI * resolution).powi(2)).exp();
-    match method {
-        MethodName::Direct => 8.5 * decay,
-        MethodName::Split => 30.0 * resolution * resolution * decay,
+    match terms {
+        Multipoles::Dipole => 8.5 * decay,
+        Multipoles::Monopole => 0.28 / (resolution * resolution) * decay,
+    }
+}
+
+/// The same of the split method, with the brackets that restore the far field.
+pub(crate) fn split_grid_error(terms: Multipoles, resolution: f64, brackets: Brackets) -> f64 {
+    let decay = (-(PI * resolution).powi(2)).exp() * brackets.at(PI * resolution).powi(2);
+    match terms {
+        Multipoles::Dipole => 1.3 * decay,
+        Multipoles::Monopole => 0.1 / (resolution * resolution) * decay,
     }
 }
 
@@ -43,56 +75,71 @@ pub(crate) fn stencil_error(reach: f64) -> f64 {
     2.0 * (-0.5 * reach * reach).exp()
 }
 
-/// Error of a window of so many points by what folds onto the wavenumbers of the Gaussian, times what derivatives make
-/// of it: see [`roughness`].
-pub(crate) fn window_error(points: usize, resolution: f64, roughness: f64) -> f64 {
-    165.0 * resolution * resolution * roughness * (-0.92 * Window::new(points, resolution).shape()).exp()
+/// Error of a window of so many points by what folds onto the wavenumbers of the Gaussian, from `2 pi / h` and beyond,
+/// farther in a sheared box, times what the derivatives on the grid make of that: one for each side of a dipole, and
+/// the second ones, `1 - rest lap`.
+pub(crate) fn window_error(terms: Multipoles, points: usize, resolution: f64, brackets: Brackets) -> f64 {
+    let window = Window::new(points, resolution).shape();
+    let folded = (resolution * brackets.stretch).powi(2);
+    let rest = brackets.own * 4.0 * PI * PI * folded;
+    match terms {
+        Multipoles::Dipole => 165.0 * folded * (1.0 + rest) * (-0.92 * window).exp(),
+        Multipoles::Monopole => {
+            // About up to where wavenumbers matter.
+            let common = 1.0 + brackets.common * (0.5 * points as f64 / resolution).powi(2);
+            28.0 * (1.0 + 4.0 * rest) * common * (-window).exp()
+        }
+    }
 }
 
-/// What the second derivatives on the grid, `1 - rest lap`, make of a window's error: what folds comes from wavenumbers
-/// about `2 pi / h` and beyond.
-pub(crate) fn roughness(rest: f64, spacing: f64) -> f64 {
-    1.0 + rest * (2.0 * PI / spacing).powi(2)
-}
-
-/// Error of leaving out pairs farther apart than `cutoff` widths, with derivatives `1 - rest lap`, `rest` over the
-/// square of the width.
-pub(crate) fn cutoff_error(cutoff: f64, rest: f64) -> f64 {
+/// Error of leaving out pairs farther apart than `cutoff` widths. Of forces alone it vanishes where the Gaussian is every
+/// envelope's own.
+pub(crate) fn cutoff_error(terms: Multipoles, cutoff: f64, brackets: Brackets) -> f64 {
     let square = 0.25 * cutoff * cutoff;
-    (0.75 + 2.0 * (cutoff - 5.8).max(0.0).powi(2)) * (1.0 + rest * square).powf(1.5) * (-square).exp()
+    let beyond = |distance: f64| (cutoff - distance).max(0.0).powi(2);
+    let size = match terms {
+        Multipoles::Dipole => (0.75 + 2.0 * beyond(5.8)) * (1.0 + brackets.own * square).powf(1.5),
+        Multipoles::Monopole => {
+            let other = (2.0 * (brackets.common + brackets.own)).min(1.0);
+            (0.15 + 0.4 * beyond(5.0)) * (other * (2.0 - other)).powi(2)
+        }
+    };
+    size * (-square).exp()
 }
 
 /// The cutoff that keeps a tolerance, in widths.
-pub(crate) fn cutoff(tolerance: f64, rest: f64) -> f64 {
-    let enough = |&cutoff: &f64| cutoff_error(cutoff, rest) <= CUTOFF_SHARE * tolerance;
+pub(crate) fn cutoff(terms: Multipoles, tolerance: f64, brackets: Brackets) -> f64 {
+    let enough = |&cutoff: &f64| cutoff_error(terms, cutoff, brackets) <= CUTOFF_SHARE * tolerance;
     (100..2000).map(|c| f64::from(c) * 0.01).find(enough).expect("an error that decays gets small")
 }
 
 /// Error of the direct method's grid and stencils, in units of the narrowest and of the widest Gaussian.
-pub(crate) fn direct_error(resolution: f64, reach: f64) -> f64 {
-    grid_error(MethodName::Direct, resolution).hypot(stencil_error(reach))
+pub(crate) fn direct_error(terms: Multipoles, resolution: f64, reach: f64) -> f64 {
+    direct_grid_error(terms, resolution).hypot(stencil_error(reach))
 }
 
 /// Error of the split method's grid and window.
-pub(crate) fn split_error(resolution: f64, points: usize, roughness: f64) -> f64 {
-    grid_error(MethodName::Split, resolution).hypot(window_error(points, resolution, roughness))
+pub(crate) fn split_error(terms: Multipoles, resolution: f64, points: usize, brackets: Brackets) -> f64 {
+    split_grid_error(terms, resolution, brackets).hypot(window_error(terms, points, resolution, brackets))
 }
 
 impl Accuracy {
     /// Ways of the direct method to keep a tolerance, from the shortest stencil, which needs a fine grid, to a few
-    /// points more.
-    pub fn direct(tolerance: f64) -> Vec<Self> {
+    /// points more. On the coarse grids of forces alone the shortest are not what their ends say.
+    pub fn direct(terms: Multipoles, tolerance: f64) -> Vec<Self> {
         // A finer grid takes more from a stencil of so many points than it gives.
-        let error = |points: usize, resolution: f64| direct_error(resolution, 0.5 * points as f64 / resolution);
+        let error = |points: usize, resolution: f64| direct_error(terms, resolution, 0.5 * points as f64 / resolution);
         let is_enough = |points, hundredths| error(points, resolution(hundredths)) <= GRID_SHARE * tolerance;
-        options(3..=100, |points| RESOLUTIONS.clone().find(|&r| is_enough(points, r)))
+        let fewest = if terms == Multipoles::Monopole { 5 } else { 3 };
+        options(fewest..=100, |points| RESOLUTIONS.clone().find(|&r| is_enough(points, r)))
     }
 
-    /// The same of the split method, with the roughness that a resolution has.
-    pub fn split(tolerance: f64, roughness: impl Fn(f64) -> f64) -> Vec<Self> {
-        let error = |points: usize, resolution: f64| split_error(resolution, points, roughness(resolution));
+    /// The same of the split method, with the brackets that a resolution has.
+    pub fn split(terms: Multipoles, tolerance: f64, brackets: impl Fn(f64) -> Brackets) -> Vec<Self> {
+        let fewest = if terms == Multipoles::Monopole { 4 } else { 3 };
+        let error = |points: usize, resolution: f64| split_error(terms, resolution, points, brackets(resolution));
         let is_enough = |points, hundredths| error(points, resolution(hundredths)) <= GRID_SHARE * tolerance;
-        options(3..=Window::POINTS[1], |points| {
+        options(fewest..=Window::POINTS[1], |points| {
             // Errors fall with the resolution: it is halved in on.
             let Range { start: mut coarse, end: mut fine } = RESOLUTIONS;
             while coarse < fine {
@@ -125,19 +172,22 @@ mod tests {
     fn options_trade_points_for_spacing() {
         for digits in 1..=12 {
             let tolerance = 0.2 * 10f64.powi(-digits);
-            for options in [Accuracy::direct(tolerance), Accuracy::split(tolerance, |_| 1.0)] {
-                assert!(!options.is_empty());
-                assert!(options.windows(2).all(|o| o[0].resolution >= o[1].resolution));
-            }
-            let limit = GRID_SHARE * tolerance;
-            for Accuracy { resolution, points } in Accuracy::direct(tolerance) {
-                let error = |resolution: f64| direct_error(resolution, 0.5 * points as f64 / resolution);
-                assert!(error(resolution) <= limit && error(resolution - 0.01) > limit, "{points} at {resolution}");
-            }
-            for option in Accuracy::split(tolerance, |_| 2.0) {
-                assert!(split_error(option.resolution - 0.01, option.points, 2.0) > limit);
-                let left_out = cutoff_error(cutoff(tolerance, 0.1), 0.1);
-                assert!(split_error(option.resolution, option.points, 2.0).hypot(left_out) <= tolerance);
+            let brackets = Brackets { common: 0.3, own: 0.1, stretch: 1.0 };
+            for terms in [Multipoles::Dipole, Multipoles::Monopole] {
+                for options in [Accuracy::direct(terms, tolerance), Accuracy::split(terms, tolerance, |_| brackets)] {
+                    assert!(!options.is_empty());
+                    assert!(options.windows(2).all(|o| o[0].resolution >= o[1].resolution));
+                }
+                let limit = GRID_SHARE * tolerance;
+                for Accuracy { resolution, points } in Accuracy::direct(terms, tolerance) {
+                    let error = |resolution: f64| direct_error(terms, resolution, 0.5 * points as f64 / resolution);
+                    assert!(error(resolution) <= limit && error(resolution - 0.01) > limit, "{points} at {resolution}");
+                }
+                for Accuracy { resolution, points } in Accuracy::split(terms, tolerance, |_| brackets) {
+                    assert!(split_error(terms, resolution - 0.01, points, brackets) > limit);
+                    let left_out = cutoff_error(terms, cutoff(terms, tolerance, brackets), brackets);
+                    assert!(split_error(terms, resolution, points, brackets).hypot(left_out) <= tolerance);
+                }
             }
         }
     }

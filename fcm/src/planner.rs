@@ -1,8 +1,8 @@
 //! Ways to evaluate a problem.
 
-use crate::accuracy::{self, Accuracy};
+use crate::accuracy::{self, Accuracy, Brackets};
 use crate::cost;
-use crate::envelope::Envelope;
+use crate::envelope::{Common, Envelope};
 use crate::gaussian::STEP;
 use crate::plan::Plan;
 use crate::problem::{Method, MethodName, Multipoles, Precision, Problem};
@@ -13,7 +13,7 @@ use solver::Grid;
 
 /// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
 /// below the tolerance: 1.3 times below in the worst of them, about six times in a typical one.
-const MONOPOLE_LEEWAY: f64 = 1.2;
+const MONOPOLE_LEEWAY: f64 = 0.8;
 const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
@@ -80,7 +80,9 @@ impl Problem {
     }
 
     fn precisions(&self) -> impl Iterator<Item = Precision> {
-        let single = self.tolerance >= accuracy::FINEST_SINGLE || self.fixed.precision.is_some();
+        // Iterations that go on below what the grid rounds off would follow its noise.
+        let finest = self.fixed.iteration_tolerance.map_or(self.tolerance, |left| self.tolerance.min(4.0 * left));
+        let single = finest >= accuracy::FINEST_SINGLE || self.fixed.precision.is_some();
         let enough = move |precision: &Precision| single || *precision == Precision::Double;
         let fixed = self.fixed.precision;
         let all = [Precision::Single, Precision::Double].into_iter();
@@ -102,13 +104,14 @@ impl Problem {
         if !self.allows(MethodName::Direct) {
             return Vec::new();
         }
-        let (method, width) = (MethodName::Direct, self.narrowest());
-        let all = Accuracy::direct(self.tolerance * self.leeway()).into_iter();
+        let (method, width) = (MethodName::Direct, self.own_width(self.smallest_radius()));
+        let all = Accuracy::direct(self.multipoles, self.tolerance * self.leeway()).into_iter();
         all.map(|accuracy| Candidate { method, accuracy, width }).collect()
     }
 
-    fn narrowest(&self) -> f64 {
-        let envelope = Envelope::of_sphere(self.smallest_radius());
+    /// The width of a sphere's narrowest envelope.
+    fn own_width(&self, radius: f64) -> f64 {
+        let envelope = Envelope::of_sphere(radius);
         match self.multipoles {
             Multipoles::Monopole => envelope.monopole,
             Multipoles::Dipole => envelope.dipole,
@@ -149,31 +152,25 @@ impl Problem {
 
     /// Those with one Gaussian.
     fn of_width(&self, width: f64) -> Vec<Candidate> {
-        let roughness = |resolution: f64| self.roughness(width / resolution);
-        let all = Accuracy::split(self.tolerance * self.leeway(), roughness).into_iter();
+        let brackets = self.brackets(width);
+        let all = Accuracy::split(self.multipoles, self.tolerance * self.leeway(), |_| brackets).into_iter();
         all.map(|accuracy| Candidate { method: MethodName::Split, accuracy, width }).collect()
     }
 
     /// Those with one spacing.
     fn of_spacing(&self, spacing: f64) -> Vec<Candidate> {
-        let roughness = |_| self.roughness(spacing);
-        let all = Accuracy::split(self.tolerance * self.leeway(), roughness).into_iter();
+        let brackets = |resolution: f64| self.brackets(spacing * resolution);
+        let all = Accuracy::split(self.multipoles, self.tolerance * self.leeway(), brackets).into_iter();
         let method = MethodName::Split;
         all.map(|accuracy| Candidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
     }
 
-    /// A quarter of the range of the squared widths: a typical `|d - D| / 2`, see [`Common`](crate::envelope::Common).
-    fn rest(&self) -> f64 {
-        let square = |radius: f64| {
-            let envelope = Envelope::of_sphere(radius);
-            if self.multipoles == Multipoles::Monopole { envelope.monopole.powi(2) } else { envelope.dipole.powi(2) }
-        };
-        0.25 * (square(self.largest_radius()) - square(self.smallest_radius()))
-    }
-
-    /// What second derivatives make of a window's error.
-    fn roughness(&self, spacing: f64) -> f64 {
-        accuracy::roughness(self.rest(), spacing)
+    /// What a common Gaussian leaves to its brackets.
+    fn brackets(&self, width: f64) -> Brackets {
+        let [least, most] = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
+        let common = Common::new(width, [least, most].into_iter());
+        let (square, typical) = (width * width, 0.25 * (most * most - least * least));
+        Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch: self.stretch() }
     }
 
     /// A grid sheared by `s` resolves `sqrt(1 + s^2)` less along y, and a sphere reaches as much farther along the
@@ -211,6 +208,7 @@ impl Problem {
                 Method::Split { width, cutoff: self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width)) }
             }
         };
+        let round_off = if precision == Precision::Single { accuracy::ROUND_OFF } else { 0.0 };
         let mut plan = Plan {
             edges: self.edges,
             radii: self.radii.iter().map(|r| r.0).collect(),
@@ -222,7 +220,7 @@ impl Problem {
             precision,
             grid,
             support,
-            predicted_error: self.expected(method, [width, widest], spacing, support),
+            predicted_error: self.expected(method, [width, widest], spacing, support).hypot(round_off),
             predicted_seconds: 0.0,
         };
         let parts = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks);
@@ -232,7 +230,7 @@ impl Problem {
 
     /// The cutoff that a common Gaussian needs.
     fn cutoff(&self, width: f64) -> f64 {
-        width * accuracy::cutoff(self.tolerance * self.leeway(), self.rest() / (width * width))
+        width * accuracy::cutoff(self.multipoles, self.tolerance * self.leeway(), self.brackets(width))
     }
 
     /// The stencils that a candidate needs on a grid.
@@ -261,11 +259,11 @@ impl Problem {
     fn expected(&self, method: Method, [narrowest, widest]: [f64; 2], spacing: Vector, support: Support) -> f64 {
         let resolution = narrowest / (spacing * Vector::new(1.0, self.stretch(), 1.0)).max_element();
         match method {
-            Method::Direct => accuracy::direct_error(resolution, support.reach / widest),
+            Method::Direct => accuracy::direct_error(self.multipoles, resolution, support.reach / widest),
             Method::Split { width, cutoff } => {
-                let roughness = self.roughness(spacing.min_element());
-                accuracy::split_error(resolution, support.support, roughness)
-                    .hypot(accuracy::cutoff_error(cutoff / width, self.rest() / (width * width)))
+                let brackets = self.brackets(width);
+                accuracy::split_error(self.multipoles, resolution, support.support, brackets)
+                    .hypot(accuracy::cutoff_error(self.multipoles, cutoff / width, brackets))
             }
         }
     }

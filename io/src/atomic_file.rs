@@ -52,3 +52,23 @@ pub(crate) fn temporary(path: &Path) -> PathBuf {
 pub(crate) fn remove_temporary(path: &Path) {
     let _ = std::fs::remove_file(temporary(path));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_and_what_is_no_file_is_written_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a"), folder.path().join("b"));
+        replace(&path, b"former").unwrap();
+        std::fs::hard_link(&path, &link).unwrap();
+        replace(&path, b"new").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert_eq!(std::fs::read(&link).unwrap(), b"former", "the former file is as it was");
+        assert!(!temporary(&path).exists());
+        replace(Path::new("/dev/null"), b"nothing").unwrap();
+        let error = replace(folder.path(), b"new").unwrap_err().to_string();
+        assert!(error.contains(&folder.path().display().to_string()), "{error}");
+    }
+}

@@ -53,8 +53,8 @@ pub use positions::read_positions;
 pub use provenance::Provenance;
 pub use report::{ReportError, write_report};
 pub use run::{
-    ExistingRun, Listener, Recorder, RunError, RunFolder, WholeScene, check_memory, keep_costs, kept_costs,
-    on_this_machine, outline, provenance, resume, start, start_positions, with_least_repulsion,
+    ExistingRun, Listener, Recorder, RunError, RunFolder, Trial, WholeScene, check_memory, keep_costs, kept_costs,
+    on_this_machine, outline, provenance, resume, start, start_positions, trial, with_least_repulsion,
 };
 pub use scene::{
     ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,

@@ -59,6 +59,11 @@ impl Trajectory {
         self.frames.damage()
     }
 
+    /// Bytes of a frame like this one.
+    pub fn frame_bytes(frame: &Frame) -> usize {
+        elements(&frame.particles).iter().map(Element::bytes).sum()
+    }
+
     /// Waits until all frames so far are on the disk.
     pub fn sync(&self) -> Result<(), FileError> {
         self.frames.sync()

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ._core import is_finite
+
 
 def rows(name, value, count, width=3):
     """`value` as a C-contiguous float64 array of shape (count, width)."""
@@ -21,15 +23,15 @@ def row_each(name, value, count):
 
 def exactly(name, value, shape):
     """`value` as a float64 array of this shape."""
-    array = np.asarray(value, dtype=np.float64)
+    array = np.asarray(value, dtype=np.float64, order="C")
     if array.shape != shape:
         raise ValueError(f"{name} has the shape {array.shape}; it needs to be {shape}")
     return finite(name, array)
 
 
 def finite(name, array):
-    """The array itself, if all its numbers are finite."""
-    if not np.isfinite(array).all():
+    """The array itself, C-contiguous, if all its numbers are finite."""
+    if not is_finite(array):
         wrong = array[~np.isfinite(array)][0]
         raise ValueError(f"{name} contains {wrong}; every number needs to be finite")
     return array

@@ -1,7 +1,7 @@
 //! Arrays of numpy and lists of the libraries.
 
 use bytemuck::{Pod, allocation::cast_vec, cast_slice};
-use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
 /// Numbers by row: `(N, W)`, C-contiguous.
@@ -22,4 +22,10 @@ pub fn rows_of<T: Pod, N: Element + Pod>(py: Python<'_>, list: Vec<T>) -> PyResu
 pub fn table_of<N: Element>(py: Python<'_>, flat: Vec<N>, width: usize) -> PyResult<Bound<'_, PyArray2<N>>> {
     let rows = flat.len() / width;
     PyArray1::from_vec(py, flat).reshape([rows, width])
+}
+
+/// Whether all numbers of a C-contiguous array are finite. numpy would make an array of the answers.
+#[pyfunction]
+pub fn is_finite(array: PyReadonlyArrayDyn<'_, f64>) -> PyResult<bool> {
+    Ok(array.as_slice()?.iter().all(|value| value.is_finite()))
 }

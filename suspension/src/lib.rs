@@ -32,6 +32,7 @@ mod error;
 mod extrapolation;
 mod fluid;
 mod forces;
+mod forecast;
 mod gap;
 mod given_positions;
 mod hydrodynamics;
@@ -63,6 +64,7 @@ mod warm_start;
 
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 pub use error::{PlacingError, StartError};
+pub use forecast::Forecast;
 pub use hydrodynamics::{Acting, Guess, Hydrodynamics as CoupledHydrodynamics, ShortRange, Solved, Springs};
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use memory::Ranks;

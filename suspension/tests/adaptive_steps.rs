@@ -113,7 +113,7 @@ fn a_cluster_of_touching_spheres_settles() {
 
 #[test]
 fn ranks_and_threads_agree() {
-    // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+    // Tolerances that need a grid in f64: in f32 the order of the ranks' sums would show.
     let tight = ["hydrodynamics.tolerance=1e-6", "hydrodynamics.iteration_tolerance=1e-10", "time.steps=2"];
     let model = model_of(PRESSED, &tight);
     let (alone, _) = run(&model, 1);

@@ -23,7 +23,14 @@ class Values(unittest.TestCase):
                 self.assertIsInstance(outline["warnings"], list)
 
     def test_memory_of_each_rank_and_the_plan_are_values(self):
-        outline = json.loads(run(["check", ROOT / "scenes" / "settling.toml", "--json", "--ranks", 3]))
+        scene = ROOT / "scenes" / "settling.toml"
+        tried = json.loads(run(["check", scene, "--json"]))
+        self.assertGreater(tried["seconds_of_run"], 100 * tried["seconds_per_step"])
+        # 101 frames of 124 bytes a sphere are most of it.
+        self.assertAlmostEqual(tried["output_bytes"] / (101 * 3200 * 124), 1.05, delta=0.15)
+        self.assertNotIn("seconds_of_run", json.loads(run(["check", scene, "--json", "--no-trial"])))
+        outline = json.loads(run(["check", scene, "--json", "--ranks", 3]))
+        self.assertNotIn("seconds_of_run", outline)
         self.assertEqual((outline["kind"], outline["particles"], outline["steps"]), ("suspension", 3200, 400))
         self.assertAlmostEqual(outline["volume_fraction"], 0.1212, delta=1e-4)
         self.assertEqual(len(outline["memory_bytes"]), 3)

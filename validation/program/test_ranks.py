@@ -20,7 +20,7 @@ DIFFERENCE = {"f64": 1e-12, "f32": 1e-6}
 LUBRICATED = 1e-10
 
 # Loose enough for a grid in f32, and too tight for one.
-LOOSE, TIGHT = 1e-3, 1e-6
+LOOSE, TIGHT = 1e-3, 1e-7
 
 # Smaller than what loads of order 1 cause, and larger than what rounding leaves where the answer is zero.
 NOTHING = 1e-9

@@ -87,8 +87,14 @@ pub enum CommError {
 #[derive(Clone)]
 pub struct Comm {
     backend: Backend,
-    /// Bytes sent to other ranks, by this group and those that were split from it.
-    sent: Arc<AtomicU64>,
+    /// What this group and those that were split from it sent to other ranks.
+    sent: Arc<Sent>,
+}
+
+#[derive(Default)]
+struct Sent {
+    bytes: AtomicU64,
+    messages: AtomicU64,
 }
 
 #[derive(Clone)]
@@ -169,7 +175,13 @@ impl Comm {
 
     /// Bytes that this rank has sent to others so far.
     pub fn bytes_sent(&self) -> u64 {
-        self.sent.load(Ordering::Relaxed)
+        self.sent.bytes.load(Ordering::Relaxed)
+    }
+
+    /// Messages that this rank has sent to others so far: lists of values that are not empty, to one rank each. What ranks on
+    /// a machine read from each other's memory is none.
+    pub fn messages_sent(&self) -> u64 {
+        self.sent.messages.load(Ordering::Relaxed)
     }
 
     /// Waits for all ranks.
@@ -210,7 +222,7 @@ impl Comm {
 
     /// Counts bytes that went to other ranks through a [`Window`].
     pub fn count_sent(&self, bytes: usize) {
-        self.sent.fetch_add(bytes as u64, Ordering::Relaxed);
+        self.sent.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
     }
 
     /// Sends to rank `r` the next `send_counts[r]` values of `send`, and fills `receive` with what the ranks sent here,
@@ -225,8 +237,10 @@ impl Comm {
     /// Sends to rank `r` the values `send_ranges[r]`, and puts into the places `receive_ranges[r]` what rank `r` sent
     /// here. Nothing is received into a place twice.
     pub fn all_to_all_ranges<T: Pod>(&self, send: (&[T], &[Range<usize>]), receive: (&mut [T], &[Range<usize>])) {
-        let counted = send.1.iter().enumerate().filter(|&(rank, _)| rank != self.rank());
-        self.count_sent(counted.map(|(_, range)| range.len()).sum::<usize>() * size_of::<T>());
+        let others = send.1.iter().enumerate().filter(|&(rank, range)| rank != self.rank() && !range.is_empty());
+        let (messages, values) = others.fold((0, 0), |(count, sum), (_, range)| (count + 1, sum + range.len()));
+        self.count_sent(values * size_of::<T>());
+        self.sent.messages.fetch_add(messages, Ordering::Relaxed);
         match &self.backend {
             Backend::Alone => receive.0[receive.1[0].clone()].copy_from_slice(&send.0[send.1[0].clone()]),
             Backend::Threads(rank) => rank.all_to_all(send, receive),

@@ -8,11 +8,16 @@ use simulation::State;
 use std::path::{Path, PathBuf};
 
 /// How many checkpoints a folder keeps.
-const KEPT: usize = 2;
+pub(crate) const KEPT: usize = 2;
 
 /// The checkpoints of a run's folder.
 #[derive(Debug, Clone, Copy)]
 pub struct Checkpoints<'a>(&'a Path);
+
+/// Bytes of a checkpoint of a state.
+pub(crate) fn bytes_of(state: &State) -> usize {
+    bytes::of(state).len()
+}
 
 impl<'a> Checkpoints<'a> {
     /// Those of a folder.

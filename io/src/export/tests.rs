@@ -71,6 +71,12 @@ fn vtp_files_are_listed_with_their_times() {
     let start = piece.windows(2).position(|bytes| bytes == b"\n_").unwrap() + 2;
     assert_eq!(piece[start..start + 16], [48_u64.to_le_bytes(), 0.1_f64.to_le_bytes()].concat());
     let header = String::from_utf8_lossy(&piece[..start]);
+    let offsets: Vec<usize> =
+        header.split("offset=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
+    let length =
+        |place: usize| u64::from_le_bytes(piece[start + place..start + place + 8].try_into().unwrap()) as usize;
+    assert!(offsets.len() > 4 && offsets[0] == 0);
+    assert!(offsets.windows(2).all(|pair| pair[1] == pair[0] + 8 + length(pair[0])), "{offsets:?}");
     for words in ["Name=\"velocity\" NumberOfComponents=\"3\"", ">8.0 0.0 0.0 1.0 4.0 0.0 0.0 0.0 5.0 <", ">0.1<"] {
         assert!(header.contains(words), "{header}");
     }

@@ -19,6 +19,14 @@ pub(crate) struct Element {
     pub(crate) unit: &'static str,
 }
 
+impl Element {
+    /// Bytes of a frame's value, with its checksum.
+    pub(crate) fn bytes(&self) -> usize {
+        let numbers = self.shape.map_or(1, |shape| shape.iter().product());
+        size_of::<u64>() + numbers * if self.whole { size_of::<i32>() } else { size_of::<f64>() }
+    }
+}
+
 /// The value of one quantity in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Values<'a> {

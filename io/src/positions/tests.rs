@@ -28,6 +28,8 @@ fn extended_xyz_is_read_by_its_properties() {
     let placed = read("a.xyz", text).unwrap();
     assert_eq!(placed.positions[1], Vector::new(5.0, 6.0, 7.0));
     assert_eq!((placed.radii, placed.species), (Some(vec![1.0, 1.0]), None));
+    let late = "1\nProperties=id:I:1:velo:R:3:pos:R:3:radius:R:1\n7 0 0 0 1 2 3 4\n";
+    assert_eq!(read("a.xyz", late).unwrap().positions, [Vector::new(1.0, 2.0, 3.0)]);
     assert_eq!(read("b.extxyz", "1\nplain\nA 1 2 3\n").unwrap().positions, [Vector::new(1.0, 2.0, 3.0)]);
     assert!(read("a.xyz", "3\n\nA 1 2 3\n").unwrap_err().contains("has 1 particles, its first line says 3"));
     assert!(read("a.xyz", "many\n").unwrap_err().contains("not the number of particles"));

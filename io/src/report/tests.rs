@@ -127,6 +127,57 @@ fn statistics_are_charts_and_a_table() {
     assert!(page.contains(">a and b</text>") && page.contains("distance of centres (length)"));
     let row = "<td>T_xx</td><td>a</td><td>0.5</td><td>\u{b1} 0.01 at least</td><td>length\u{b2}/time\u{b2}</td>";
     assert!(page.contains(row) && page.contains("<td>unknown</td><td></td>"), "{page}");
+    // Both points, from margin to margin of their area.
+    assert!(page.contains("d=\"M82.2 270.8L487.8 41.2\""), "{page}");
+}
+
+#[test]
+fn displacements_of_the_species_are_drawn_without_their_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    add_series(folder.path(), &[0.1]);
+    let names = [("time", "time"), ("displacement_x", ""), ("displacement_y", ""), ("displacement_z", "")];
+    let drawn = |species: &[&str]| {
+        let mut lags = Table::new("lags", &["species"], &names);
+        for of in species {
+            for time in [1.0, 2.0] {
+                lags.add(&[of], &[time; 4]);
+            }
+        }
+        write_tables(&folder.path().join("stats"), "statistics", &provenance(), &[lags]).unwrap();
+        let page = report(folder.path()).unwrap();
+        let chart = page.split("<svg").find(|svg| svg.contains("mean square displacement")).unwrap();
+        let chart = chart.split("</svg>").next().unwrap();
+        (chart.contains(">all"), chart.matches("class=\"line\"").count())
+    };
+    assert_eq!(drawn(&["a", "b", "all"]), drawn(&["a", "b"]));
+    assert_ne!(drawn(&["all"]).1, 0);
+}
+
+#[test]
+fn stresses_on_walls_are_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    add_series(folder.path(), &[0.1]);
+    let mut walls = Table::new("walls", &["wall"], &[("normal", "force/length"), ("normal_error", "force/length")]);
+    walls.add(&["lower"], &[2.5, 0.125]);
+    write_tables(folder.path(), "averages", &provenance(), &[walls]).unwrap();
+    let page = report(folder.path()).unwrap();
+    assert!(page.contains("Stresses on the walls") && page.contains("<td>lower</td><td>2.5</td><td>0.125</td>"));
+}
+
+#[test]
+fn a_column_of_a_table_in_time_is_that_of_its_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let mean = Quantity::vectors("mean_velocity", "length/time", &["a".into(), "b".into()]);
+    let mut series = Series::create(folder.path(), &provenance(), &[mean], 2).unwrap();
+    for k in [0.0, 10.0] {
+        let values: Vec<f64> = (0..6).map(|n| k + f64::from(n)).collect();
+        series.append((k as u64, k), &[values]).unwrap();
+    }
+    drop(series);
+    let read = Observables::read(&folder.path().join("observables.h5")).unwrap().unwrap();
+    let mean = read.get("mean_velocity").unwrap();
+    assert_eq!(mean.column(1, 2).collect::<Vec<_>>(), [5.0, 15.0]);
+    assert_eq!(mean.column(0, 1).collect::<Vec<_>>(), [1.0, 11.0]);
 }
 
 #[test]

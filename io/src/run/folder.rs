@@ -136,3 +136,26 @@ fn remove(action: impl FnOnce() -> std::io::Result<()>, path: &Path) -> Result<(
 fn failed(what: &'static str, path: &Path, source: std::io::Error) -> RunError {
     RunError::Folder { what, path: path.to_owned(), source }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_run_leaves_nothing_of_a_former_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = |name: &str| folder.path().join(name);
+        std::fs::create_dir(of("stats")).unwrap();
+        for name in ["trajectory.h5", "stats/summary.csv", "notes.txt"] {
+            std::fs::write(of(name), "former").unwrap();
+        }
+        let run = RunFolder::claim(folder.path(), &Comm::alone(), ExistingRun::Replace).unwrap();
+        run.start_with("new").unwrap();
+        assert!(!of("trajectory.h5").exists() && !of("stats").exists());
+        assert!(of("notes.txt").exists(), "what is no part of a run stays");
+        assert_eq!(std::fs::read(run.scene()).unwrap(), b"new");
+        std::fs::create_dir(of("trajectory.h5")).unwrap();
+        let error = run.start_with("newer").unwrap_err().to_string();
+        assert!(error.contains("trajectory.h5"), "{error}");
+    }
+}

@@ -12,6 +12,7 @@ mod recorder;
 mod start;
 mod stored_cases;
 mod sweep;
+mod trial;
 mod whole_scene;
 
 pub use calibration::with_least_repulsion;
@@ -23,4 +24,5 @@ pub use memory::check_memory;
 pub use outline::outline;
 pub use recorder::{Recorder, provenance};
 pub use start::{resume, start, start_positions};
+pub use trial::{Trial, trial};
 pub use whole_scene::WholeScene;

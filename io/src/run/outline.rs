@@ -1,5 +1,6 @@
 //! Scenes of grains in numbers, before they are run.
 
+use super::trial::sweep_steps;
 use super::{RunError, memory, start_positions};
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Comm, Number};
@@ -32,14 +33,10 @@ fn of_disks(scene: &GranularDisksScene) -> Outline {
     if let Some(path) = &scene.start {
         outline = outline.line("start", format_args!("from {}, whose disks take the place of these", path.display()));
     }
-    let steps = match &scene.sweep {
-        None => scene.time.steps as f64,
-        Some(sweep) => {
-            outline = outline.line("sweep", cases(sweep)).value("runs", sweep.cases().len());
-            let steps = |rate: f64| sweep.strain / (rate.abs() * sweep.base.time_step);
-            sweep.cases().iter().map(|case| steps(case.rate)).sum()
-        }
-    };
+    if let Some(sweep) = &scene.sweep {
+        outline = outline.line("sweep", cases(sweep)).value("runs", sweep.cases().len());
+    }
+    let steps = sweep_steps(scene);
     with_cost(outline, Some(scene.model.sizes().len() as f64 * steps / DISK_STEPS))
 }
 

@@ -30,6 +30,9 @@ pub struct Task {
     pub costs: Costs,
 }
 
+/// Bytes and messages.
+type Sent = [u64; 2];
+
 /// What was measured.
 #[derive(Debug, Serialize)]
 pub struct Measurement {
@@ -41,6 +44,7 @@ pub struct Measurement {
     ranks: usize,
     threads: usize,
     bytes_sent: u64,
+    messages_sent: u64,
     seconds: Times,
     predicted_seconds: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,7 +76,8 @@ impl Task {
             support: plan.support.support,
             ranks: comm.size(),
             threads: rayon::current_num_threads(),
-            bytes_sent: sent,
+            bytes_sent: sent[0],
+            messages_sent: sent[1],
             seconds: medians(&times[1..]),
             predicted_seconds: plan.predicted_seconds,
             error,
@@ -123,7 +128,7 @@ impl Task {
         spheres: &Spheres,
         comm: &Comm,
         turns: std::ops::RangeInclusive<u32>,
-    ) -> (Vec<(Seconds, f64)>, u64, [Vec<f64>; 3]) {
+    ) -> (Vec<(Seconds, f64)>, Sent, [Vec<f64>; 3]) {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let mut mobility = Mobility::new(plan, &partition);
         let wanted = match self.kind {
@@ -131,24 +136,24 @@ impl Task {
             Kind::Forces => Evaluation::Velocities,
             Kind::Stresslets => Evaluation::Gradients,
         };
-        let (mut times, mut sent) = (Vec::new(), 0);
+        let (mut times, mut sent) = (Vec::new(), [0; 2]);
         let mut last = (Particles::default(), Motion::default());
         for turn in turns {
             let particles = spheres.displaced(turn, &partition);
             let loads = loads(&particles, self.kind);
             let before = mobility.work().seconds;
             comm.barrier();
-            let (start, sent_before) = (Instant::now(), comm.bytes_sent());
+            let (start, before_sending) = (Instant::now(), [comm.bytes_sent(), comm.messages_sent()]);
             mobility.arrange(&spheres.cell, &particles);
             let motion = mobility.apply(&loads, wanted);
-            sent = comm.bytes_sent() - sent_before;
+            sent = [comm.bytes_sent() - before_sending[0], comm.messages_sent() - before_sending[1]];
             comm.barrier();
             times.push((mobility.work().seconds - before, start.elapsed().as_secs_f64()));
             last = (particles, motion);
         }
-        let mut most = [sent as f64];
+        let mut most = sent.map(|count| count as f64);
         comm.max(&mut most);
-        (times, most[0] as u64, gathered(last.0, &last.1, &partition))
+        (times, most.map(|count| count as u64), gathered(last.0, &last.1, &partition))
     }
 
     /// The largest relative error against an evaluation with a tolerance 100 times smaller.

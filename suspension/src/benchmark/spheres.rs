@@ -80,7 +80,8 @@ impl Spheres {
 pub fn loads(particles: &Particles, kind: Kind) -> Loads {
     let mut loads = Loads::default();
     for (&id, &radius) in particles.ids.iter().zip(&particles.radii) {
-        let mut random = Random::new(SEED, id);
+        // Of other numbers than the positions: forces that point away from a corner would hardly move anything.
+        let mut random = Random::new(!SEED, id);
         let mut vector = |scale: f64| (random.point() - Vector::splat(0.5)) * scale;
         let (force, torque) = (vector(radius), vector(radius * radius));
         let (p, q) = (vector(radius * radius), vector(radius * radius));

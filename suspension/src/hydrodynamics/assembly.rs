@@ -72,14 +72,17 @@ impl Work<f64> for Assembly<'_> {
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) -> Assembled {
+        let rows = self.first..self.first + self.rows;
+        // All pairs of a row may be soft, and nearly all are.
+        let groups = rows.clone().map(|row| self.arrangement.neighbours.of(row).len().div_ceil(LANES)).sum();
         let mut assembled = Assembled {
             stiff: Part::default(),
-            soft: Part::default(),
+            soft: Part::with_room(groups),
             loads: Vec::with_capacity(self.rows),
             moments: Vec::with_capacity(self.rows),
         };
         let (mut stiff, mut soft) = (Waiting::new(), Waiting::new());
-        for row in self.first..self.first + self.rows {
+        for row in rows {
             self.assemble::<V>(row, [&mut stiff, &mut soft], &mut assembled);
         }
         assembled

@@ -49,12 +49,12 @@ fn near_pairs(expected: &ExpectedCounts, range: Range) -> (Bytes, Bytes) {
     let (owned, present) = (expected.owned(), expected.present(reach));
     let numbers = [reach, reach * VerletList::REACH].map(|reach| expected.neighbours(reach));
     let lists = VerletList::bytes([owned, present, expected.total()], numbers);
-    let all = expected.neighbours_of_pairs(|a, b| a + b + cutoff * a.max(b));
     let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
-    let groups = groups(stiff) + groups(all - stiff);
+    // There is room for all who are near in the soft ones.
+    let groups = GROWING * groups(stiff) + groups(numbers[0]);
     let rows = Bytes::list::<([Own; 2], [u32; 2], Screw, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
-    let pairs = Bytes::list::<(Group, MomentGroup)>(GROWING * groups * owned);
+    let pairs = Bytes::list::<(Group, MomentGroup)>(groups * owned);
     (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
 }
 

@@ -68,6 +68,12 @@ pub struct MomentGroup {
 }
 
 impl Part {
+    /// No rows yet, and room for so many groups of theirs.
+    pub fn with_room(groups: usize) -> Self {
+        let (groups, moments) = (Vec::with_capacity(groups), Vec::with_capacity(groups));
+        Self { own: Vec::with_capacity(ROWS), ends: Vec::with_capacity(ROWS), groups, moments }
+    }
+
     /// Appends an empty group to the row that is being made.
     #[inline(always)]
     pub fn group(&mut self) -> (&mut Group, &mut MomentGroup) {

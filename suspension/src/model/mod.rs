@@ -1,6 +1,7 @@
 //! What a suspension consists of and how it moves: parameters, and the model that they make once they are checked.
 
 mod check;
+mod copy;
 mod hydrodynamics;
 mod integrator;
 mod spheres;

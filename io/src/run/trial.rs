@@ -1,0 +1,280 @@
+//! What a run will take, by a trial of its first steps.
+
+use super::{RunError, start};
+use crate::checkpoint;
+use crate::{GranularDisksScene, Kind, Output, Scene, SuspensionScene, Trajectory};
+use domain::{Comm, Number, readable_bytes};
+use simulation::{Outline, Schedule, Simulation, Table};
+use std::time::{Duration, Instant};
+use suspension::{Forecast, Observed, Start};
+
+/// Time and output that a run is expected to take.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Seconds until the first step.
+    pub start: f64,
+    /// Seconds a step.
+    pub step: f64,
+    /// Seconds of the whole run.
+    pub run: f64,
+    /// Bytes of all files at its end.
+    pub bytes: f64,
+    /// Steps that were taken.
+    tried: u64,
+    /// Particles of the copy that took them, if it was not the scene itself.
+    copy: Option<usize>,
+}
+
+/// How long steps are tried, and at most until there are some that can be timed.
+const TIME: Duration = Duration::from_millis(300);
+const MOST_TIME: Duration = Duration::from_secs(1);
+
+/// Steps that are not timed: nothing is known yet to extrapolate from.
+const WARM_UP: u64 = 6;
+
+/// Steps that are timed at least.
+const TIMED: u64 = 3;
+
+/// Spheres and grains that steps are tried with at most.
+const MOST_SPHERES: f64 = 4000.0;
+const MOST_GRAINS: usize = 2000;
+
+/// Evaluations that a trial takes at most, about.
+const EVALUATIONS: f64 = 50.0;
+
+/// Bytes of a number in the time series: in HDF5, and as text.
+const NUMBER: f64 = 8.0 + 18.0;
+
+/// Seconds that writing takes on a local disk: a quantity's number of a row, a frame, a checkpoint, a table of averages beside
+/// it, a byte; and seconds before anything is done.
+const QUANTITY_TIME: f64 = 2e-5;
+const FRAME_TIME: f64 = 2e-4;
+const CHECKPOINT_TIME: f64 = 4e-3;
+const TABLE_TIME: f64 = 1.5e-3;
+const BYTE_TIME: f64 = 3e-9;
+const LAUNCH_TIME: f64 = 0.01;
+
+/// Bytes of an HDF5 file of frames besides what is in them.
+const FILE: f64 = 2e5;
+
+/// Bytes of a grid point's velocity.
+const POINT: f64 = 24.0;
+
+/// A simulation that is tried in the place of a run: how much more the evaluations and the particles of the run are, and the
+/// points of its velocity fields.
+struct Trying {
+    simulation: Box<dyn Simulation>,
+    costs: f64,
+    particles: f64,
+    field_points: f64,
+}
+
+impl Trying {
+    fn as_it_is(simulation: Box<dyn Simulation>) -> Self {
+        Self { simulation, costs: 1.0, particles: 1.0, field_points: 0.0 }
+    }
+}
+
+/// What a run writes, and the time that this takes.
+struct Written {
+    bytes: f64,
+    seconds: f64,
+}
+
+/// Tries the first steps of a scene, with fewer particles where it has many, for less than a second. Nothing where that
+/// is not possible, or would say nothing. Collective.
+pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
+    let Some(output) = scene.kind().output() else { return Ok(None) };
+    let began = Instant::now();
+    let Some(mut trying) = trying(scene, comm)? else { return Ok(None) };
+    let simulation = &mut *trying.simulation;
+    let start = agreed(began, comm);
+    let last = scene.kind().steps();
+    observe(simulation, output);
+    // Step and time at the end of the warm-up.
+    let mut warm = (0, 0.0);
+    let began = Instant::now();
+    loop {
+        let (step, time) = (simulation.clock().step(), agreed(began, comm));
+        if step <= WARM_UP {
+            warm = (step, time);
+        }
+        let is_enough = time > TIME.as_secs_f64() && step >= WARM_UP + TIMED;
+        if step >= last || is_enough || time > MOST_TIME.as_secs_f64() {
+            break;
+        }
+        simulation.advance(next(output, step).min(last)).map_err(RunError::Simulation)?;
+        observe(simulation, output);
+    }
+    let (tried, time) = (simulation.clock().step(), agreed(began, comm));
+    if tried == 0 {
+        return Ok(None);
+    }
+    let (warm_step, warm_time) = if tried > warm.0 { warm } else { (0, 0.0) };
+    let step = trying.costs * (time - warm_time) / (tried - warm_step) as f64;
+    let steps = step * (steps_of_all(scene) - warm_step as f64).max(0.0);
+    let written = written(&mut trying, scene, output);
+    let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
+    let start = LAUNCH_TIME + trying.costs * start;
+    let run = start + trying.costs * warm_time + steps + written.seconds;
+    Ok(Some(Trial { start, step, run, bytes: written.bytes, tried, copy }))
+}
+
+/// The longest time since a moment on any rank. Collective.
+fn agreed(since: Instant, comm: &Comm) -> f64 {
+    let mut seconds = [since.elapsed().as_secs_f64()];
+    comm.max(&mut seconds);
+    seconds[0]
+}
+
+/// What a run does with the results of a step.
+fn observe(simulation: &mut dyn Simulation, output: &Output) {
+    if output.observables.is_due(simulation.clock().step()) {
+        simulation.observe();
+    }
+    simulation.sample();
+}
+
+fn next(output: &Output, step: u64) -> u64 {
+    let Output { trajectory, observables, checkpoints, fields, .. } = output;
+    let due = [trajectory, observables, checkpoints, fields].into_iter().filter_map(|s| s.next_after(step));
+    due.min().unwrap_or(u64::MAX)
+}
+
+fn trying(scene: &Scene, comm: &Comm) -> Result<Option<Trying>, RunError> {
+    Ok(match scene.kind() {
+        Kind::Suspension(scene) => of_spheres(scene, comm)?,
+        Kind::GranularDisks(disks) if disks.start.is_none() && disks.model.sizes().len() > MOST_GRAINS => None,
+        Kind::ShearCell(cell) if cell.experiment.count > MOST_GRAINS => None,
+        Kind::Continuum(_) => None,
+        _ => Some(Trying::as_it_is(start::start(scene, comm, &mut |_| ())?)),
+    })
+}
+
+/// Spheres that a file has are tried as they are, if they are few; others as few that are like them.
+fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, RunError> {
+    let placed = start::start_positions(scene, comm)?;
+    if scene.model.start == Start::Given {
+        let mut count = [placed.as_ref().map_or(0, |placed| placed.positions.len()) as f64];
+        comm.max(&mut count);
+        if count[0] > MOST_SPHERES {
+            return Ok(None);
+        }
+        return Ok(Some(Trying::as_it_is(Box::new(Observed::start(&scene.model, placed, comm)?))));
+    }
+    let copy = scene.model.with_at_most(MOST_SPHERES);
+    let forecasts = copy.as_ref().and_then(|copy| Some((Forecast::of(&scene.model)?, Forecast::of(copy)?, copy)));
+    let Some((whole, part, copy)) = forecasts else { return Ok(None) };
+    // A flat or a long box can't be made much smaller.
+    if part.particles > 2.0 * MOST_SPHERES || part.evaluation * EVALUATIONS > MOST_TIME.as_secs_f64() {
+        return Ok(None);
+    }
+    Ok(Some(Trying {
+        simulation: Box::new(Observed::start(copy, None, comm)?),
+        costs: whole.evaluation / part.evaluation,
+        particles: whole.particles / part.particles,
+        field_points: whole.field_points,
+    }))
+}
+
+/// The steps of a run; of a sweep those of all its runs, as many of which go on at a time as there are threads.
+fn steps_of_all(scene: &Scene) -> f64 {
+    match scene.kind() {
+        Kind::GranularDisks(disks) => match &disks.sweep {
+            Some(sweep) => {
+                let at_once = rayon::current_num_threads().min(sweep.cases().len()).max(1);
+                sweep_steps(disks) / at_once as f64
+            }
+            None => disks.time.steps as f64,
+        },
+        kind => kind.steps() as f64,
+    }
+}
+
+/// Steps of all runs of a scene of disks.
+pub(super) fn sweep_steps(scene: &GranularDisksScene) -> f64 {
+    let Some(sweep) = &scene.sweep else { return scene.time.steps as f64 };
+    sweep.cases().iter().map(|case| sweep.strain / (case.rate.abs() * sweep.base.time_step)).sum()
+}
+
+/// What is written until the last step.
+fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
+    let count = |schedule: Schedule| schedule.count_until(scene.kind().steps()) as f64;
+    let [rows, frames] = [output.observables, output.trajectory].map(count);
+    let simulation = &mut *trying.simulation;
+    let quantities = simulation.quantities();
+    let numbers: usize = quantities.iter().map(|quantity| quantity.columns().len()).sum();
+    let series =
+        Written { bytes: rows * NUMBER * numbers as f64, seconds: rows * QUANTITY_TIME * quantities.len() as f64 };
+    if let Kind::GranularDisks(disks) = scene.kind()
+        && let Some(sweep) = &disks.sweep
+    {
+        return Written { bytes: FILE + sweep.cases().len() as f64 * series.bytes, seconds: 0.0 };
+    }
+    let frame = trying.particles * Trajectory::frame_bytes(&simulation.frame()) as f64;
+    let state = trying.particles * checkpoint::bytes_of(&simulation.state()) as f64;
+    let tables = simulation.averages().map(|set| set.tables).unwrap_or_default();
+    let averages = NUMBER * tables.iter().map(numbers_of).sum::<usize>() as f64;
+    let files = [rows, frames].into_iter().filter(|&count| count > 0.0).count() as f64;
+    let fields = count(output.fields) * POINT * trying.field_points;
+    // One at the start and one at the end.
+    let checkpoints = count(output.checkpoints).max(1.0) + 1.0;
+    let a_checkpoint = CHECKPOINT_TIME + TABLE_TIME * tables.len() as f64 + BYTE_TIME * (state + averages);
+    Written {
+        bytes: FILE * files + frames * frame + series.bytes + fields + averages + checkpoint::KEPT as f64 * state,
+        seconds: series.seconds
+            + frames * (FRAME_TIME + BYTE_TIME * frame)
+            + BYTE_TIME * fields
+            + checkpoints * a_checkpoint,
+    }
+}
+
+/// Numbers and words of a table.
+fn numbers_of(table: &Table) -> usize {
+    table.rows.iter().map(|(words, numbers)| words.len() + numbers.len()).sum()
+}
+
+impl Trial {
+    /// Adds what it says to an outline.
+    #[must_use]
+    pub fn add_to(&self, outline: Outline) -> Outline {
+        let of = match self.copy {
+            Some(count) => format!("{} steps of {count} like them", self.tried),
+            None => format!("its first {} steps", self.tried),
+        };
+        let text = format!("about {} a step and {} for the run, by {of}", in_words(self.step), in_words(self.run));
+        outline
+            .line("time", text)
+            .line("output", format_args!("about {}", readable_bytes(self.bytes)))
+            .value("seconds_to_start", self.start)
+            .value("seconds_per_step", self.step)
+            .value("seconds_of_run", self.run)
+            .value("output_bytes", self.bytes)
+    }
+}
+
+/// A time as one says it.
+fn in_words(seconds: f64) -> String {
+    let (factor, unit) = match seconds {
+        s if s < 1e-3 => (1e6, "microseconds"),
+        s if s < 1.0 => (1e3, "ms"),
+        s if s < 120.0 => (1.0, "s"),
+        s if s < 7200.0 => (1.0 / 60.0, "minutes"),
+        s if s < 172_800.0 => (1.0 / 3600.0, "hours"),
+        _ => (1.0 / 86_400.0, "days"),
+    };
+    format!("{:.2} {unit}", Number(seconds * factor))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_said_in_units_that_fit() {
+        let words = [3.2e-5, 0.012, 1.0, 119.0, 600.0, 36_000.0, 864_000.0].map(in_words);
+        assert_eq!(words[0], "32 microseconds");
+        assert_eq!(words[1..4], ["12 ms", "1 s", "119 s"].map(str::to_owned));
+        assert_eq!(words[4..], ["10 minutes", "10 hours", "10 days"].map(str::to_owned));
+    }
+}
