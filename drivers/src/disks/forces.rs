@@ -51,17 +51,6 @@ impl List {
         }
         sums
     }
-
-    /// Marks the pairs that touch as having done so at a step.
-    pub(super) fn mark_touching(&mut self, state: &State, law: &Law, step: u64) {
-        self.move_images(law, step);
-        for batch in self.batches_mut() {
-            for (pair, touched) in batch.pairs.iter().zip(&mut batch.touched) {
-                let touches = pair.touches(&state.bodies, &batch.image);
-                *touched = (step as u32).wrapping_sub(u32::from(!touches));
-            }
-        }
-    }
 }
 
 impl Part<'_> {

@@ -4,7 +4,7 @@ use super::{Measurement, Stage, Tally};
 use domain::Vector;
 
 /// The state of a run besides its particles.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// The stage.
     pub stage: Stage,
@@ -14,6 +14,8 @@ pub struct Progress {
     pub list_made: u64,
     /// What was counted so far.
     pub tally: Tally,
+    /// Rows of the pairs that touched when forces were computed last.
+    pub touching: Vec<[u32; 2]>,
 }
 
 const STAGES: [Stage; 3] = [Stage::Settle, Stage::Mix, Stage::Flow];
@@ -28,6 +30,7 @@ impl Progress {
         numbers.extend(collisions.map(|n| n as f64));
         numbers.extend(first.to_numbers());
         numbers.extend(latest.to_numbers());
+        numbers.extend(self.touching.as_flattened().iter().map(|&row| f64::from(row)));
         numbers
     }
 
@@ -37,7 +40,8 @@ impl Progress {
         let (&stress, rest) = rest.split_first_chunk::<3>()?;
         let (&collisions, rest) = rest.split_first_chunk::<3>()?;
         let (&first, rest) = rest.split_first_chunk()?;
-        let latest = rest.try_into().ok()?;
+        let (&latest, rest) = rest.split_first_chunk()?;
+        let (pairs, &[]) = rest.as_chunks::<2>() else { return None };
         let tally = Tally {
             first: Measurement::from_numbers(first),
             latest: Measurement::from_numbers(latest),
@@ -49,7 +53,8 @@ impl Progress {
             collisions: collisions.map(|n| n as u64),
         };
         let stage = *STAGES.get(stage as usize)?;
-        Some(Self { stage, step: step as u64, list_made: list_made as u64, tally })
+        let touching = pairs.iter().map(|pair| pair.map(|row| row as u32)).collect();
+        Some(Self { stage, step: step as u64, list_made: list_made as u64, tally, touching })
     }
 }
 

@@ -33,7 +33,9 @@ impl Disks {
         particles.column(GEAR.0, GEAR.1).values = motions.iter().flat_map(gear_row).collect();
         let list = order.iter().zip(&motions).flat_map(|(&row, motion)| list_row(row, motion));
         particles.column(LIST.0, LIST.1).values = list.collect();
-        (particles, Progress { stage: self.stage, step: self.step, list_made: self.list.born, tally: self.tally })
+        let touching = self.list.touching(self.step).collect();
+        let (stage, step, list_made, tally) = (self.stage, self.step, self.list.born, self.tally);
+        (particles, Progress { stage, step, list_made, tally, touching })
     }
 
     /// The state with all places inside the cell.
@@ -48,8 +50,7 @@ impl Disks {
         let law = model.law(progress.stage);
         let mut state = State::stored(particles, model, (&model.cell(law.strain(progress.list_made)), law.dt))?;
         state.set_response(&law, model);
-        let mut list = List::remake(&state, model, &law, progress.list_made);
-        list.mark_touching(&state, &law, progress.step);
+        let list = List::remake(&state, model, &law, progress);
         let (model, stage, step) = (model.clone(), progress.stage, progress.step);
         Ok(Self { model, stage, law, step, state, list, tally: progress.tally, lost: false })
     }

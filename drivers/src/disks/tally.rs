@@ -77,8 +77,7 @@ pub struct Tally {
     pub path: f64,
     /// Integrals over time of xx, xy and yy of the stress.
     pub stress: Vector,
-    /// Collisions that began: of two small disks, a small and a large, two large. A pair that touches when a run is
-    /// resumed counts as met already.
+    /// Collisions that began: of two small disks, a small and a large, two large.
     pub collisions: [u64; 3],
 }
 

@@ -5,7 +5,7 @@ use super::touching::Touching;
 use super::{Batch, Chunk, List, ListMargin, Pair};
 use crate::disks::stage::Law;
 use crate::disks::state::{CHUNK, Identity, State};
-use crate::disks::{Model, for_each_part};
+use crate::disks::{Model, Progress, for_each_part};
 use domain::PeriodicBox;
 use glam::DVec2;
 use std::ops::Range;
@@ -23,7 +23,7 @@ struct Search<'a> {
     cell: &'a PeriodicBox,
     slack: ListMargin,
     touching: &'a Touching,
-    /// What marks pairs that touched at the step before.
+    /// The step at which they touched, modulo 2^32.
     touched: u32,
 }
 
@@ -50,17 +50,25 @@ impl List {
                 rows[old as usize] = new as u32;
             }
         }
-        let touching = before.map(|list| Touching::at(list, (step as u32).wrapping_sub(1), &rows));
-        Self::link(state, &cell, step, &touching.unwrap_or_default())
+        let last = step.wrapping_sub(1);
+        let touching = before.map(|list| {
+            let pairs = list.touching(last).map(|pair| pair.map(|row| rows[row as usize]));
+            Touching::of(pairs, rows.len())
+        });
+        Self::link(state, &cell, step, (&touching.unwrap_or_default(), last))
     }
 
-    /// The list of disks at the places that they had when it was made first.
-    pub(in crate::disks) fn remake(state: &State, model: &Model, law: &Law, born: u64) -> Self {
-        Self::link(state, &model.cell(law.strain(born)), born, &Touching::default())
+    /// The list of a stored state: of disks at the places that they had when it was made first.
+    pub(in crate::disks) fn remake(state: &State, model: &Model, law: &Law, progress: &Progress) -> Self {
+        let born = progress.list_made;
+        let touching = Touching::of(progress.touching.iter().copied(), state.len());
+        let mut list = Self::link(state, &model.cell(law.strain(born)), born, (&touching, progress.step));
+        list.move_images(law, progress.step);
+        list
     }
 
-    /// Finds the pairs among the places that drift counts from.
-    fn link(state: &State, cell: &PeriodicBox, step: u64, touching: &Touching) -> Self {
+    /// Finds the pairs among the places that drift counts from. Those that touched did so at step `last`.
+    fn link(state: &State, cell: &PeriodicBox, born: u64, (touching, last): (&Touching, u64)) -> Self {
         let radii = state.identities.iter().map(|d| d.radius);
         let slack = ListMargin::new(radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max));
         let search = Search {
@@ -69,13 +77,13 @@ impl List {
             cell,
             slack,
             touching,
-            touched: (step as u32).wrapping_sub(1),
+            touched: last as u32,
         };
         let count = state.len();
         let mut chunks: Vec<Chunk> =
             (0..count).step_by(CHUNK).map(|start| Chunk::new(start..count.min(start + CHUNK))).collect();
         for_each_part(&mut chunks, |chunk| search.fill(chunk));
-        Self { born: step, strain: cell.strain(), edges: cell.edges().truncate(), slack, chunks }
+        Self { born, strain: cell.strain(), edges: cell.edges().truncate(), slack, chunks }
     }
 }
 

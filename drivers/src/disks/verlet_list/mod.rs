@@ -112,8 +112,14 @@ impl List {
         self.chunks.iter_mut().flat_map(|c| c.inner.iter_mut().chain(&mut c.border))
     }
 
+    /// Rows of the pairs that touched at a step.
+    pub(in crate::disks) fn touching(&self, step: u64) -> impl Iterator<Item = [u32; 2]> + Clone {
+        let pairs = self.batches().flat_map(|batch| batch.pairs.iter().zip(&batch.touched));
+        pairs.filter(move |&(_, &last)| last == step as u32).map(|(pair, _)| [pair.i, pair.j])
+    }
+
     /// All batches.
-    pub(super) fn batches(&self) -> impl Iterator<Item = &Batch> {
+    pub(super) fn batches(&self) -> impl Iterator<Item = &Batch> + Clone {
         self.chunks.iter().flat_map(|c| c.inner.iter().chain(&c.border))
     }
 }

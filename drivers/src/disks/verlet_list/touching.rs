@@ -1,7 +1,5 @@
 //! The pairs in contact when the list was rebuilt.
 
-use super::List;
-
 /// The pairs of disks that touched, each in one of the slots of its earlier row, or behind them.
 #[derive(Debug)]
 pub(super) struct Touching {
@@ -18,17 +16,14 @@ impl Default for Touching {
 }
 
 impl Touching {
-    /// The pairs of a list that touched at a step; `rows` gives each disk's row in the new order.
-    pub(super) fn at(list: &List, step: u32, rows: &[u32]) -> Self {
-        let mut table = Self { slots: vec![NOTHING; (4 * rows.len()).next_power_of_two()] };
-        for batch in list.batches() {
-            for (pair, &last) in batch.pairs.iter().zip(&batch.touched) {
-                if last == step {
-                    let key = key(rows[pair.i as usize], rows[pair.j as usize]);
-                    let slot = table.slot(key);
-                    table.slots[slot] = key;
-                }
-            }
+    /// Pairs of so many rows.
+    pub(super) fn of(pairs: impl Iterator<Item = [u32; 2]> + Clone, rows: usize) -> Self {
+        let slots = (4 * rows).max(2 * pairs.clone().count());
+        let mut table = Self { slots: vec![NOTHING; slots.next_power_of_two()] };
+        for [i, j] in pairs {
+            let key = key(i, j);
+            let slot = table.slot(key);
+            table.slots[slot] = key;
         }
         table
     }
