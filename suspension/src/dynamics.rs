@@ -2,11 +2,12 @@
 
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
+use crate::contacts::{self, Contacts, Measured};
 use crate::error::StartError;
 use crate::fluid;
 use crate::forces::{Ahead, Forces};
 use crate::gap::Gap;
-use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, ShortRange, Solved, Springs};
+use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, ShortRange, Solved, Springs};
 use crate::integrator::EXPECTED;
 use crate::model::{Integrator, Model, Multipoles};
 use crate::moving_box::MovingBox;
@@ -15,7 +16,7 @@ use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::warm_start::WarmStart;
 use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
-use fcm::{PlanError, SolveError};
+use fcm::{Loads, PlanError, SolveError};
 use lubrication::Range;
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -62,6 +63,7 @@ pub struct Dynamics {
     moving: MovingBox,
     flow: BackgroundFlow,
     forces: Forces,
+    contacts: Option<Contacts>,
     applied: AppliedForces,
     hydrodynamics: Hydrodynamics,
     lubrication: Option<Range>,
@@ -78,6 +80,8 @@ impl Dynamics {
         let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
         let forces = Forces::new(model, setup.radii.largest())?;
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
+        let radii = [setup.radii.smallest(), setup.radii.largest()];
+        let contacts = model.contacts.map(|contacts| Contacts::new(contacts.contact(model), radii));
         let springs = forces.reach().filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
@@ -87,6 +91,7 @@ impl Dynamics {
             lubrication: range,
             warm_start: WarmStart::new(model.is_coupled()),
             forces,
+            contacts,
             applied: AppliedForces::default(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             smallest_radius: setup.radii.smallest(),
@@ -141,16 +146,42 @@ impl Dynamics {
         applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
         let guess =
             if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
-        let forces = &self.forces;
-        let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
-        let springs = resistance.as_ref().map(|resistance| Springs { resistance });
-        let acting = Acting { loads: &loads, strain_rate: self.flow.strain_rate(), springs: springs.as_ref() };
-        let solved = self.hydrodynamics.solve(&cell, particles, &acting, &guess);
-        let solved = solved.map_err(|source| self.unsolved(source, particles, clock.step()))?;
-        self.record(particles, &solved);
+        let outcome = match &self.contacts {
+            None => self.solve((particles, &cell), (&loads, &[]), &guess, moment)?,
+            Some(contacts) => {
+                let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
+                let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
+                let with = (contacts::Ahead { along, across }, velocities, self.flow.strain_rate());
+                let touching = contacts.acting(particles, (&cell, &self.partition), with);
+                touching.add_to(&mut loads);
+                let outcome = self.solve((particles, &cell), (&loads, &touching.springs()), &guess, moment)?;
+                let motion = self.warm_start.motion(particles);
+                let noted = touching.note(particles, &motion);
+                self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
+                outcome
+            }
+        };
         if self.rigid {
             self.warm_start.learn(particles, &moment.ages, moment.ahead, self.partition.comm());
         }
+        Ok(outcome)
+    }
+
+    /// Solves for the motions under loads, with what springs resist, and writes them into the particles' columns.
+    fn solve(
+        &mut self,
+        (particles, cell): (&mut Particles, &PeriodicBox),
+        (loads, contacts): (&Loads, &[Vec<ContactSprings>]),
+        guess: &Guess,
+        moment: &Moment,
+    ) -> Result<Outcome, StepError> {
+        let forces = &self.forces;
+        let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
+        let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
+        let acting = Acting { loads, strain_rate: self.flow.strain_rate(), springs: springs.as_ref() };
+        let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
+        let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
+        self.record(particles, &solved);
         Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
     }
 
@@ -245,6 +276,11 @@ impl Dynamics {
     /// Each particle's share of the first moments of repulsion, or nothing without it. Collective.
     pub fn repulsion_moments(&self, particles: &Particles) -> Vec<Tensor> {
         self.forces.repulsion_moments(particles, self.cell(), &self.partition)
+    }
+
+    /// What contacts amount to, if there can be any. Collective.
+    pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
+        self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
     }
 
     /// The background flow.

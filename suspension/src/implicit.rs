@@ -1,6 +1,7 @@
 //! Steps whose length the stiffness of short-range forces does not limit.
 
 use crate::columns::VELOCITY;
+use crate::contacts;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::extrapolation;
 use crate::integrator::{EXPECTED, MEAN, PAST, move_by, remember};
@@ -208,6 +209,7 @@ fn finish(particles: &mut Particles, length: &Length, next: f64) {
     let mean = combined(particles, [VELOCITY, MEAN], [b, 1.0 - b]);
     particles.vectors(MEAN).copy_from_slice(&mean);
     particles.column(AHEAD, 1).values.fill(next);
+    contacts::keep(particles);
     particles.columns.retain(|column| column.name != EXPECTED);
 }
 

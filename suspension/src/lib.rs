@@ -27,6 +27,7 @@ mod averages;
 pub mod benchmark;
 mod cautions;
 mod columns;
+mod contacts;
 mod dynamics;
 mod error;
 mod extrapolation;
@@ -65,12 +66,15 @@ mod warm_start;
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 pub use error::{PlacingError, StartError};
 pub use forecast::Forecast;
-pub use hydrodynamics::{Acting, Guess, Hydrodynamics as CoupledHydrodynamics, ShortRange, Solved, Springs};
+pub use hydrodynamics::{
+    Acting, ContactSprings, Guess, Hydrodynamics as CoupledHydrodynamics, ShortRange, Solved, Springs,
+};
+pub use lubrication::Elasticity;
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use memory::Ranks;
 pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Axis, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles,
+    Adaptive, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles,
     Parameters, Repulsion, Species, Start, Statistics as StatisticsWanted,
 };
 pub use observed::Observed;

@@ -19,8 +19,18 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
+    touches: bool,
     smallest_radius: f64,
 }
+
+/// What a row tells of contacts.
+const CONTACTS: [(&str, &str); 5] = [
+    ("contacts_per_particle", ""),
+    ("frictional_contacts", ""),
+    ("sliding_contacts", ""),
+    ("largest_overlap", ""),
+    ("elastic_energy", "force*length"),
+];
 
 /// How often spheres were seen to overlap.
 #[derive(Debug, Clone, Copy, Default)]
@@ -43,6 +53,7 @@ impl Observer {
             last,
             overlaps: Overlaps::default(),
             repels,
+            touches: model.contacts.is_some(),
             smallest_radius,
         }
     }
@@ -68,6 +79,9 @@ impl Observer {
         ];
         quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
+        if self.touches {
+            quantities.extend(CONTACTS.map(|(name, unit)| Quantity::number(name, unit)));
+        }
         quantities.extend([
             Quantity::number("smallest_gap", "length"),
             Quantity::number("iterations", ""),
@@ -94,6 +108,9 @@ impl Observer {
             let mut counted = counted(columns, suspension.particles());
             suspension.comm().sum(counted.counts());
             row.push(vec![counted.intensity()]);
+        }
+        if let Some(contacts) = suspension.contacts() {
+            row.extend(contacts.numbers(suspension.comm()).map(|number| vec![number]));
         }
         let (iterations, evaluations) = (iterations as f64, evaluations as f64);
         row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));

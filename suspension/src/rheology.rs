@@ -25,10 +25,11 @@ impl Rheology {
             Flow::Shear { rate, .. } if rate != 0.0 => rate,
             _ => return None,
         };
-        let all: [(bool, Origin); 3] = [
+        let all: [(bool, Origin); 4] = [
             (model.hydrodynamics.multipoles == Multipoles::Dipole, ("stress_stresslet", |s| s.stresslet)),
             (model.hydrodynamics.lubrication, ("stress_lubrication", |s| s.lubrication)),
             (model.repulsion.is_some(), ("stress_repulsion", |s| s.repulsion)),
+            (model.contacts.is_some(), ("stress_contact", |s| s.contact)),
         ];
         let species = model.species.iter().map(|s| s.name.clone()).collect();
         let origins = all.into_iter().filter(|(present, _)| *present).map(|(_, origin)| origin).collect();

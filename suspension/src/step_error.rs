@@ -22,6 +22,9 @@ pub enum StepError {
         /// The smallest gap.
         gap: Gap,
     },
+    /// More contacts of a sphere than there can be.
+    #[error("{0}; spheres overlap by far: give a larger contacts.stiffness or a shorter time.step")]
+    Contacts(Failure),
     /// The fluid could not be computed around spheres that overlap.
     #[error(
         "step {step}: spheres overlap by {overlap}, and the flow around them can't be found; take a smaller time.step, \

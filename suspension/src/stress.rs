@@ -16,6 +16,9 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
+/// and that of contacts like that of repulsion, its symmetric part, with friction; each sphere of a pair has a share in
+/// proportion to its radius.
+///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
 /// Stresslets have no trace: of the pressure of the particles only the part of repulsion is defined. Forces from
 /// outside, such as weight, have no part in it.
@@ -27,36 +30,45 @@ pub struct ParticleStress {
     pub lubrication: Tensor,
     /// Of the repulsion barrier.
     pub repulsion: Tensor,
+    /// Of contacts.
+    pub contact: Tensor,
 }
 
 impl ParticleStress {
     /// All origins together.
     pub fn total(&self) -> Tensor {
-        self.stresslet + self.lubrication + self.repulsion
+        self.stresslet + self.lubrication + self.repulsion + self.contact
     }
 
     /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume;
-    /// `repulsion` has each particle's share of the first moments of repulsion, or nothing. Collective.
+    /// `pairs` has each particle's shares of the first moments of repulsion and of contacts, or nothing. Collective.
     pub fn by_species(
         particles: &Particles,
-        repulsion: &[Tensor],
+        pairs: [&[Tensor]; 2],
         (species, volume): (usize, f64),
         comm: &Comm,
     ) -> Vec<Self> {
         let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
         let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
         let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
-        let mut sums = vec![[Tensor::ZERO; 3]; species];
+        let mut sums = vec![[Tensor::ZERO; 4]; species];
         for (row, &kind) in particles.species.iter().enumerate() {
-            let [stresslet, lubrication, barrier] = &mut sums[kind as usize];
+            let [stresslet, lubrication, of_pairs @ ..] = &mut sums[kind as usize];
             if let (Some(&whole), Some(&far)) = (whole.get(row), far.get(row)) {
                 *stresslet += far.tensor();
                 *lubrication += (whole - far).tensor();
             }
-            *barrier += repulsion.get(row).copied().unwrap_or(Tensor::ZERO);
+            for (sum, moments) in of_pairs.iter_mut().zip(pairs) {
+                *sum += moments.get(row).copied().unwrap_or(Tensor::ZERO);
+            }
         }
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
-        let stress = |[stresslet, lubrication, repulsion]: [Tensor; 3]| Self { stresslet, lubrication, repulsion };
+        let stress = |[stresslet, lubrication, repulsion, contact]: [Tensor; 4]| Self {
+            stresslet,
+            lubrication,
+            repulsion,
+            contact,
+        };
         sums.into_iter().map(|sums| stress(sums.map(|sum| sum * (1.0 / volume)))).collect()
     }
 }

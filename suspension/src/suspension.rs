@@ -2,6 +2,7 @@
 
 use crate::applied;
 use crate::columns::VELOCITY;
+use crate::contacts::Measured;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
 use crate::integrator::{self, AdamsBashforth};
@@ -239,7 +240,14 @@ impl Suspension {
     /// The stress of the particles of each of so many species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let repulsion = self.dynamics.repulsion_moments(&self.particles);
-        ParticleStress::by_species(&self.particles, &repulsion, (species, self.cell().volume()), &self.comm)
+        let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
+        let volume = self.cell().volume();
+        ParticleStress::by_species(&self.particles, [&repulsion, &contacts], (species, volume), &self.comm)
+    }
+
+    /// What contacts amount to, if there can be any. Collective.
+    pub(crate) fn contacts(&self) -> Option<Measured> {
+        self.dynamics.measured_contacts(&self.particles)
     }
 
     /// What is worth knowing of the suspension as it is. Collective.

@@ -4,7 +4,7 @@ use crate::columns::STRESSLET;
 use crate::extrapolation;
 use crate::hydrodynamics::{Guess, Solved};
 use domain::{Comm, Particles, Vector};
-use fcm::Loads;
+use fcm::{Loads, Motion};
 
 /// With forces between near spheres in the solve: the stresslets of the far field, the forces and torques that the fluid
 /// feels, the velocities that the loads of all others induce at each sphere, and those relative to the background flow.
@@ -124,6 +124,12 @@ impl WarmStart {
         let [induced_velocities, induced_angular_velocities, velocities, angular_velocities] =
             [(); 4].map(|()| lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default());
         Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities }
+    }
+
+    /// The motions relative to the background flow that were found last.
+    pub fn motion(&self, particles: &mut Particles) -> Motion {
+        let [velocities, angular_velocities] = MOTION.map(|name| particles.vectors(name).to_vec());
+        Motion { velocities, angular_velocities, strain_rates: Vec::new() }
     }
 
     /// Learns from a solution that was found, with the `ages` and the time `ahead` with which it was guessed, how much of

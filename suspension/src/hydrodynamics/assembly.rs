@@ -17,6 +17,7 @@ pub struct Arrangement<'a> {
     pub radii: &'a [f64],
     pub cell: &'a PeriodicBox,
     pub positions: &'a [Vector],
+    pub ids: &'a [u64],
     pub species: &'a [u32],
     pub neighbours: &'a Neighbours,
     /// The ambient rate of strain.
@@ -39,12 +40,16 @@ pub struct Assembly<'a> {
     pub rows: usize,
 }
 
-/// Numbers of a pair: those of its coefficients, its axis, 1 where the row's particle is the larger one, the resistance of
-/// its spring, and zeros.
+/// Numbers of a pair: those of its coefficients, its axis, 1 where the row's particle is the larger one, the resistances of
+/// its springs along the axis and across, the arms of the smaller and the larger sphere, the resistance to rolling, and
+/// zeros.
 const NUMBERS: usize = 56;
 const AXIS: usize = RECORD;
 const IS_LARGER: usize = RECORD + 3;
 const SPRING: usize = RECORD + 4;
+const SLIP: usize = RECORD + 5;
+const ARMS: [usize; 2] = [RECORD + 6, RECORD + 7];
+const ROLLING: usize = RECORD + 8;
 
 /// Pairs of one row that wait for a full group.
 struct Waiting {
@@ -97,7 +102,7 @@ impl Assembly<'_> {
 
     #[inline(always)]
     fn assemble<V: Width<f64>>(&self, row: usize, waiting: [&mut Waiting; 2], assembled: &mut Assembled) {
-        let Arrangement { lubrication, springs, radii, cell, positions, species, neighbours, ambient } =
+        let Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient } =
             *self.arrangement;
         let (mut sums, mut strained) = ([Sums::<V>::zero(), Sums::zero()], InStrain::zero());
         for neighbour in neighbours.of(row) {
@@ -108,7 +113,8 @@ impl Assembly<'_> {
             }
             let (pair, distance) = ([species[row], species[other]], separation.length());
             let pair_radii = pair.map(|s| radii[s as usize]);
-            let spring = springs.map_or(0.0, |springs| (springs.resistance)(distance, pair_radii));
+            let between = |springs: &Springs| springs.between((row, ids[other]), distance, pair_radii);
+            let [spring, slip, rolling] = springs.map_or([0.0; 3], between);
             let lubricated =
                 lubrication.and_then(|(force, stiffness)| Some((force, stiffness, force.gap(distance, pair)?)));
             if lubricated.is_none() && spring == 0.0 {
@@ -128,6 +134,10 @@ impl Assembly<'_> {
             numbers[AXIS..AXIS + 3].copy_from_slice(&axis.to_array());
             numbers[IS_LARGER] = f64::from(u8::from(is_larger));
             numbers[SPRING] = spring;
+            [numbers[SLIP], numbers[ROLLING]] = [0.0; 2];
+            if slip + rolling > 0.0 {
+                set_contact(numbers, [slip, rolling], distance, pair_radii);
+            }
             if waiting.count == LANES {
                 let part = if list == 0 { &mut assembled.stiff } else { &mut assembled.soft };
                 waiting.flush::<V>(row, part, (&mut sums[list], &mut strained), ambient);
@@ -186,6 +196,9 @@ impl Waiting {
             coefficients.along[k][k] = coefficients.along[k][k] + spring;
             coefficients.along[k][1 - k] = coefficients.along[k][1 - k] - spring;
         }
+        if self.records.iter().any(|record| record[SLIP] + record[ROLLING] > 0.0) {
+            add_contacts(&mut coefficients, &numbers);
+        }
         let mut z = [Lanes::constant(0.0); 3];
         for k in 0..3 {
             z[k] = Lanes::read(&numbers[AXIS + k]);
@@ -200,6 +213,38 @@ impl Waiting {
         set_group(group, &coefficients, &chosen);
         set_moments(moments, &coefficients, &chosen);
         self.count = 0;
+    }
+}
+
+/// Notes what a contact resists to slip and to rolling.
+#[inline(always)]
+fn set_contact(numbers: &mut [f64; NUMBERS], [slip, rolling]: [f64; 2], distance: f64, radii: [f64; 2]) {
+    let [smaller, larger] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
+    let sum = smaller + larger;
+    numbers[SLIP] = slip;
+    numbers[ARMS[0]] = distance * smaller / sum;
+    numbers[ARMS[1]] = distance * larger / sum;
+    numbers[ROLLING] = rolling * (2.0 * smaller * larger / sum).powi(2);
+}
+
+/// Adds what contacts resist: with `s = 1` for the smaller sphere and `-1` for the larger, arms `b` and the velocity `v` at
+/// which surfaces slip, the rate of work is
+///
+/// ```text
+/// slip v^2 + rolling |(sum s Omega) x z|^2,        v = (sum s U)_across + (sum b Omega) x z
+/// ```
+#[inline(always)]
+fn add_contacts<V: Width<f64>>(coefficients: &mut Coefficients<Lanes<V>>, numbers: &[[f64; LANES]; NUMBERS]) {
+    let (slip, rolling) = (Lanes::read(&numbers[SLIP]), Lanes::read(&numbers[ROLLING]));
+    let arms = [Lanes::read(&numbers[ARMS[0]]), Lanes::read(&numbers[ARMS[1]])];
+    let signs = [Lanes::constant(1.0), Lanes::constant(-1.0)];
+    for k in 0..2 {
+        for l in 0..2 {
+            let sign = signs[k] * signs[l];
+            coefficients.across[k][l] = coefficients.across[k][l].plus(slip, sign);
+            coefficients.coupling[k][l] = coefficients.coupling[k][l].plus(slip, signs[k] * arms[l]);
+            coefficients.roll[k][l] = coefficients.roll[k][l].plus(slip, arms[k] * arms[l]).plus(rolling, sign);
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use near_pairs::{NearField, NearPairs};
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
 use screw::{Screw, Screws};
-pub use springs::Springs;
+pub use springs::{ContactSprings, Springs};
 use std::f64::consts::PI;
 use stiffness::Stiffness;
 
@@ -156,7 +156,8 @@ impl Hydrodynamics {
             let scaled_background = background * (1.0 / units.rate());
             let flow = (&cell.scaled(1.0 / units.length), scaled_background);
             let resistance = springs.map(|springs| scaled::resistance(springs, &units));
-            let springs = resistance.as_ref().map(|resistance| Springs { resistance });
+            let contacts = springs.map(|springs| scaled::contacts(springs, &units)).unwrap_or_default();
+            let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts });
             let near = NearPairs::find((field, springs.as_ref()), &own, flow, &self.partition);
             if self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();

@@ -53,7 +53,8 @@ impl NearPairs {
         let neighbours = lists.neighbours();
         let lubrication = lubrication.as_ref().map(|(force, stiffness)| (force, stiffness));
         let (positions, species) = (&positions, &species);
-        let arrangement = Arrangement { lubrication, springs, radii, cell, positions, species, neighbours, ambient };
+        let ids = &ids;
+        let arrangement = Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient };
         let part = |k: usize| {
             let first = k * ROWS;
             f64::dispatch(Assembly { arrangement: &arrangement, first, rows: ROWS.min(owned - first) })

@@ -1,7 +1,7 @@
 //! Lubricated spheres in units of length and viscosity in which their own are about 1: the amplitudes of the modes have
 //! the root of both, which loses its last digit where a power of two is taken out of it.
 
-use super::{Guess, Solved, Springs};
+use super::{ContactSprings, Guess, Solved, Springs};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
 
@@ -29,6 +29,12 @@ impl Scaled<'_> {
 pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, [f64; 2]) -> f64 + Sync + 'a {
     let (length, velocity) = (units.length, units.velocity());
     move |distance, radii| (springs.resistance)(distance * length, radii.map(|a| a * length)) * velocity
+}
+
+/// Contacts of the particles that a rank owns.
+pub fn contacts(springs: &Springs, units: &Units) -> Vec<Vec<ContactSprings>> {
+    let of_one = |all: &Vec<ContactSprings>| all.iter().map(|contact| contact.times(units.velocity())).collect();
+    springs.contacts.iter().map(of_one).collect()
 }
 
 /// Particles in place, without their columns.

@@ -1,9 +1,43 @@
 //! Short-range forces that change while particles move.
 
-/// Central forces between near particles, taken not as they are but as they will be after some time: a pair that opens at
-/// the rate `w` then pushes with a force that is less by `resistance w`, the force's decay with distance times that
-/// time. So it resists to motions like lubrication, and however stiff it is, no motion overshoots.
+/// Forces between near particles, taken not as they are but as they will be after some time: a pair that opens at the rate
+/// `w` then pushes with a force that is less by `resistance w`, the force's decay with distance times that time. So it
+/// resists to motions like lubrication, and however stiff it is, no motion overshoots.
 pub struct Springs<'a> {
     /// Resistance, force over velocity, of two particles of some radii by the distance of their centres.
     pub resistance: &'a (dyn Fn(f64, [f64; 2]) -> f64 + Sync),
+    /// The particles that touch each of those that the rank owns, in their order; or nothing.
+    pub contacts: &'a [Vec<ContactSprings>],
+}
+
+/// What a contact resists to the motions of two particles, force over velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactSprings {
+    /// The id of the other particle.
+    pub other: u64,
+    /// Along the line of centres.
+    pub normal: f64,
+    /// Across, by the relative velocity of the surfaces where they touch: with arms that divide the distance of the centres
+    /// as the radii do.
+    pub tangential: f64,
+    /// By the difference of angular velocities across the line of centres times the harmonic mean radius.
+    pub rolling: f64,
+}
+
+impl ContactSprings {
+    /// The same in another unit of velocity.
+    pub fn times(&self, unit: f64) -> Self {
+        let Self { other, normal, tangential, rolling } = *self;
+        Self { other, normal: normal * unit, tangential: tangential * unit, rolling: rolling * unit }
+    }
+}
+
+impl Springs<'_> {
+    /// What a particle in a row and another, of an id, of some radii and at a distance of their centres resist: along their
+    /// line, across it, and to rolling.
+    pub fn between(&self, (row, other): (usize, u64), distance: f64, radii: [f64; 2]) -> [f64; 3] {
+        let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
+        let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
+        [(self.resistance)(distance, radii) + normal, tangential, rolling]
+    }
 }

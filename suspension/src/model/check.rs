@@ -18,8 +18,9 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     check_flow(p)?;
     p.repulsion.as_ref().map_or(Ok(()), check_repulsion)?;
     p.hydrodynamics.check()?;
+    p.contacts.as_ref().map_or(Ok(()), |contacts| contacts.check(p))?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
-    p.integrator.check()
+    p.integrator.check(p.contacts.is_some())
 }
 
 /// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which

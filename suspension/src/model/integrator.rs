@@ -19,10 +19,15 @@ pub enum Integrator {
 /// What limits the length of a substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Adaptive {
-    /// Largest error of a substep in a position, over the radius.
+    /// Largest error of a substep in a position, over the radius; infinite where errors limit no substep.
     pub tolerance: f64,
     /// Largest part of a gap between two spheres that a substep may take away.
     pub gap_fraction: f64,
+}
+
+impl Adaptive {
+    /// Substeps as long as gaps allow: what suits contacts.
+    pub const UNLIMITED: Self = Self { tolerance: f64::INFINITY, gap_fraction: 0.25 };
 }
 
 impl Default for Adaptive {
@@ -32,7 +37,8 @@ impl Default for Adaptive {
 }
 
 impl Integrator {
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
+    /// With contacts, which make errors of their own where they stick and slide, errors need not limit substeps.
+    pub(super) fn check(&self, with_contacts: bool) -> Result<(), ParameterError> {
         match self {
             Self::AdamsBashforth { order } if !(2..=4).contains(order) => {
                 let message = format!("is {order}; the Adams-Bashforth methods here have order 2, 3 or 4");
@@ -41,7 +47,9 @@ impl Integrator {
             Self::AdamsBashforth { .. } => Ok(()),
             Self::Adaptive(Adaptive { tolerance, gap_fraction })
             | Self::Implicit(Adaptive { tolerance, gap_fraction }) => {
-                ParameterError::unless_between("time.tolerance", *tolerance, [1e-10, 0.9])?;
+                if !(with_contacts && *tolerance == f64::INFINITY) {
+                    ParameterError::unless_between("time.tolerance", *tolerance, [1e-10, 0.9])?;
+                }
                 ParameterError::unless_between("time.gap_fraction", *gap_fraction, [1e-10, 0.9]).map(drop)
             }
         }

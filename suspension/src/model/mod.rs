@@ -1,12 +1,14 @@
 //! What a suspension consists of and how it moves: parameters, and the model that they make once they are checked.
 
 mod check;
+mod contacts;
 mod copy;
 mod hydrodynamics;
 mod integrator;
 mod spheres;
 mod statistics;
 
+pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Vector};
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
 pub use integrator::{Adaptive, Integrator};
@@ -33,6 +35,8 @@ pub struct Parameters {
     pub flow: Flow,
     /// The barrier that keeps spheres apart.
     pub repulsion: Option<Repulsion>,
+    /// How rough spheres touch; without, they are smooth.
+    pub contacts: Option<Contacts>,
     /// How the fluid is computed.
     pub hydrodynamics: Hydrodynamics,
     /// The time step.
@@ -60,6 +64,7 @@ impl Parameters {
             start: Start::Random { minimum_gap: 0.0 },
             flow: Flow::None,
             repulsion: None,
+            contacts: None,
             hydrodynamics: Hydrodynamics::default(),
             time_step,
             steps,

@@ -11,7 +11,7 @@ pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Adaptive, Flow, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start, StatisticsWanted,
+    Adaptive, Contacts, Flow, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start, StatisticsWanted,
 };
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
@@ -38,6 +38,7 @@ impl SuspensionScene {
         let output = output(raw.output, time.steps);
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, path) = start(&raw.particles)?;
+        let gap_is_given = raw.particles.minimum_gap.is_some();
         let parameters = Parameters {
             seed: raw.seed,
             cell,
@@ -47,16 +48,17 @@ impl SuspensionScene {
             start,
             flow: flow(raw.flow.as_ref())?,
             repulsion: raw.repulsion.as_ref().map(repulsion),
+            contacts: raw.contacts.as_ref().map(contacts),
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
             steps: time.steps,
-            integrator: integrator(&raw.time)?,
+            integrator: integrator(&raw.time, raw.contacts.is_some())?,
             statistics: raw.statistics.as_ref().map(statistics),
             fields: output.fields != Schedule::NEVER,
         };
         Ok(Self {
             title: raw.title.unwrap_or_default(),
-            model: Model::new(parameters)?,
+            model: Model::new(if gap_is_given { parameters } else { parameters.apart_by_roughness() })?,
             start: path.map(|path| folder.join(path)),
             time,
             output,
@@ -118,6 +120,24 @@ fn repulsion(raw: &raw::Repulsion) -> Repulsion {
     Repulsion { strength, radius_power, range, calibrate }
 }
 
+fn contacts(raw: &raw::Contacts) -> Contacts {
+    let usual = Contacts::new(raw.friction);
+    let stiffness = raw.stiffness.and_then(|stiffness| match stiffness {
+        raw::Stiffness::Number(number) => Some(number),
+        raw::Stiffness::Name(raw::Auto::Auto) => None,
+    });
+    Contacts {
+        stiffness,
+        roughness: raw.roughness.unwrap_or(usual.roughness),
+        overlap: raw.overlap.unwrap_or(usual.overlap),
+        tangential_ratio: raw.tangential_ratio.unwrap_or(usual.tangential_ratio),
+        rolling_friction: raw.rolling_friction.unwrap_or(usual.rolling_friction),
+        critical_load: raw.critical_load.unwrap_or(usual.critical_load),
+        law: raw.law.map_or(usual.law, Into::into),
+        ..usual
+    }
+}
+
 fn hydrodynamics(raw: &raw::Hydrodynamics) -> Hydrodynamics {
     let default = Hydrodynamics::default();
     Hydrodynamics {
@@ -144,8 +164,10 @@ fn statistics(raw: &raw::Statistics) -> StatisticsWanted {
     }
 }
 
-fn integrator(raw: &raw::Time) -> Result<Integrator, Fault> {
-    if raw.integrator == raw::Integrator::AdamsBashforth {
+fn integrator(raw: &raw::Time, with_contacts: bool) -> Result<Integrator, Fault> {
+    let usual = if with_contacts { raw::Integrator::Implicit } else { raw::Integrator::AdamsBashforth };
+    let integrator = raw.integrator.unwrap_or(usual);
+    if integrator == raw::Integrator::AdamsBashforth {
         for (key, given) in [("time.tolerance", raw.tolerance), ("time.gap_fraction", raw.gap_fraction)] {
             if given.is_some() {
                 let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or \"implicit\", or leave it out";
@@ -158,12 +180,12 @@ fn integrator(raw: &raw::Time) -> Result<Integrator, Fault> {
         let message = "is set, but only steps of \"adams-bashforth\" have a choice of it; leave it out";
         return Err(Fault::new("time.order", message));
     }
-    let usual = Adaptive::default();
+    let usual = if with_contacts { Adaptive::UNLIMITED } else { Adaptive::default() };
     let control = Adaptive {
         tolerance: raw.tolerance.unwrap_or(usual.tolerance),
         gap_fraction: raw.gap_fraction.unwrap_or(usual.gap_fraction),
     };
-    let is_implicit = raw.integrator == raw::Integrator::Implicit;
+    let is_implicit = integrator == raw::Integrator::Implicit;
     Ok(if is_implicit { Integrator::Implicit(control) } else { Integrator::Adaptive(control) })
 }
 

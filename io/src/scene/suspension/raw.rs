@@ -31,6 +31,8 @@ pub(in crate::scene) struct Raw {
     pub(super) flow: Option<Flow>,
     /// A short-range repulsion between near spheres; none without this section.
     pub(super) repulsion: Option<Repulsion>,
+    /// Contacts of rough spheres; none without this section.
+    pub(super) contacts: Option<Contacts>,
     /// How the fluid is computed.
     #[serde(default)]
     pub(super) hydrodynamics: Hydrodynamics,
@@ -144,6 +146,40 @@ pub(super) struct Repulsion {
     pub(super) calibrate: bool,
 }
 
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Contacts {
+    /// Coefficient of friction.
+    pub(super) friction: f64,
+    /// Gap at which spheres touch, in mean radii of the two; 0.005 by default.
+    pub(super) roughness: Option<f64>,
+    /// Normal force over overlap and mean radius; by default, "auto", what keeps overlaps at the one aimed at.
+    pub(super) stiffness: Option<Stiffness>,
+    /// Largest overlap aimed at, over the roughness; 0.3 by default.
+    pub(super) overlap: Option<f64>,
+    /// Stiffness against slip over that against overlap; 0.4 by default.
+    pub(super) tangential_ratio: Option<f64>,
+    /// Largest force of rolling resistance over the normal force; 0 by default.
+    pub(super) rolling_friction: Option<f64>,
+    /// Normal force up to which there is no friction; 0 by default.
+    pub(super) critical_load: Option<f64>,
+    /// How the normal force grows with the overlap; "linear" by default.
+    pub(super) law: Option<Elasticity>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(untagged)]
+pub(super) enum Stiffness {
+    Number(f64),
+    Name(Auto),
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Auto {
+    Auto,
+}
+
 /// What is left out is as the suspension's own defaults have it.
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
@@ -203,6 +239,7 @@ macro_rules! names {
 names! { Multipoles for suspension::Multipoles: Monopole Dipole }
 names! { Evaluation for suspension::Evaluation: Auto Direct Split }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
+names! { Elasticity for suspension::Elasticity: Linear Hertz }
 names! { Axis for suspension::Axis: X Y Z }
 
 #[derive(Deserialize, JsonSchema)]
@@ -215,9 +252,8 @@ pub(super) struct Time {
     /// Time at the end; or steps.
     pub(super) duration: Option<f64>,
     /// Steps all alike, or each in as many parts as needed; "implicit" takes short-range forces at the end of a part, so that
-    /// their stiffness does not limit it.
-    #[serde(default)]
-    pub(super) integrator: Integrator,
+    /// their stiffness does not limit it, and is the default with contacts.
+    pub(super) integrator: Option<Integrator>,
     /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
     /// Error of a part of a step in any position, over the radius, for "adaptive" and "implicit".
@@ -226,10 +262,9 @@ pub(super) struct Time {
     pub(super) gap_fraction: Option<f64>,
 }
 
-#[derive(Deserialize, JsonSchema, Default, Clone, Copy, PartialEq)]
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Integrator {
-    #[default]
     AdamsBashforth,
     Adaptive,
     Implicit,

@@ -1,0 +1,196 @@
+//! Contact of rough spheres: elastic, with friction.
+
+use domain::{ParameterError, Vector};
+
+/// How the force of a contact grows with its overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Elasticity {
+    /// In proportion.
+    #[default]
+    Linear,
+    /// With the power 3/2.
+    Hertz,
+}
+
+/// The law of contacts between rough elastic spheres of radii `a_i` and `a_j`, mean radius `a = (a_i + a_j) / 2` and
+/// gap `h` of their smooth surfaces (Cundall & Strack, Geotechnique 29, 47, 1979; Gallier et al., J. Fluid Mech. 757, 514,
+/// 2014). They touch where the overlap of their asperities is positive,
+///
+/// ```text
+/// d = roughness a - h > 0
+/// ```
+///
+/// and push each other apart with the force
+///
+/// ```text
+/// F_n = k a d                              linear
+/// F_n = k (2 a_i a_j / (a_i + a_j))^1/2 d^3/2      Hertz
+/// ```
+///
+/// with `k` the stiffness, a force over the square of a length. Across the line of centres the contact is a spring that
+/// keeps the surfaces from slipping: its force grows with the slip by `tangential_ratio dF_n/dd`, and is cut where it
+/// exceeds `friction (F_n - critical_load)`: the contact slides. Rolling is resisted likewise, up to `rolling_friction F_n`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The coefficient of friction.
+    pub friction: f64,
+    /// Height of the asperities of two spheres together, over the mean radius.
+    pub roughness: f64,
+    /// `k`
+    pub stiffness: f64,
+    /// Stiffness against slip over that against overlap.
+    pub tangential_ratio: f64,
+    /// The largest force of rolling resistance over the normal force; 0 for none.
+    pub rolling_friction: f64,
+    /// Normal force up to which there is no friction.
+    pub critical_load: f64,
+    /// How the force grows.
+    pub elasticity: Elasticity,
+}
+
+/// The smallest and the largest roughness, over the mean radius.
+const ROUGHNESS: [f64; 2] = [1e-5, 0.1];
+
+impl Contact {
+    /// Roughness of spheres of which nothing else is known, over the mean radius.
+    pub const ROUGHNESS: f64 = 0.005;
+    /// Stiffness against slip over that against overlap, usually.
+    pub const TANGENTIAL_RATIO: f64 = 0.4;
+
+    /// Refuses what is no contact law; keys are those of a scene.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let least_zero = |key: &str, value: f64, what: &str| {
+            let message = format!("is {}; {what} needs to be 0 or more, and finite", domain::Number(value));
+            if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(ParameterError::new(key, message)) }
+        };
+        least_zero("contacts.friction", self.friction, "the coefficient of friction")?;
+        least_zero("contacts.rolling_friction", self.rolling_friction, "the coefficient of rolling friction")?;
+        least_zero("contacts.critical_load", self.critical_load, "the load below which there is no friction")?;
+        ParameterError::unless_between("contacts.roughness", self.roughness, ROUGHNESS)?;
+        ParameterError::unless_between("contacts.tangential_ratio", self.tangential_ratio, [1e-3, 10.0])?;
+        ParameterError::unless_positive("contacts.stiffness", self.stiffness).map(drop)
+    }
+
+    /// Distance of the centres up to which spheres touch.
+    pub fn reach(&self, radii: [f64; 2]) -> f64 {
+        (radii[0] + radii[1]) * (1.0 + 0.5 * self.roughness)
+    }
+
+    /// Overlap of the asperities of spheres at a distance of their centres; negative for those apart.
+    pub fn overlap(&self, distance: f64, radii: [f64; 2]) -> f64 {
+        self.reach(radii) - distance
+    }
+
+    /// The normal force of an overlap; none where that is negative.
+    pub fn force(&self, overlap: f64, radii: [f64; 2]) -> f64 {
+        let depth = overlap.max(0.0);
+        match self.elasticity {
+            Elasticity::Linear => self.stiffness * mean(radii) * depth,
+            Elasticity::Hertz => self.stiffness * harmonic(radii).sqrt() * depth * depth.sqrt(),
+        }
+    }
+
+    /// How fast the normal force grows with the overlap.
+    pub fn normal_stiffness(&self, overlap: f64, radii: [f64; 2]) -> f64 {
+        let depth = overlap.max(0.0);
+        match self.elasticity {
+            Elasticity::Linear => self.stiffness * mean(radii),
+            Elasticity::Hertz => 1.5 * self.stiffness * (harmonic(radii) * depth).sqrt(),
+        }
+    }
+
+    /// How fast the force across the line of centres grows with slip.
+    pub fn tangential_stiffness(&self, overlap: f64, radii: [f64; 2]) -> f64 {
+        self.tangential_ratio * self.normal_stiffness(overlap, radii)
+    }
+
+    /// The largest force across the line of centres under a normal force: beyond, the contact slides.
+    pub fn cone(&self, normal_force: f64) -> f64 {
+        self.friction * (normal_force - self.critical_load).max(0.0)
+    }
+
+    /// The elastic energy of an overlap and of the forces across the line of centres.
+    pub fn energy(&self, overlap: f64, radii: [f64; 2], across: [Vector; 2]) -> f64 {
+        let power = match self.elasticity {
+            Elasticity::Linear => 0.5,
+            Elasticity::Hertz => 0.4,
+        };
+        let springs: f64 = across.iter().map(|force| force.length_squared()).sum();
+        let stiffness = self.tangential_stiffness(overlap, radii);
+        let sheared = if springs > 0.0 { 0.5 * springs / stiffness } else { 0.0 };
+        power * self.force(overlap, radii) * overlap.max(0.0) + sheared
+    }
+}
+
+/// A vector cut to a length.
+pub fn cut(vector: Vector, longest: f64) -> Vector {
+    let length = vector.length();
+    if length > longest { vector * (longest / length) } else { vector }
+}
+
+fn mean(radii: [f64; 2]) -> f64 {
+    0.5 * (radii[0] + radii[1])
+}
+
+fn harmonic(radii: [f64; 2]) -> f64 {
+    2.0 * radii[0] * radii[1] / (radii[0] + radii[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(elasticity: Elasticity) -> Contact {
+        Contact {
+            friction: 0.5,
+            roughness: 0.01,
+            stiffness: 3e4,
+            tangential_ratio: 0.4,
+            rolling_friction: 0.0,
+            critical_load: 2.0,
+            elasticity,
+        }
+    }
+
+    #[test]
+    fn forces_are_slopes_of_the_energy_and_stiffnesses_of_forces() {
+        let radii = [1.0, 1.7];
+        for law in [law(Elasticity::Linear), law(Elasticity::Hertz)] {
+            for overlap in [1e-4, 3e-3] {
+                let slope = |of: &dyn Fn(f64) -> f64| (of(overlap * 1.001) - of(overlap * 0.999)) / (0.002 * overlap);
+                let force = slope(&|d| law.energy(d, radii, [Vector::ZERO; 2]));
+                assert!((force / law.force(overlap, radii) - 1.0).abs() < 1e-5);
+                let stiffness = slope(&|d| law.force(d, radii));
+                assert!((stiffness / law.normal_stiffness(overlap, radii) - 1.0).abs() < 1e-5);
+            }
+            assert_eq!((law.force(-1e-3, radii), law.energy(-1e-3, radii, [Vector::ZERO; 2])), (0.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn contact_begins_at_the_roughness() {
+        let (law, radii) = (law(Elasticity::Linear), [1.0, 2.0]);
+        assert!((law.reach(radii) - 3.015).abs() < 1e-15);
+        assert!((law.overlap(3.005, radii) - 0.01).abs() < 1e-14);
+        assert!((law.force(0.01, radii) - 450.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn no_friction_below_the_critical_load() {
+        let law = law(Elasticity::Linear);
+        assert_eq!((law.cone(1.0), law.cone(2.0), law.cone(12.0)), (0.0, 0.0, 5.0));
+        assert!((cut(Vector::new(3.0, 4.0, 0.0), 1.0) - Vector::new(0.6, 0.8, 0.0)).length() < 1e-15);
+        assert_eq!(cut(Vector::X, 2.0), Vector::X);
+    }
+
+    #[test]
+    fn parameters_out_of_their_ranges_are_named() {
+        let good = law(Elasticity::Linear);
+        let said = |law: Contact| law.check().unwrap_err().to_string();
+        assert!(good.check().is_ok());
+        assert!(said(Contact { friction: -0.1, ..good }).starts_with("contacts.friction is -0.1; "));
+        assert!(said(Contact { roughness: 0.2, ..good }).starts_with("contacts.roughness is 0.2; "));
+        assert!(said(Contact { stiffness: 0.0, ..good }).starts_with("contacts.stiffness is 0; "));
+        assert!(said(Contact { critical_load: f64::NAN, ..good }).starts_with("contacts.critical_load is NaN; "));
+    }
+}

@@ -1,0 +1,94 @@
+//! What contacts remember, as columns of the particles.
+
+use domain::{Column, Particles, Vector};
+
+/// The contacts of now, and those found at the places of the evaluation at hand; there is no such column as the latter
+/// between substeps.
+pub const CONTACTS: &str = "contacts";
+pub const FOUND: &str = "contacts found";
+
+/// What a contact remembers, as one of its two particles sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Memory {
+    /// The force across the line of centres on the particle.
+    pub force: Vector,
+    /// The force of the rolling resistance, which makes the torque `a n x force` on the particle.
+    pub rolling: Vector,
+    /// The normal force.
+    pub normal: f64,
+    /// Whether it slides.
+    pub slides: bool,
+}
+
+/// Numbers of a contact: the id of the other particle plus 1, or 0 for none; what it remembers.
+pub const CONTACT_NUMBERS: usize = 9;
+
+/// The contacts that a particle can have at most, whose surfaces just touch it, with spheres of the largest ratio of radii
+/// all around: by the share of its surface, widened by the radius of the others, that these cover.
+pub fn most_contacts(radii: [f64; 2]) -> usize {
+    let ratio = radii[1] / radii[0];
+    (0.9 * 4.0 * (1.0 + ratio).powi(2)).ceil() as usize
+}
+
+/// What the contact of a row with the particle of an id remembers.
+pub fn recall(column: &Column, row: usize, id: u64) -> Option<Memory> {
+    let of_row = &column.values[row * column.width..][..column.width];
+    let mut slots = of_row.as_chunks::<CONTACT_NUMBERS>().0.iter().take_while(|slot| slot[0] != 0.0);
+    slots.find(|slot| slot[0] == (id + 1) as f64).map(|slot| Memory {
+        force: Vector::from_slice(&slot[1..4]),
+        rolling: Vector::from_slice(&slot[4..7]),
+        normal: slot[7],
+        slides: slot[8] != 0.0,
+    })
+}
+
+/// Fills the slots of a row; whether there are enough.
+pub fn note(column: &mut Column, row: usize, contacts: impl Iterator<Item = (u64, Memory)>) -> bool {
+    let width = column.width;
+    let of_row = &mut column.values[row * width..][..width];
+    of_row.fill(0.0);
+    let mut slots = of_row.as_chunks_mut::<CONTACT_NUMBERS>().0.iter_mut();
+    for (id, memory) in contacts {
+        let Some(slot) = slots.next() else { return false };
+        slot[0] = (id + 1) as f64;
+        slot[1..4].copy_from_slice(&memory.force.to_array());
+        slot[4..7].copy_from_slice(&memory.rolling.to_array());
+        slot[7] = memory.normal;
+        slot[8] = f64::from(u8::from(memory.slides));
+    }
+    true
+}
+
+/// Makes the contacts that were found those of now.
+pub fn keep(particles: &mut Particles) {
+    let Some(found) = particles.columns.iter().position(|column| column.name == FOUND) else { return };
+    let found = particles.columns.remove(found);
+    *particles.column(CONTACTS, found.width) = Column { name: CONTACTS.to_owned(), ..found };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_noted_is_recalled() {
+        let mut particles = Particles::default();
+        for id in 0..3 {
+            particles.push(id, Vector::ZERO, 1.0, 0);
+        }
+        let memory = Memory { force: Vector::X, rolling: Vector::Y, normal: 2.0, slides: true };
+        let column = particles.column(FOUND, 2 * CONTACT_NUMBERS);
+        assert!(note(column, 1, [(0, memory), (2, Memory::default())].into_iter()));
+        assert!(!note(column, 2, [(0, memory), (1, memory), (5, memory)].into_iter()), "there are two slots");
+        keep(&mut particles);
+        let column = particles.column(CONTACTS, 2 * CONTACT_NUMBERS).clone();
+        assert_eq!(recall(&column, 1, 0), Some(memory));
+        assert_eq!((recall(&column, 1, 2), recall(&column, 1, 1)), (Some(Memory::default()), None));
+        assert_eq!((recall(&column, 0, 0), particles.columns.len()), (None, 1));
+    }
+
+    #[test]
+    fn spheres_of_one_size_have_up_to_fifteen_contacts() {
+        assert_eq!((most_contacts([1.0, 1.0]), most_contacts([1.0, 1.4])), (15, 21));
+    }
+}

@@ -1,0 +1,62 @@
+//! What contacts amount to.
+
+use super::touching::AllTouching;
+use domain::{Comm, Particles, Tensor};
+use lubrication::Contact;
+
+/// What contacts amount to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// For each particle that this rank owns, its share of the symmetric first moments of contact forces: of a pair at
+    /// `x_i` and `x_j`, where the first feels the force `F`, that is the symmetric part of `-(x_i - x_j) F`, and each has a
+    /// share in proportion to its radius.
+    pub moments: Vec<Tensor>,
+    sums: Sums,
+}
+
+/// Sums over this rank's contacts, each of which two particles see.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Sums {
+    particles: f64,
+    contacts: f64,
+    frictional: f64,
+    sliding: f64,
+    energy: f64,
+    /// The largest overlap over the roughness.
+    overlap: f64,
+}
+
+impl Measured {
+    pub(super) fn of(law: &Contact, touching: &AllTouching, particles: &Particles) -> Self {
+        let mut moments = vec![Tensor::ZERO; particles.len()];
+        let mut sums = Sums { particles: particles.len() as f64, ..Sums::default() };
+        for contact in &touching.list {
+            let normal = law.force(contact.overlap, contact.radii);
+            let [force, _] = contact.load(normal, &contact.memory);
+            let arm = contact.arms[0] * contact.axis;
+            let moment = Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z);
+            moments[contact.rows[0]] += (moment + moment.transpose()) * 0.5;
+            sums.contacts += 1.0;
+            sums.frictional += f64::from(u8::from(law.cone(normal) > 0.0));
+            sums.sliding += f64::from(u8::from(contact.memory.slides));
+            let across = [contact.memory.force, contact.memory.rolling];
+            sums.energy += 0.5 * law.energy(contact.overlap, contact.radii, across);
+            let roughness = 0.5 * law.roughness * (contact.radii[0] + contact.radii[1]);
+            sums.overlap = sums.overlap.max(contact.overlap / roughness);
+        }
+        Self { moments, sums }
+    }
+
+    /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap
+    /// over the roughness, and the elastic energy. Collective.
+    pub fn numbers(&self, comm: &Comm) -> [f64; 5] {
+        let Sums { particles, contacts, frictional, sliding, energy, overlap } = self.sums;
+        let mut sums = [particles, contacts, frictional, sliding, energy];
+        let mut largest = [overlap];
+        comm.sum(&mut sums);
+        comm.max(&mut largest);
+        let [particles, contacts, frictional, sliding, energy] = sums;
+        let share = |part: f64| if contacts > 0.0 { part / contacts } else { 0.0 };
+        [contacts / particles, share(frictional), share(sliding), largest[0], energy]
+    }
+}

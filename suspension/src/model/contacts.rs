@@ -1,0 +1,148 @@
+//! Contacts of rough spheres.
+
+use super::spheres::volume;
+use super::{Flow, Integrator, Parameters, Start};
+use domain::{Number, ParameterError};
+use lubrication::{Contact, Elasticity};
+use std::f64::consts::PI;
+
+/// How rough spheres touch; what is `None` is chosen for the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contacts {
+    /// The coefficient of friction.
+    pub friction: f64,
+    /// Height of the asperities of two spheres together, over their mean radius.
+    pub roughness: f64,
+    /// Normal force over overlap and mean radius, or what keeps overlaps at `overlap`.
+    pub stiffness: Option<f64>,
+    /// The largest overlap that is aimed at, over the roughness.
+    pub overlap: f64,
+    /// Stiffness against slip over that against overlap.
+    pub tangential_ratio: f64,
+    /// The largest force of rolling resistance over the normal force.
+    pub rolling_friction: f64,
+    /// Normal force up to which there is no friction.
+    pub critical_load: f64,
+    /// How the force grows with the overlap.
+    pub law: Elasticity,
+}
+
+/// Largest overlap that is aimed at, over the roughness.
+const OVERLAP: f64 = 0.3;
+
+/// Largest overlaps over the mean radius are this, over `(1 - volume fraction / DENSEST)^POWER`, over the stiffness in units
+/// of viscosity times rate of shear over 6 pi: what runs of 100 to 200 spheres with friction have.
+const DEPTH: f64 = 3.5;
+const POWER: f64 = 1.8;
+const DENSEST: f64 = 0.62;
+
+/// Volume fractions that count as no larger ones where a stiffness is chosen.
+const LARGEST_FRACTION: f64 = 0.58;
+
+impl Contacts {
+    /// Contacts with a coefficient of friction.
+    pub fn new(friction: f64) -> Self {
+        Self {
+            friction,
+            roughness: Contact::ROUGHNESS,
+            stiffness: None,
+            overlap: OVERLAP,
+            tangential_ratio: Contact::TANGENTIAL_RATIO,
+            rolling_friction: 0.0,
+            critical_load: 0.0,
+            law: Elasticity::Linear,
+        }
+    }
+
+    /// The contact law in a suspension.
+    pub fn contact(&self, parameters: &Parameters) -> Contact {
+        Contact {
+            friction: self.friction,
+            roughness: self.roughness,
+            stiffness: self.stiffness.unwrap_or_else(|| self.sufficient_stiffness(parameters)),
+            tangential_ratio: self.tangential_ratio,
+            rolling_friction: self.rolling_friction,
+            critical_load: self.critical_load,
+            elasticity: self.law,
+        }
+    }
+
+    /// What keeps the largest overlaps about where they are aimed at, under the forces by which the flow, weight and the
+    /// critical load press spheres of the mean radius together.
+    fn sufficient_stiffness(&self, p: &Parameters) -> f64 {
+        let spheres: f64 = p.species.iter().map(|s| s.count.unwrap_or(1) as f64).sum();
+        let radius = p.species.iter().map(|s| s.count.unwrap_or(1) as f64 * s.radius).sum::<f64>() / spheres;
+        let filled = p.species.iter().map(|s| s.count.unwrap_or(0) as f64 * volume(s.radius)).sum::<f64>();
+        let fraction = (filled / p.cell.volume()).min(LARGEST_FRACTION);
+        let depth = DEPTH / (1.0 - fraction / DENSEST).powf(POWER);
+        let rate = if let Flow::Shear { rate, .. } = p.flow { rate.abs() } else { 0.0 };
+        let weight = p.species.iter().map(|s| s.force_on(s.radius, p.gravity).length()).fold(0.0, f64::max);
+        let load = 6.0 * PI * p.viscosity * rate * radius * radius + weight + self.critical_load;
+        let target = self.overlap * self.roughness;
+        let linear = depth * load / (target * radius * radius);
+        let stiffness = match self.law {
+            Elasticity::Linear => linear,
+            Elasticity::Hertz => linear / target.sqrt(),
+        };
+        // Where nothing presses spheres together any stiffness will do.
+        if stiffness > 0.0 { stiffness } else { p.viscosity / p.time_step }
+    }
+
+    pub(super) fn check(&self, p: &Parameters) -> Result<(), ParameterError> {
+        let error = |key: &str, message: String| Err(ParameterError::new(key, message));
+        if !p.hydrodynamics.lubrication {
+            let message = "need hydrodynamics.lubrication = true and multipoles = \"dipole\": spheres in contact roll and \
+                           slide by torques, and lubrication is what their springs are damped by";
+            return error("contacts", message.to_owned());
+        }
+        if !matches!(p.integrator, Integrator::Implicit(_)) {
+            let message = "can't hold contacts; their springs need \"implicit\", which is the default with [contacts]";
+            return error("time.integrator", message.to_owned());
+        }
+        if !(self.overlap > 0.0 && self.overlap < 1.0) {
+            let overlap = Number(self.overlap);
+            let message = format!("is {overlap}; spheres would touch bare: give more than 0 and less than 1");
+            return error("contacts.overlap", message);
+        }
+        self.contact(p).check()?;
+        let range = p.repulsion.and_then(|repulsion| repulsion.range).unwrap_or(f64::INFINITY);
+        if range <= self.roughness {
+            let (range, roughness) = (Number(range), Number(self.roughness));
+            let message = format!("is {range}, which ends inside the roughness: give more than {roughness}");
+            return error("repulsion.range", message);
+        }
+        self.check_images(p)
+    }
+
+    /// A contact is known by the ids of its two spheres.
+    fn check_images(&self, p: &Parameters) -> Result<(), ParameterError> {
+        let largest = p.species.iter().map(|s| s.radius).fold(0.0, f64::max);
+        let (shortest, least) = (p.cell.edges().min_element(), 4.0 * largest * (1.0 + 0.5 * self.roughness));
+        if shortest < least {
+            let [shortest, least] = [shortest, least].map(Number);
+            let message = format!(
+                "has an edge of {shortest}, along which a sphere could touch two images of another; with [contacts] \
+                 give {least:.5} or more"
+            );
+            return Err(ParameterError::new("box.edges", message));
+        }
+        Ok(())
+    }
+
+    /// The least gap of random starts that leaves contacts to the flow.
+    pub fn minimum_gap(&self, largest_radius: f64) -> f64 {
+        self.roughness * largest_radius
+    }
+}
+
+impl Parameters {
+    /// The same with spheres that start no nearer than their roughness, if they start at random.
+    #[must_use]
+    pub fn apart_by_roughness(mut self) -> Self {
+        let largest = self.species.iter().map(|s| s.radius).fold(0.0, f64::max);
+        if let (Start::Random { minimum_gap }, Some(contacts)) = (&mut self.start, &self.contacts) {
+            *minimum_gap = minimum_gap.max(contacts.minimum_gap(largest));
+        }
+        self
+    }
+}
