@@ -3,11 +3,12 @@
 use crate::model::{Flow, Model};
 use crate::plan::{Radii, problem};
 use crate::steadiness;
+use domain::Number;
 use fcm::Plan;
 
 /// All warnings of a scene, a sentence each.
 pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
-    let all = [straight_box(model), steadiness::caution(model, radii), burden(model, radii)];
+    let all = [straight_box(model), steadiness::caution(model, radii), long_steps(model), burden(model, radii)];
     all.into_iter().flatten().collect()
 }
 
@@ -15,6 +16,22 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
 fn burden(model: &Model, radii: &Radii) -> Option<String> {
     let problem = problem(model, radii);
     Plan::choose(&problem).ok()?.burden(&problem)
+}
+
+/// Strain of a step up to which viscosities of spheres in contact do not depend on it.
+const LONGEST_STRAIN: f64 = 0.01;
+
+/// Contacts stick and slide for a step at a time.
+fn long_steps(model: &Model) -> Option<String> {
+    let Flow::Shear { rate, .. } = model.flow else { return None };
+    let strain = (rate * model.time_step).abs();
+    let (step, limit) = (Number(model.time_step), Number(LONGEST_STRAIN / rate.abs()));
+    (model.contacts.is_some() && strain > LONGEST_STRAIN * 1.001).then(|| {
+        format!(
+            "time.step = {step} is a strain of {:.3}, and contacts stick or slide for a whole step; take {limit:.3} or less",
+            Number(strain)
+        )
+    })
 }
 
 /// In a straight box the flow `u = rate y` jumps by `rate Ly` across the faces along y. The stress that is observed is
@@ -38,6 +55,25 @@ mod tests {
         let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], (0.1, 1));
         let model = Model::new(Parameters { flow, ..usual }).unwrap();
         cautions(&model, &Radii::of_model(&model).unwrap())
+    }
+
+    #[test]
+    fn steps_too_long_for_contacts_are_warned_of() {
+        use crate::model::{Adaptive, Contacts, Hydrodynamics, Integrator};
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+        for (step, warned) in [(0.005, false), (0.006, true)] {
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], (step, 1));
+            let model = Model::new(Parameters {
+                flow: Flow::Shear { rate: -2.0, lees_edwards: true },
+                contacts: Some(Contacts::new(0.5)),
+                hydrodynamics: Hydrodynamics { lubrication: true, ..Hydrodynamics::default() },
+                integrator: Integrator::Implicit(Adaptive::UNLIMITED),
+                ..usual
+            });
+            let model = model.unwrap();
+            let said = cautions(&model, &Radii::of_model(&model).unwrap());
+            assert_eq!(said.iter().any(|s| s.contains("take 0.005 or less")), warned, "{said:?}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod tests;
 
 use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
+use crate::contacts::{CONTACT_NUMBERS, most_contacts};
 use crate::forces::barrier;
 use crate::hydrodynamics::memory::{pairs_bytes, solve_bytes, table_bytes};
 use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
@@ -148,10 +149,18 @@ impl Share<'_> {
     fn numbers(&self) -> usize {
         let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
         if self.is_rigid() {
-            velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.is_coupled()).numbers()
+            let kept = WarmStart::new(self.model.is_coupled()).numbers() + self.contact_numbers();
+            velocities + FRAME[1].1 + FRAME[2].1 + kept
         } else {
             velocities
         }
+    }
+
+    /// Numbers of a particle's contacts: of those at the start of a substep, and at its end.
+    fn contact_numbers(&self) -> usize {
+        let radii = self.model.species.iter().map(|s| s.radius);
+        let extremes = [radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)];
+        self.model.contacts.map_or(0, |_| 2 * CONTACT_NUMBERS * most_contacts(extremes))
     }
 
     fn is_rigid(&self) -> bool {

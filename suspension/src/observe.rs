@@ -109,9 +109,7 @@ impl Observer {
             suspension.comm().sum(counted.counts());
             row.push(vec![counted.intensity()]);
         }
-        if let Some(contacts) = suspension.contacts() {
-            row.extend(contacts.numbers(suspension.comm()).map(|number| vec![number]));
-        }
+        row.extend(suspension.contact_numbers().into_iter().flatten().map(|number| vec![number]));
         let (iterations, evaluations) = (iterations as f64, evaluations as f64);
         row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));
         row

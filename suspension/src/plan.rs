@@ -1,6 +1,6 @@
 //! How the fluid of a scene is to be computed.
 
-use crate::model::{Evaluation, Flow, Hydrodynamics, Model, Multipoles, Start};
+use crate::model::{Evaluation, Flow, Model, Multipoles, Start};
 use domain::{Comm, Particles};
 use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Problem};
 
@@ -86,7 +86,7 @@ pub fn problem(model: &Model, radii: &Radii) -> Problem {
         threads: 1,
         ranks: 1,
         costs: costs.unwrap_or_default(),
-        fixed: fixed(&model.hydrodynamics),
+        fixed: fixed(model),
     }
 }
 
@@ -98,12 +98,15 @@ pub fn largest_strain(model: &Model) -> f64 {
 }
 
 /// What the scene says of the plan.
-fn fixed(chosen: &Hydrodynamics) -> Fixed {
+fn fixed(model: &Model) -> Fixed {
+    let chosen = &model.hydrodynamics;
     let method = match chosen.method {
         Evaluation::Auto => None,
         Evaluation::Direct => Some(MethodName::Direct),
         Evaluation::Split => Some(MethodName::Split),
     };
-    let iteration_tolerance = chosen.iteration_tolerance;
+    // Where contacts begin to slide or to stick, motions jump: steps can use no more digits of a solve than are asked for.
+    let usual = model.contacts.map(|_| chosen.tolerance);
+    let iteration_tolerance = chosen.iteration_tolerance.or(usual);
     Fixed { method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
 }

@@ -245,8 +245,14 @@ impl Suspension {
         ParticleStress::by_species(&self.particles, [&repulsion, &contacts], (species, volume), &self.comm)
     }
 
+    /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap
+    /// over the roughness, and the elastic energy; nothing if spheres can't touch. Collective.
+    pub fn contact_numbers(&self) -> Option<[f64; 5]> {
+        self.contacts().map(|measured| measured.numbers(&self.comm))
+    }
+
     /// What contacts amount to, if there can be any. Collective.
-    pub(crate) fn contacts(&self) -> Option<Measured> {
+    fn contacts(&self) -> Option<Measured> {
         self.dynamics.measured_contacts(&self.particles)
     }
 

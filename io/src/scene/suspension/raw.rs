@@ -168,7 +168,7 @@ pub(super) struct Contacts {
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a number or \"auto\" was expected")]
 pub(super) enum Stiffness {
     Number(f64),
     Name(Auto),

@@ -1,0 +1,170 @@
+//! Contacts of rough spheres in runs.
+
+mod support;
+
+use domain::{Comm, Particles, Vector};
+use support::model_of;
+use suspension::{Model, Suspension};
+
+/// Two spheres in a shear flow that brings them together, in the plane of the flow.
+const PAIR: &str = r#"
+box.edges = [24.0, 24.0, 24.0]
+fluid.viscosity = 1.0
+flow = { kind = "shear", rate = 1.0 }
+hydrodynamics = { lubrication = true, tolerance = 1e-3 }
+contacts = { friction = 0.5, stiffness = 1e6 }
+particles = { initial = "positions", positions = [[11.0, 12.4, 12.0], [13.0, 11.6, 12.0]] }
+time = { step = 0.02, steps = 400 }
+[[species]]
+radius = 1.0
+count = 2
+"#;
+
+/// Spheres of two sizes, dense enough to touch soon, some across the faces of the box.
+const DENSE: &str = r#"
+seed = 7
+box.edges = [7.0, 7.5, 6.5]
+fluid.viscosity = 1.0
+flow = { kind = "shear", rate = 2.0 }
+hydrodynamics = { lubrication = true, tolerance = 1e-3 }
+contacts = { friction = 0.5, rolling_friction = 0.1, roughness = 0.02, stiffness = 2000.0 }
+time = { step = 0.01, steps = 30 }
+[[species]]
+name = "small"
+radius = 1.0
+count = 15
+[[species]]
+name = "large"
+radius = 1.3
+count = 7
+"#;
+
+/// What a run has of its contacts at its end: of a particle in the mean, with friction, sliding, overlap, energy.
+fn contacts(suspension: &mut Suspension) -> [f64; 5] {
+    suspension.contact_numbers().expect("spheres may touch")
+}
+
+/// From the first sphere to the second in the nearest image.
+fn apart(suspension: &Suspension) -> Vector {
+    let places = suspension.gathered(None).positions;
+    suspension.cell().nearest_image(places[0] - places[1])
+}
+
+/// Rough spheres that met part where their line is across the flow, and then move as smooth ones that pass so near: offsets
+/// at a distance of 3 radii downstream, from the exact two-sphere functions (da Cunha & Hinch, J. Fluid Mech. 309, 211, 1996).
+#[test]
+fn a_rough_pair_is_left_with_the_exact_offset() {
+    for (roughness, friction, exact) in [(5e-3, 0.0, 1.0175), (5e-3, 0.5, 1.0175), (5e-3, 5.0, 1.0175), (1e-2, 0.5, 1.126)] {
+        let keys = [format!("contacts.roughness={roughness}"), format!("contacts.friction={friction}")];
+        let model = model_of(PAIR, &keys.each_ref().map(String::as_str));
+        let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
+        let (mut before, mut offset) = (apart(&suspension), None);
+        while offset.is_none() {
+            suspension.step().unwrap();
+            let now = apart(&suspension);
+            offset = (now.x > 3.0).then(|| before.y + (3.0 - before.x) / (now.x - before.x) * (now.y - before.y));
+            before = now;
+            assert!(suspension.clock().step() < model.steps, "they part");
+        }
+        let error = offset.unwrap() / exact - 1.0;
+        assert!(error.abs() < 0.01, "roughness {roughness}, friction {friction}: off by {error:.4}");
+    }
+}
+
+/// Two spheres that forces press together rest with the overlap at which the spring bears them.
+#[test]
+fn a_pressed_pair_rests_on_its_spring() {
+    let squeezed = PAIR.replace("count = 2", "count = 1\nforce = [30.0, 0.0, 0.0]\n[[species]]\nname = \"other\"\nradius = 1.5\ncount = 1\nforce = [-30.0, 0.0, 0.0]");
+    for (law, stiffness, overlap) in [("linear", 1e4, 30.0 / 1.25e4), ("hertz", 3e5, (1e-4 / 1.2_f64.sqrt()).powf(2.0 / 3.0))] {
+        let keys = [
+            "flow.rate=0.0".to_owned(),
+            "particles.positions=[[10.0, 12.0, 12.0], [12.52, 12.0, 12.0]]".to_owned(),
+            format!("contacts.law=\"{law}\""),
+            format!("contacts.stiffness={stiffness}"),
+            "time.step=0.05".to_owned(),
+        ];
+        let model = model_of(&squeezed, &keys.each_ref().map(String::as_str));
+        let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
+        for _ in 0..100 {
+            suspension.step().unwrap();
+        }
+        let found = 2.5 + 0.005 * 1.25 - apart(&suspension).length();
+        assert!((found / overlap - 1.0).abs() < 1e-6, "{law}: overlap {found}, not {overlap}");
+        let [each, frictional, _, largest, energy] = contacts(&mut suspension);
+        assert!(each == 1.0 && frictional == 1.0 && (largest - found / 6.25e-3).abs() < 1e-9, "{each} {largest}");
+        let power = if law == "linear" { 0.5 } else { 0.4 };
+        assert!((energy / (power * 30.0 * found) - 1.0).abs() < 1e-5, "{law}: {energy}");
+    }
+}
+
+fn run(model: &Model, ranks: usize) -> (Particles, [f64; 5]) {
+    let all = Comm::threads(ranks, |comm| {
+        let mut suspension = Suspension::start(model, &comm).unwrap();
+        for _ in 0..model.steps {
+            suspension.step().unwrap();
+        }
+        let numbers = contacts(&mut suspension);
+        (suspension.gathered(None), numbers)
+    });
+    all.into_iter().next().unwrap()
+}
+
+#[test]
+fn ranks_agree() {
+    // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+    let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-10", "time.steps=25"];
+    let model = model_of(DENSE, &tight);
+    let (alone, numbers) = run(&model, 1);
+    assert!(numbers[0] > 0.2 && numbers[2] > 0.0, "they touch and slide: {numbers:?}");
+    for ranks in [2, 3, 7] {
+        let (together, others) = run(&model, ranks);
+        let errors = alone.positions.iter().zip(&together.positions).map(|(&a, &b)| (a - b).length());
+        let error = errors.fold(0.0, f64::max);
+        assert!(error < 1e-7, "{ranks} ranks: {error}");
+        assert!(numbers.iter().zip(others).all(|(a, b)| (a - b).abs() < 1e-5 * a.abs()), "{numbers:?} {others:?}");
+    }
+}
+
+/// Resumed after any step, of a box that turns on one of them.
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    let model = model_of(DENSE, &[]);
+    let comm = Comm::alone();
+    let mut whole = Suspension::start(&model, &comm).unwrap();
+    let mut turned = false;
+    for step in 0..model.steps {
+        let mut resumed = Suspension::resume(&model, Some(whole.state()), &comm).unwrap();
+        let strain = whole.cell().strain();
+        whole.step().unwrap();
+        resumed.step().unwrap();
+        turned |= whole.cell().strain() < strain;
+        assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
+    }
+    let touching = contacts(&mut whole)[0];
+    assert!(turned && touching > 0.5, "{turned} {touching}");
+}
+
+/// Contacts push and pull opposite particles alike: no net force or torque beyond what the stress has, whatever the axes.
+#[test]
+fn the_contact_stress_is_symmetric_and_presses() {
+    let model = model_of(DENSE, &[]);
+    let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
+    for _ in 0..model.steps {
+        suspension.step().unwrap();
+    }
+    let stress = suspension.stress(2).iter().fold(domain::Tensor::ZERO, |sum, s| sum + s.contact);
+    assert!((stress - stress.transpose()).col(0).length() < 1e-12 * stress.col(0).length());
+    let pressure = -(stress.col(0).x + stress.col(1).y + stress.col(2).z) / 3.0;
+    assert!(pressure > 0.0 && stress.col(0).y > 0.0, "{stress}");
+}
+
+#[test]
+fn without_friction_nothing_is_remembered_across() {
+    let model = model_of(DENSE, &["contacts.friction=0.0", "contacts.rolling_friction=0.0"]);
+    let (particles, numbers) = run(&model, 1);
+    assert!(numbers[0] > 0.5 && numbers[1] == 0.0, "{numbers:?}");
+    let column = particles.columns.iter().find(|column| column.name == "contacts").unwrap();
+    let slots = column.values.as_chunks::<9>().0;
+    assert!(slots.iter().all(|slot| slot[1..7].iter().all(|&force| force == 0.0)));
+    assert!(slots.iter().any(|slot| slot[7] > 0.0));
+}
