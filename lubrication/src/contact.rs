@@ -122,12 +122,6 @@ impl Contact {
     }
 }
 
-/// A vector cut to a length.
-pub fn cut(vector: Vector, longest: f64) -> Vector {
-    let length = vector.length();
-    if length > longest { vector * (longest / length) } else { vector }
-}
-
 fn mean(radii: [f64; 2]) -> f64 {
     0.5 * (radii[0] + radii[1])
 }
@@ -179,8 +173,6 @@ mod tests {
     fn no_friction_below_the_critical_load() {
         let law = law(Elasticity::Linear);
         assert_eq!((law.cone(1.0), law.cone(2.0), law.cone(12.0)), (0.0, 0.0, 5.0));
-        assert!((cut(Vector::new(3.0, 4.0, 0.0), 1.0) - Vector::new(0.6, 0.8, 0.0)).length() < 1e-15);
-        assert_eq!(cut(Vector::X, 2.0), Vector::X);
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub mod two_sphere;
 pub use arithmetic::Arithmetic;
 pub use barrier::{Barrier, BarrierError};
 pub use coefficients::{Coefficients, RECORD};
-pub use contact::{Contact, Elasticity, cut};
+pub use contact::{Contact, Elasticity};
 pub use opening::{Detail, opening_mobility};
 pub use pair_factor::PairFactor;
 pub use pair_force::{PairForce, PairForceError};

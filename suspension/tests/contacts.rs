@@ -164,7 +164,7 @@ fn without_friction_nothing_is_remembered_across() {
     let (particles, numbers) = run(&model, 1);
     assert!(numbers[0] > 0.5 && numbers[1] == 0.0, "{numbers:?}");
     let column = particles.columns.iter().find(|column| column.name == "contacts").unwrap();
-    let slots = column.values.as_chunks::<9>().0;
+    let slots = column.values.as_chunks::<10>().0;
     assert!(slots.iter().all(|slot| slot[1..7].iter().all(|&force| force == 0.0)));
     assert!(slots.iter().any(|slot| slot[7] > 0.0));
 }

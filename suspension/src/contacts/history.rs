@@ -8,7 +8,7 @@ pub const CONTACTS: &str = "contacts";
 pub const FOUND: &str = "contacts found";
 
 /// What a contact remembers, as one of its two particles sees it.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
     /// The force across the line of centres on the particle.
     pub force: Vector,
@@ -16,12 +16,18 @@ pub struct Memory {
     pub rolling: Vector,
     /// The normal force.
     pub normal: f64,
-    /// Whether it slides.
-    pub slides: bool,
+    /// Those two forces over what springs that neither slide nor roll off would have: 1 for such.
+    pub shares: [f64; 2],
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self { force: Vector::ZERO, rolling: Vector::ZERO, normal: 0.0, shares: [1.0; 2] }
+    }
 }
 
 /// Numbers of a contact: the id of the other particle plus 1, or 0 for none; what it remembers.
-pub const CONTACT_NUMBERS: usize = 9;
+pub const CONTACT_NUMBERS: usize = 10;
 
 /// The contacts that a particle can have at most, whose surfaces just touch it, with spheres of the largest ratio of radii
 /// all around: by the share of its surface, widened by the radius of the others, that these cover.
@@ -38,7 +44,7 @@ pub fn recall(column: &Column, row: usize, id: u64) -> Option<Memory> {
         force: Vector::from_slice(&slot[1..4]),
         rolling: Vector::from_slice(&slot[4..7]),
         normal: slot[7],
-        slides: slot[8] != 0.0,
+        shares: [slot[8], slot[9]],
     })
 }
 
@@ -54,7 +60,7 @@ pub fn note(column: &mut Column, row: usize, contacts: impl Iterator<Item = (u64
         slot[1..4].copy_from_slice(&memory.force.to_array());
         slot[4..7].copy_from_slice(&memory.rolling.to_array());
         slot[7] = memory.normal;
-        slot[8] = f64::from(u8::from(memory.slides));
+        slot[8..].copy_from_slice(&memory.shares);
     }
     true
 }
@@ -76,7 +82,7 @@ mod tests {
         for id in 0..3 {
             particles.push(id, Vector::ZERO, 1.0, 0);
         }
-        let memory = Memory { force: Vector::X, rolling: Vector::Y, normal: 2.0, slides: true };
+        let memory = Memory { force: Vector::X, rolling: Vector::Y, normal: 2.0, shares: [0.5, 1.0] };
         let column = particles.column(FOUND, 2 * CONTACT_NUMBERS);
         assert!(note(column, 1, [(0, memory), (2, Memory::default())].into_iter()));
         assert!(!note(column, 2, [(0, memory), (1, memory), (5, memory)].into_iter()), "there are two slots");

@@ -38,7 +38,7 @@ impl Measured {
             moments[contact.rows[0]] += (moment + moment.transpose()) * 0.5;
             sums.contacts += 1.0;
             sums.frictional += f64::from(u8::from(law.cone(normal) > 0.0));
-            sums.sliding += f64::from(u8::from(contact.memory.slides));
+            sums.sliding += f64::from(u8::from(contact.memory.shares[0] < 1.0));
             let across = [contact.memory.force, contact.memory.rolling];
             sums.energy += 0.5 * law.energy(contact.overlap, contact.radii, across);
             let roughness = 0.5 * law.roughness * (contact.radii[0] + contact.radii[1]);

@@ -9,7 +9,7 @@ use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
-use lubrication::{Contact, cut};
+use lubrication::Contact;
 pub use measured::Measured;
 use touching::{AllTouching, Touching, across};
 
@@ -33,18 +33,40 @@ pub struct Ahead {
 /// Contacts at the places of an evaluation, whose forces are to be those at its end.
 ///
 /// With `w` the rate at which the centres part, `w*` that expected and `d*` the overlap at the places that it leads to, the
-/// normal force is `F_n(d*) - t k (w - w*)`, linear in what is solved for. A contact that sticks has the force
-/// `f + t k_t v` across, with `f` that at the start and `v` the slip; one that slid at the start goes on with what friction
-/// allows under the normal force at the start, in the direction of its force.
+/// normal force is `F_n(d*) - t k (w - w*)`, linear in what is solved for. Across, with `f` the force at the start of the
+/// substep `h`, `v` the slip and `v*` that of the solution before, it is
+///
+/// ```text
+/// f + h k_t v                    of a contact that stuck at the start
+/// f + s/2 h k_t (v - v*)         of one that slid
+/// ```
+///
+/// where `s` is the share of the spring's force that friction allowed at the start. At the end the force is that of the spring,
+/// `f + h k_t v`, cut to what friction allows under the normal force then. So a contact that slides steadily has the force
+/// that it had, whichever way it turns, and is known within some substeps where that changes: the derivative of the cut force
+/// is `s h k_t` across the slip and nothing along it, and half of that brings either about equally fast.
 pub struct Acting {
     law: Contact,
     slots: usize,
     ahead: Ahead,
     touching: AllTouching,
-    /// Of each that touches, how fast the centres part as expected.
-    expected: Vec<f64>,
+    /// Of each that touches.
+    expected: Vec<Expected>,
     strain_rate: Traceless,
 }
+
+/// What is expected of a contact.
+#[derive(Debug, Clone, Copy)]
+struct Expected {
+    /// How fast the centres part.
+    parting: f64,
+    /// The slip and the velocity of rolling, as in the solution before.
+    slip: Vector,
+    rolling: Vector,
+}
+
+/// Of the derivative of a force that is cut, what goes with the solve.
+const CUT: f64 = 0.5;
 
 /// What the contact of a row with the particle of an id remembers at the end.
 type End = (usize, u64, Memory);
@@ -55,17 +77,25 @@ impl Contacts {
         Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii) }
     }
 
-    /// The contacts of particles whose velocities relative to a flow of some rate of strain are expected to be given ones.
-    /// Collective.
+    /// The contacts of particles whose velocities relative to a flow of some rate of strain are expected to be given ones,
+    /// after the motions of the solution before. Collective.
     pub fn acting(
         &self,
         particles: &Particles,
         place: (&PeriodicBox, &Partition),
         (ahead, expected, strain_rate): (Ahead, &[Vector], Traceless),
+        before: &Motion,
     ) -> Acting {
         let touching = AllTouching::find(&self.law, particles, place, self.reach);
-        let expected = touching.present(expected);
-        let expected = touching.list.iter().map(|contact| contact.parting(&expected)).collect();
+        let parting = touching.present(expected);
+        let velocities = touching.present(&before.velocities);
+        let angular = touching.present(&before.angular_velocities);
+        let of_one = |contact: &Touching| Expected {
+            parting: contact.parting(&parting),
+            slip: contact.slip(&velocities, &angular, strained(contact, strain_rate)),
+            rolling: contact.rolling(&angular),
+        };
+        let expected = touching.list.iter().map(of_one).collect();
         Acting { law: self.law, slots: self.slots, ahead, touching, expected, strain_rate }
     }
 
@@ -82,14 +112,12 @@ impl Acting {
         loads.forces.resize(owned, Vector::ZERO);
         loads.torques.resize(owned, Vector::ZERO);
         for (contact, expected) in self.touching.list.iter().zip(&self.expected) {
-            let [along, slip, _] = self.resistances(contact);
-            let normal = self.law.force(contact.overlap, contact.radii) + along * expected;
-            let memory = if contact.memory.slides {
-                self.slid(contact.memory, contact.memory.normal)
-            } else {
-                let strained = slip * across(self.strained(contact), contact.axis);
-                Memory { force: contact.memory.force + strained, ..contact.memory }
-            };
+            let [along, slip, roll] = self.resistances(contact);
+            let normal = self.law.force(contact.overlap, contact.radii) + along * expected.parting;
+            let [slides, rolls] = contact.memory.shares.map(|share| if share < 1.0 { 1.0 } else { 0.0 });
+            let mut memory = contact.memory;
+            memory.force += slip * (across(self.strained(contact), contact.axis) - slides * expected.slip);
+            memory.rolling -= roll * rolls * expected.rolling;
             let [force, torque] = contact.load(normal, &memory);
             loads.forces[contact.rows[0]] += force;
             loads.torques[contact.rows[0]] += torque;
@@ -127,18 +155,18 @@ impl Acting {
     fn ends(&self, motion: &Motion) -> Vec<End> {
         let velocities = self.touching.present(&motion.velocities);
         let angular = self.touching.present(&motion.angular_velocities);
-        let end = |(contact, expected): (&Touching, &f64)| {
+        let end = |(contact, expected): (&Touching, &Expected)| {
             let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.radii);
             let known = self.law.force(contact.overlap, contact.radii);
-            let normal = (known - stiffness * (contact.parting(&velocities) - expected)).max(0.0);
+            let normal = (known - stiffness * (contact.parting(&velocities) - expected.parting)).max(0.0);
             let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.radii);
             let slip = contact.slip(&velocities, &angular, self.strained(contact));
             let force = contact.memory.force + spring * slip;
             let rolling = contact.memory.rolling + spring * contact.rolling(&angular);
-            // What slid and would go back sticks: it would change its direction for ever.
-            let goes_on = !contact.memory.slides || slip.dot(contact.memory.force) >= 0.0;
-            let slides = goes_on && force.length() > self.law.cone(normal);
-            (contact.rows[0], contact.other, Memory { slides, ..self.slid(Memory { force, rolling, ..contact.memory }, normal) })
+            let most = [self.law.cone(normal), self.law.rolling_friction * normal];
+            let shares = [share(force, most[0]), share(rolling, most[1])];
+            let memory = Memory { force: shares[0] * force, rolling: shares[1] * rolling, normal, shares };
+            (contact.rows[0], contact.other, memory)
         };
         self.touching.list.iter().zip(&self.expected).map(end).collect()
     }
@@ -146,21 +174,25 @@ impl Acting {
     /// Along the line of centres, to slip and to rolling.
     fn resistances(&self, contact: &Touching) -> [f64; 3] {
         let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.radii);
-        let across = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.radii);
-        let sticks = !contact.memory.slides && self.law.friction > 0.0;
-        let [slip, rolling] = [sticks, sticks && self.law.rolling_friction > 0.0].map(|s| if s { across } else { 0.0 });
-        [along, slip, rolling]
+        let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.radii);
+        let of_share = |share: f64| if share < 1.0 { CUT * share * spring } else { spring };
+        let [slip, rolling] = contact.memory.shares.map(of_share);
+        let on = |friction: f64, resistance: f64| if friction > 0.0 { resistance } else { 0.0 };
+        [along, on(self.law.friction, slip), on(self.law.rolling_friction, rolling)]
     }
 
-    /// What friction allows under a normal force.
-    fn slid(&self, memory: Memory, normal: f64) -> Memory {
-        let force = cut(memory.force, self.law.cone(normal));
-        let rolling = cut(memory.rolling, self.law.rolling_friction * normal);
-        Memory { force, rolling, normal, ..memory }
-    }
-
-    /// How fast the flow's strain moves the centres apart.
     fn strained(&self, contact: &Touching) -> Vector {
-        self.strain_rate.tensor() * contact.separation
+        strained(contact, self.strain_rate)
     }
+}
+
+/// How fast a flow's strain moves the centres apart.
+fn strained(contact: &Touching, strain_rate: Traceless) -> Vector {
+    strain_rate.tensor() * contact.separation
+}
+
+/// By what a force is to be multiplied not to be larger than some.
+fn share(force: Vector, most: f64) -> f64 {
+    let length = force.length();
+    if length > most { most / length } else { 1.0 }
 }
