@@ -23,9 +23,9 @@ const LONGEST_STRAIN: f64 = 0.01;
 
 /// Contacts stick and slide for a step at a time.
 fn long_steps(model: &Model) -> Option<String> {
-    let Flow::Shear { rate, .. } = model.flow else { return None };
-    let strain = (rate * model.time_step).abs();
-    let (step, limit) = (Number(model.time_step), Number(LONGEST_STRAIN / rate.abs()));
+    let rate = model.shear_rates().largest();
+    let strain = rate * model.time_step;
+    let (step, limit) = (Number(model.time_step), Number(LONGEST_STRAIN / rate));
     (model.contacts.is_some() && strain > LONGEST_STRAIN * 1.001).then(|| {
         format!(
             "time.step = {step} is a strain of {:.3}, and contacts stick or slide for a whole step; take {limit:.3} or less",

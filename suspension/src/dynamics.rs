@@ -8,12 +8,13 @@ use crate::fluid;
 use crate::forces::{Ahead, Forces};
 use crate::gap::Gap;
 use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, ShortRange, Solved, Springs};
-use crate::integrator::EXPECTED;
+use crate::integrator::{self, EXPECTED};
 use crate::model::{Integrator, Model, Multipoles};
 use crate::moving_box::MovingBox;
 use crate::relative_motion::RelativeMotion;
 use crate::setup::Setup;
 use crate::step_error::StepError;
+use crate::substeps;
 use crate::warm_start::WarmStart;
 use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, PlanError, SolveError};
@@ -50,9 +51,9 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// When a fraction of a step is over, solutions being remembered at the start of each step.
-    pub fn in_step(clock: &Clock, fraction: f64) -> Self {
-        let ages = (0..=clock.step().min(2)).map(|k| k as f64 * clock.dt()).collect();
+    /// When a fraction of a step is over, solutions being remembered at the start of each of so many steps before.
+    pub fn in_step(clock: &Clock, fraction: f64, steps: u64) -> Self {
+        let ages = (0..=steps.min(2)).map(|k| k as f64 * clock.dt()).collect();
         Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt(), implicit: None }
     }
 }
@@ -61,7 +62,6 @@ impl Moment {
 pub struct Dynamics {
     partition: Partition,
     moving: MovingBox,
-    flow: BackgroundFlow,
     forces: Forces,
     contacts: Option<Contacts>,
     applied: AppliedForces,
@@ -97,7 +97,6 @@ impl Dynamics {
             smallest_radius: setup.radii.smallest(),
             partition: setup.partition,
             moving: setup.moving,
-            flow: setup.flow,
         };
         Ok((dynamics, setup.particles))
     }
@@ -122,6 +121,23 @@ impl Dynamics {
     /// Where the box is in time, to go back to.
     pub fn moving_box(&self) -> &MovingBox {
         &self.moving
+    }
+
+    /// Makes the flow what it is from the step on that begins, if it changes then: nothing of the past goes on, and the
+    /// velocities are computed again. Collective.
+    pub fn begin_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<(), StepError> {
+        if self.moving.begin(clock.step()) {
+            integrator::forget(particles);
+            substeps::forget(particles);
+            self.warm_start.forget(particles);
+            self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;
+        }
+        Ok(())
+    }
+
+    /// Steps of the present flow before that which begins.
+    pub fn steps_before(&self, clock: &Clock) -> u64 {
+        clock.step() - self.moving.began()
     }
 
     /// Goes back to a box of the past.
@@ -151,7 +167,7 @@ impl Dynamics {
             Some(contacts) => {
                 let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
                 let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
-                let with = (contacts::Ahead { along, across }, velocities, self.flow.strain_rate());
+                let with = (contacts::Ahead { along, across }, velocities, self.flow().strain_rate());
                 let before = self.warm_start.motion(particles);
                 let touching = contacts.acting(particles, (&cell, &self.partition), with, &before);
                 touching.add_to(&mut loads);
@@ -179,7 +195,7 @@ impl Dynamics {
         let forces = &self.forces;
         let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
-        let acting = Acting { loads, strain_rate: self.flow.strain_rate(), springs: springs.as_ref() };
+        let acting = Acting { loads, strain_rate: self.flow().strain_rate(), springs: springs.as_ref() };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         self.record(particles, &solved);
@@ -197,7 +213,7 @@ impl Dynamics {
     /// A column of velocities less those of the background flow.
     fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
         let velocities = particles.vectors(name).to_vec();
-        velocities.iter().zip(&particles.positions).map(|(&v, &x)| v - self.flow.velocity(x)).collect()
+        velocities.iter().zip(&particles.positions).map(|(&v, &x)| v - self.flow().velocity(x)).collect()
     }
 
     /// Why the flow could not be found at a step. Collective.
@@ -234,10 +250,10 @@ impl Dynamics {
     /// Writes what was solved for into the particles' columns, the background flow included.
     fn record(&self, particles: &mut Particles, solved: &Solved) {
         let carried = particles.positions.iter().zip(&solved.motion.velocities);
-        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.flow.velocity(x)).collect();
+        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.flow().velocity(x)).collect();
         particles.vectors(VELOCITY).copy_from_slice(&velocities);
         if self.rigid {
-            let rotation = self.flow.angular_velocity();
+            let rotation = self.flow().angular_velocity();
             let turning = particles.vectors(ANGULAR_VELOCITY);
             for (turning, &own) in turning.iter_mut().zip(&solved.motion.angular_velocities) {
                 *turning = own + rotation;
@@ -286,7 +302,7 @@ impl Dynamics {
 
     /// The background flow.
     pub fn flow(&self) -> &BackgroundFlow {
-        &self.flow
+        self.moving.flow()
     }
 
     /// How the fluid is computed, in words.

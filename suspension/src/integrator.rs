@@ -2,7 +2,6 @@
 
 use crate::columns::VELOCITY;
 use domain::{Particles, Vector};
-use simulation::Clock;
 
 /// Velocities of the steps before, the last one first.
 pub const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocity 3"];
@@ -87,21 +86,21 @@ impl AdamsBashforth {
     }
 }
 
-/// Takes one step.
+/// Takes one step of a length, after so many others.
 ///
 /// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step;
 /// it may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
 /// column must hold the velocities of now when this is called, and holds those of the step's end afterwards.
 pub fn advance<E>(
     particles: &mut Particles,
-    clock: &Clock,
+    (dt, steps): (f64, u64),
     method: AdamsBashforth,
     mut evaluate: impl FnMut(&mut Particles, f64) -> Result<(), E>,
 ) -> Result<(), E> {
-    if clock.step() < method.first_steps() {
-        runge_kutta(particles, clock.dt(), &mut evaluate)?;
+    if steps < method.first_steps() {
+        runge_kutta(particles, dt, &mut evaluate)?;
     } else {
-        method.go(particles, clock.dt());
+        method.go(particles, dt);
     }
     evaluate(particles, 1.0)
 }
@@ -139,6 +138,11 @@ pub fn move_by<const N: usize>(particles: &mut Particles, columns: [&str; N], we
     }
 }
 
+/// Forgets all velocities but those of now.
+pub fn forget(particles: &mut Particles) {
+    particles.columns.retain(|column| column.name == VELOCITY || !VELOCITY_COLUMNS.contains(&column.name.as_str()));
+}
+
 /// Makes the velocities of now the last past ones.
 pub fn remember(particles: &mut Particles) {
     copy(particles, PAST[1], PAST[2]);
@@ -156,6 +160,7 @@ fn copy(particles: &mut Particles, from: &str, to: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use simulation::Clock;
 
     /// A particle on a circle whose angular velocity changes in time: `x' = (1 + t) e_z x x`.
     fn circle(particles: &mut Particles, time: f64) {
@@ -174,7 +179,7 @@ mod tests {
                 circle(particles, clock.time_at(fraction));
                 Ok::<(), ()>(())
             };
-            advance(&mut particles, &clock, method, go).unwrap();
+            advance(&mut particles, (clock.dt(), clock.step()), method, go).unwrap();
             clock.tick();
         }
         let angle = 2.0_f64 + 2.0;
@@ -204,7 +209,7 @@ mod tests {
         decay(&mut particles, 0.0).unwrap();
         let mut clock = Clock::at(0, dt);
         for _ in 0..4000 {
-            advance(&mut particles, &clock, method, decay).unwrap();
+            advance(&mut particles, (clock.dt(), clock.step()), method, decay).unwrap();
             clock.tick();
         }
         particles.positions[0].length()
@@ -229,7 +234,7 @@ mod tests {
             let mut clock = Clock::at(0, dt);
             for _ in 0..3 {
                 let time = clock;
-                advance(&mut particles, &clock, AdamsBashforth::Four, |p, f| {
+                advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, |p, f| {
                     circle(p, time.time_at(f));
                     Ok::<(), ()>(())
                 })
@@ -244,7 +249,7 @@ mod tests {
         let mut particles = Particles::default();
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
-        advance(&mut particles, &Clock::at(0, 0.1), AdamsBashforth::Four, |_, _| Ok::<(), ()>(())).unwrap();
+        advance(&mut particles, (0.1, 0), AdamsBashforth::Four, |_, _| Ok::<(), ()>(())).unwrap();
         assert!(particles.columns.iter().all(|c| !STAGES.contains(&c.name.as_str())), "no stage outlives its step");
     }
 
@@ -254,6 +259,6 @@ mod tests {
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
         let method = AdamsBashforth::Four;
-        assert_eq!(advance(&mut particles, &Clock::at(5, 0.1), method, |_, _| Err("no")), Err("no"));
+        assert_eq!(advance(&mut particles, (0.1, 5), method, |_, _| Err("no")), Err("no"));
     }
 }

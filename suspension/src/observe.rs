@@ -102,7 +102,7 @@ impl Observer {
         self.overlaps.see(smallest_gap);
         let mut row = vec![components(&means), components(&variances)];
         if let Some(rheology) = &self.rheology {
-            row.extend(rheology.row(&suspension.stress(self.species.len())));
+            row.extend(rheology.row(&suspension.stress(self.species.len()), suspension.shear()));
         }
         if let Some(columns) = &self.columns {
             let mut counted = counted(columns, suspension.particles());

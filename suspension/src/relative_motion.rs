@@ -145,7 +145,9 @@ impl<const N: usize> MovingPair<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use domain::{PeriodicBox, Tensor};
+    use crate::model::ShearRates;
+    use domain::PeriodicBox;
+    use simulation::Clock;
 
     const VELOCITY: &str = "velocity";
 
@@ -170,7 +172,7 @@ mod tests {
                 let mut particles = if comm.is_first() { chain() } else { Particles::default() };
                 particles.vectors(VELOCITY);
                 particles.migrate(&partition, &cell);
-                let moving = MovingBox::at(0.0, cell, Tensor::ZERO, 0.0);
+                let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, &[], 1.0), true);
                 let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
                 let apart = approach.apart([1.0], 1e-3, &comm).expect("an end");
                 let moved: Vec<Vector> = particles.vectors(VELOCITY).iter().zip(&apart).map(|(&v, &a)| v + a).collect();
@@ -190,7 +192,7 @@ mod tests {
     fn what_keeps_its_gap_stays_where_it_is() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
         let partition = Partition::new(&Comm::alone(), [8, 8]);
-        let moving = MovingBox::at(0.0, cell, Tensor::ZERO, 0.0);
+        let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, &[], 1.0), true);
         let mut particles = chain();
         let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
         let apart = approach.apart([-1.0], 1e-3, &Comm::alone());

@@ -1,6 +1,6 @@
 //! What is observed of the stress of a sheared suspension.
 
-use crate::model::{Flow, Model, Multipoles};
+use crate::model::{Model, Multipoles};
 use crate::stress::ParticleStress;
 use domain::Tensor;
 use simulation::Quantity;
@@ -8,8 +8,9 @@ use simulation::Quantity;
 /// The rows of the time series that tell of stress, in a shear flow `u = rate y e_x`.
 pub struct Rheology {
     species: Vec<String>,
-    /// Stress of the fluid alone, `mu rate`.
-    fluid: f64,
+    viscosity: f64,
+    /// Whether the rate of shear changes.
+    changes: bool,
     origins: Vec<Origin>,
 }
 
@@ -21,10 +22,10 @@ const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 impl Rheology {
     /// What a scene has of it; nothing if it isn't sheared.
     pub fn of(model: &Model) -> Option<Self> {
-        let rate = match model.flow {
-            Flow::Shear { rate, .. } if rate != 0.0 => rate,
-            _ => return None,
-        };
+        let rates = model.shear_rates();
+        if rates.largest() == 0.0 {
+            return None;
+        }
         let all: [(bool, Origin); 4] = [
             (model.hydrodynamics.multipoles == Multipoles::Dipole, ("stress_stresslet", |s| s.stresslet)),
             (model.hydrodynamics.lubrication, ("stress_lubrication", |s| s.lubrication)),
@@ -33,13 +34,13 @@ impl Rheology {
         ];
         let species = model.species.iter().map(|s| s.name.clone()).collect();
         let origins = all.into_iter().filter(|(present, _)| *present).map(|(_, origin)| origin).collect();
-        Some(Self { species, fluid: model.viscosity * rate, origins })
+        Some(Self { species, viscosity: model.viscosity, changes: !rates.is_constant(), origins })
     }
 
     /// The stress by origin and species, and what it amounts to: with `s` the sum of all of it,
     ///
     /// ```text
-    /// relative viscosity = 1 + s_xy / (mu rate),  N1 = s_xx - s_yy,  N2 = s_yy - s_zz,  particle pressure = -tr(s) / 3
+    /// shear stress = mu rate + s_xy,  relative viscosity = 1 + s_xy / (mu rate),  N1 = s_xx - s_yy,  N2 = s_yy - s_zz,  particle pressure = -tr(s) / 3
     /// ```
     pub fn quantities(&self) -> Vec<Quantity> {
         let unit = "force/length^2";
@@ -48,6 +49,10 @@ impl Rheology {
             Quantity { name, unit, table: Some((self.species.clone(), columns)) }
         };
         let mut quantities: Vec<Quantity> = self.origins.iter().map(table).collect();
+        if self.changes {
+            let all = [("shear_rate", "1/time"), ("strain", ""), ("shear_stress", unit)];
+            quantities.extend(all.map(|(name, unit)| Quantity::number(name, unit)));
+        }
         quantities.push(Quantity::number("relative_viscosity", ""));
         for name in ["first_normal_stress_difference", "second_normal_stress_difference", "particle_pressure"] {
             quantities.push(Quantity::number(name, unit));
@@ -55,13 +60,17 @@ impl Rheology {
         quantities
     }
 
-    /// The numbers of these quantities.
-    pub fn row(&self, stress: &[ParticleStress]) -> Vec<Vec<f64>> {
+    /// The numbers of these quantities at a rate of shear and a strain.
+    pub fn row(&self, stress: &[ParticleStress], [rate, strain]: [f64; 2]) -> Vec<Vec<f64>> {
         let of_all = |&(_, part): &Origin| stress.iter().flat_map(|s| components(&part(s))).collect();
         let mut row: Vec<Vec<f64>> = self.origins.iter().map(of_all).collect();
         let total = stress.iter().fold(Tensor::ZERO, |sum, s| sum + s.total());
         let [xx, xy, _, yy, _, zz] = components(&total);
-        row.extend([1.0 + xy / self.fluid, xx - yy, yy - zz, -(xx + yy + zz) / 3.0].map(|number| vec![number]));
+        let fluid = self.viscosity * rate;
+        if self.changes {
+            row.extend([rate, strain, fluid + xy].map(|number| vec![number]));
+        }
+        row.extend([1.0 + xy / fluid, xx - yy, yy - zz, -(xx + yy + zz) / 3.0].map(|number| vec![number]));
         row
     }
 }

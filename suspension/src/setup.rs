@@ -11,7 +11,6 @@ use crate::plan::{Radii, plan};
 use domain::{Comm, Failure, GivenPositions, Particles, Partition};
 use fcm::{Plan, PlanError};
 use simulation::Clock;
-use solver::BackgroundFlow;
 
 /// What a run and its outline have in common.
 pub struct Setup {
@@ -23,9 +22,7 @@ pub struct Setup {
     pub plan: Plan,
     /// Which rank owns what.
     pub partition: Partition,
-    /// The background flow.
-    pub flow: BackgroundFlow,
-    /// The box.
+    /// The box, and the background flow.
     pub moving: MovingBox,
 }
 
@@ -72,19 +69,15 @@ impl Setup {
         (comm, step): (&Comm, u64),
     ) -> Result<Self, StartError> {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-        let (flow, box_rate) = match model.flow {
-            Flow::Shear { rate, lees_edwards } => (BackgroundFlow::shear(rate), if lees_edwards { rate } else { 0.0 }),
-            _ => (BackgroundFlow::NONE, 0.0),
-        };
-        let time = Clock::at(step, model.time_step).time();
-        let moving = MovingBox::at(time, model.cell, flow.gradient(), box_rate);
+        let shears = !matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
+        let moving = MovingBox::at(&Clock::at(step, model.time_step), model.cell, model.shear_rates(), shears);
         if model.fields {
             let planned = plan.on_the_grid_alone(moving.largest_strain());
             comm.agree(planned).map_err(StartError::Fields)?;
         }
         particles.wrap(moving.cell());
         particles.migrate(&partition, moving.cell());
-        Ok(Self { particles, radii, plan, partition, flow, moving })
+        Ok(Self { particles, radii, plan, partition, moving })
     }
 
     /// The smallest gap between the surfaces of two particles. Collective.

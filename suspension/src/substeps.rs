@@ -59,6 +59,11 @@ pub fn ages(particles: &mut Particles, comm: &Comm) -> Vec<f64> {
     std::iter::once(0.0).chain(known.into_iter().take_while(|&age| age > 0.0)).collect()
 }
 
+/// Forgets that there were substeps.
+pub fn forget(particles: &mut Particles) {
+    particles.columns.retain(|column| ![AGES, AHEAD].contains(&column.name.as_str()));
+}
+
 /// Notes that a substep has passed.
 pub fn grow_older(particles: &mut Particles, ages: &[f64], step: f64) {
     let next = [step, ages.get(1).map_or(0.0, |age| age + step)];

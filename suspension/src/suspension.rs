@@ -61,7 +61,7 @@ impl Suspension {
     pub fn start_with(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
         let (mut dynamics, mut particles) = Dynamics::new(model, Setup::start(model, placed, comm)?)?;
         let clock = Clock::at(0, model.time_step);
-        let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0))?;
+        let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0, 0))?;
         let (integrator, evaluations) = (model.integrator, dynamics.evaluations());
         Ok(Self {
             particles,
@@ -154,7 +154,8 @@ impl Suspension {
             return Ok(());
         }
         let evaluated = self.or_as_before(|suspension| {
-            let now = Moment::in_step(&suspension.clock, 0.0);
+            let steps = suspension.dynamics.steps_before(&suspension.clock);
+            let now = Moment::in_step(&suspension.clock, 0.0, steps);
             suspension.outcome = suspension.dynamics.evaluate(&mut suspension.particles, &now)?;
             Ok(())
         });
@@ -178,6 +179,7 @@ impl Suspension {
     fn take_step(&mut self) -> Result<(), StepError> {
         let Self { particles, dynamics, clock, outcome, integrator, .. } = self;
         let before = dynamics.evaluations();
+        dynamics.begin_step(particles, clock)?;
         *outcome = match integrator {
             Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
             Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
@@ -237,6 +239,12 @@ impl Suspension {
         velocities.iter().zip(&self.particles.positions).map(|(&v, &x)| v - flow.velocity(x)).collect()
     }
 
+    /// The rate of shear of the flow that the velocities belong to, and the strain so far.
+    pub fn shear(&self) -> [f64; 2] {
+        let moving = self.dynamics.moving_box();
+        [moving.flow().shear_rate(), moving.strain(self.clock.time())]
+    }
+
     /// The stress of the particles of each of so many species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let repulsion = self.dynamics.repulsion_moments(&self.particles);
@@ -283,8 +291,9 @@ fn fixed_step(
 ) -> Result<Outcome, StepError> {
     let mut outcome = Outcome::default();
     dynamics.remember(particles);
-    integrator::advance(particles, clock, method, |particles, fraction| {
-        outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction))?;
+    let steps = dynamics.steps_before(clock);
+    integrator::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
+        outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction, steps))?;
         Ok::<(), StepError>(())
     })?;
     Ok(outcome)

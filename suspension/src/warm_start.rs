@@ -72,6 +72,13 @@ impl WarmStart {
         }
     }
 
+    /// Forgets solutions before the last one.
+    pub fn forget(&self, particles: &mut Particles) {
+        let past: Vec<String> =
+            self.columns().iter().flat_map(|(name, _)| (1..=PAST).map(move |k| past(name, k))).collect();
+        particles.columns.retain(|column| !past.contains(&column.name));
+    }
+
     /// What a solution keeps for later, besides what its users see.
     pub fn record(&self, particles: &mut Particles, solved: &Solved) {
         if !self.coupled {

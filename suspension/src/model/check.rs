@@ -26,10 +26,13 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
 /// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which
 /// the images of a sphere move with the flow.
 fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
-    let Flow::Shear { rate, lees_edwards } = p.flow else { return Ok(()) };
-    ParameterError::unless_finite("flow.rate", rate)?;
-    let end = p.end();
-    if (rate * end).abs() > MAX_STRAIN {
+    let Flow::Shear { rate, lees_edwards } = p.flow else {
+        let message = "changes, but flow.kind is \"none\"; set flow.kind = \"shear\"";
+        return if p.rate_changes.is_empty() { Ok(()) } else { Err(ParameterError::new("flow.rate", message)) };
+    };
+    let (rates, end) = (p.shear_rates(), p.end());
+    rates.check()?;
+    if rates.largest_strain(end) > MAX_STRAIN {
         let (rate, end, largest) = (Number(rate), Number(end), Number(MAX_STRAIN));
         let message =
             format!("is {rate}; until time {end:.6} that is a strain above {largest}, the most that a run can have");

@@ -5,6 +5,7 @@ mod contacts;
 mod copy;
 mod hydrodynamics;
 mod integrator;
+mod rates;
 mod spheres;
 mod statistics;
 
@@ -12,6 +13,7 @@ pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Vector};
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
 pub use integrator::{Adaptive, Integrator};
+pub use rates::{RateChange, ShearRates};
 pub use spheres::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
 pub use statistics::{Axis, Statistics};
 use std::ops::Deref;
@@ -33,6 +35,8 @@ pub struct Parameters {
     pub start: Start,
     /// The background flow.
     pub flow: Flow,
+    /// Changes of the rate of shear, in their order.
+    pub rate_changes: Vec<RateChange>,
     /// The barrier that keeps spheres apart.
     pub repulsion: Option<Repulsion>,
     /// How rough spheres touch; without, they are smooth.
@@ -63,6 +67,7 @@ impl Parameters {
             species,
             start: Start::Random { minimum_gap: 0.0 },
             flow: Flow::None,
+            rate_changes: Vec::new(),
             repulsion: None,
             contacts: None,
             hydrodynamics: Hydrodynamics::default(),
@@ -72,6 +77,12 @@ impl Parameters {
             statistics: None,
             fields: false,
         }
+    }
+
+    /// The rate of shear in time; 0 without shear.
+    pub fn shear_rates(&self) -> ShearRates {
+        let first = if let Flow::Shear { rate, .. } = self.flow { rate } else { 0.0 };
+        ShearRates::new(first, &self.rate_changes, self.time_step)
     }
 
     /// The time at the end of the last step.

@@ -6,7 +6,7 @@ mod tables;
 
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
-use crate::model::{Axis, Flow, Model, Multipoles, Species, Statistics as Wanted};
+use crate::model::{Axis, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
 use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
@@ -38,7 +38,9 @@ struct About {
     names: Vec<String>,
     /// Radius and volume fraction of each species.
     species: Vec<(f64, f64)>,
+    /// The flow at first, and its rates of shear in time.
     flow: BackgroundFlow,
+    rates: ShearRates,
     rigid: bool,
     axis: usize,
     columns: SpeciesColumns,
@@ -109,7 +111,7 @@ impl Statistics {
         if time < self.about.wanted.from {
             return;
         }
-        let flow = self.about.flow;
+        let flow = self.about.flow_at(time);
         let velocities = column(particles, VELOCITY).iter().zip(&particles.positions);
         let velocities: Vec<Vector> = velocities.map(|(&v, &x)| v - flow.velocity(x)).collect();
         each_species(&mut self.velocities, &particles.species, &velocities);
@@ -128,6 +130,11 @@ impl Statistics {
 }
 
 impl About {
+    /// The background flow at the time of a sample.
+    fn flow_at(&self, time: f64) -> BackgroundFlow {
+        if self.rates.is_constant() { self.flow } else { BackgroundFlow::shear(self.rates.before_time(time)) }
+    }
+
     fn of(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
         let flow = match model.flow {
             Flow::Shear { rate, .. } => BackgroundFlow::shear(rate),
@@ -141,6 +148,7 @@ impl About {
             names: model.species.iter().map(|s| s.name.clone()).collect(),
             species: model.species.iter().enumerate().map(|(index, s)| (s.radius, fraction(index))).collect(),
             flow,
+            rates: model.shear_rates(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             axis: wanted.axis.map_or_else(|| model.force_axis().unwrap_or(GRADIENT), index),
             columns: columns(model),
@@ -184,7 +192,7 @@ pub fn counted(empty: &SpeciesColumns, particles: &Particles) -> SpeciesColumns 
 /// About how fast spheres move in a scene relative to the flow: the fastest that a force on one, the repulsion of two or
 /// the shear across one makes it.
 fn speed(model: &Model) -> f64 {
-    let rate = if let Flow::Shear { rate, .. } = model.flow { rate.abs() } else { 0.0 };
+    let rate = model.shear_rates().largest();
     let of = |s: &Species| {
         let repulsion = model.repulsion.map_or(0.0, |r| r.strength * s.radius.powi(r.radius_power.into()));
         let force = s.force_on(s.radius, model.gravity).abs().max_element().max(repulsion);

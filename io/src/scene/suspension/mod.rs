@@ -1,5 +1,6 @@
 //! Scenes of spheres in Stokes flow.
 
+mod flow;
 mod raw;
 mod species;
 
@@ -11,7 +12,7 @@ pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Adaptive, Contacts, Flow, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start, StatisticsWanted,
+    Adaptive, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start, StatisticsWanted,
 };
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
@@ -39,6 +40,7 @@ impl SuspensionScene {
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, path) = start(&raw.particles)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
+        let (flow, rate_changes) = flow::flow(raw.flow.as_ref(), time.step)?;
         let parameters = Parameters {
             seed: raw.seed,
             cell,
@@ -46,7 +48,8 @@ impl SuspensionScene {
             gravity: raw.gravity.as_ref().map_or(Vector::ZERO, |g| g.acceleration.into()),
             species,
             start,
-            flow: flow(raw.flow.as_ref())?,
+            flow,
+            rate_changes,
             repulsion: raw.repulsion.as_ref().map(repulsion),
             contacts: raw.contacts.as_ref().map(contacts),
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
@@ -100,18 +103,6 @@ fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
             let list = raw.positions.as_ref().ok_or_else(|| missing("positions", "list [x, y, z] for every sphere"))?;
             Ok((Start::Positions(list.iter().map(|&place| place.into()).collect()), None))
         }
-    }
-}
-
-fn flow(raw: Option<&raw::Flow>) -> Result<Flow, Fault> {
-    let Some(raw) = raw else { return Ok(Flow::None) };
-    match (raw.kind, raw.rate) {
-        (raw::FlowKind::None, None) => Ok(Flow::None),
-        (raw::FlowKind::None, Some(_)) => {
-            Err(Fault::new("flow.rate", "is set, but flow.kind is \"none\"; set flow.kind = \"shear\" or leave it out"))
-        }
-        (raw::FlowKind::Shear, None) => Err(Fault::new("flow.rate", "is missing; a shear flow u = rate y needs it")),
-        (raw::FlowKind::Shear, Some(rate)) => Ok(Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) }),
     }
 }
 

@@ -118,10 +118,19 @@ pub(super) enum Initial {
 pub(super) struct Flow {
     /// The flow: none, or the shear u = rate y along x.
     pub(super) kind: FlowKind,
-    /// Shear rate.
-    pub(super) rate: Option<f64>,
+    /// Shear rate; or a table of times, from 0 on, and the rates from then on.
+    pub(super) rate: Option<Rate>,
+    /// Strains since the start, however sheared, at which the rate changes its sign.
+    pub(super) reversal_at: Option<Vec<f64>>,
     /// Whether the box shears with the flow (default), or stays straight.
     pub(super) lees_edwards: Option<bool>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone)]
+#[serde(untagged, expecting = "a number or a table of times and rates was expected")]
+pub(super) enum Rate {
+    Number(f64),
+    Table(Vec<[f64; 2]>),
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
