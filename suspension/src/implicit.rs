@@ -80,6 +80,8 @@ struct Substep<'a> {
 struct Length {
     ages: Vec<f64>,
     step: f64,
+    /// Whether velocities change smoothly, so that errors can be known and limited.
+    is_smooth: bool,
 }
 
 impl Length {
@@ -89,9 +91,9 @@ impl Length {
         (1.0 + ratio) / (1.0 + 2.0 * ratio)
     }
 
-    /// Weights of the last two velocities for that at the end.
+    /// Weights of the last two velocities for that at the end; where they jump, the last one is expected to stay.
     fn extrapolation(&self) -> [f64; 2] {
-        let times: Vec<f64> = self.ages.iter().take(2).map(|age| -age).collect();
+        let times: Vec<f64> = self.ages.iter().take(1 + usize::from(self.is_smooth)).map(|age| -age).collect();
         std::array::from_fn(|k| if k < times.len() { extrapolation::weight(&times, k, self.step) } else { 0.0 })
     }
 
@@ -164,7 +166,8 @@ fn choose(
 ) -> Result<Length, StepError> {
     let (approach, comm) = (dynamics.approach(particles, USED), dynamics.partition().comm());
     loop {
-        let length = Length { ages: ages.to_vec(), step: share(rest, longest) };
+        let is_smooth = control.tolerance.is_finite();
+        let length = Length { ages: ages.to_vec(), step: share(rest, longest), is_smooth };
         let change = approach.after([length.expected(), [0.0; 3]], dynamics.least_gaps(control.tolerance), comm);
         if length.step < SHORTEST * clock.dt() {
             return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });

@@ -32,7 +32,7 @@ const OVERLAP: f64 = 0.3;
 
 /// Largest overlaps over the mean radius are about this times the viscosity that a suspension has by [`jamming_fraction`],
 /// over the stiffness in units of `6 pi` times viscosity times rate of shear: measured with 100 spheres at 40 to 50%.
-const DEPTH: f64 = 3.0;
+const DEPTH: f64 = 2.0;
 
 /// The least distance from jamming that a stiffness is chosen for.
 const LEAST_ROOM: f64 = 0.07;

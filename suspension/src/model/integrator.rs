@@ -27,7 +27,7 @@ pub struct Adaptive {
 
 impl Adaptive {
     /// Substeps as long as gaps allow: what suits contacts.
-    pub const UNLIMITED: Self = Self { tolerance: f64::INFINITY, gap_fraction: 0.25 };
+    pub const UNLIMITED: Self = Self { tolerance: f64::INFINITY, gap_fraction: 0.5 };
 }
 
 impl Default for Adaptive {

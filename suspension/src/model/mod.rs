@@ -6,6 +6,7 @@ mod copy;
 mod hydrodynamics;
 mod integrator;
 mod rates;
+mod sizes;
 mod spheres;
 mod statistics;
 
@@ -14,6 +15,7 @@ use domain::{ParameterError, PeriodicBox, Vector};
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
 pub use integrator::{Adaptive, Integrator};
 pub use rates::{RateChange, ShearRates};
+pub use sizes::{SizeClass, SizeDistribution};
 pub use spheres::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
 pub use statistics::{Axis, Statistics};
 use std::ops::Deref;

@@ -64,8 +64,10 @@ pub(super) struct Fluid {
 pub(super) struct Species {
     /// Its name in the results.
     pub(super) name: Option<String>,
-    /// Radius of its spheres.
-    pub(super) radius: f64,
+    /// Radius of its spheres; or distribution.
+    pub(super) radius: Option<f64>,
+    /// Distribution of their radii, as few classes of the same moments; or radius.
+    pub(super) distribution: Option<Distribution>,
     /// How many; or `volume_fraction`.
     pub(super) count: Option<u64>,
     /// Their volume over the box's; or count.
@@ -78,6 +80,35 @@ pub(super) struct Species {
     /// Steady torque on each sphere.
     #[serde(default)]
     pub(super) torque: [f64; 3],
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Distribution {
+    /// Which one.
+    pub(super) kind: DistributionKind,
+    /// How many classes of spheres stand for it; 4 by default.
+    pub(super) classes: Option<usize>,
+    /// Mean radius, by number, for "log-normal".
+    pub(super) mean: Option<f64>,
+    /// Standard deviation of the radius, by number, for "log-normal".
+    pub(super) deviation: Option<f64>,
+    /// Smallest radius, for "power-law".
+    pub(super) smallest: Option<f64>,
+    /// Largest radius, for "power-law".
+    pub(super) largest: Option<f64>,
+    /// Power of the radius in the density by number, for "power-law".
+    pub(super) exponent: Option<f64>,
+    /// Radii and how many there are of each, for "table".
+    pub(super) table: Option<Vec<[f64; 2]>>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum DistributionKind {
+    LogNormal,
+    PowerLaw,
+    Table,
 }
 
 #[derive(Deserialize, JsonSchema)]

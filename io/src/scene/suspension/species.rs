@@ -3,29 +3,89 @@
 use super::super::checks::{few_enough, positive};
 use super::{Fault, raw};
 use domain::{Number, PeriodicBox, Vector};
-use suspension::{MAX_FRACTION, Species};
+use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
+
+/// Classes that stand for a distribution of radii, usually.
+const CLASSES: usize = 4;
 
 pub(super) fn species(raw: &raw::Raw, cell: &PeriodicBox) -> Result<Vec<Species>, Fault> {
-    (0..raw.species.len()).map(|index| one_species(raw, index, cell)).collect()
+    let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, cell)).collect();
+    Ok(lists?.into_iter().flatten().collect())
 }
 
-fn one_species(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Species, Fault> {
+/// A section's species: one, or the classes of a distribution.
+fn of_section(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Vec<Species>, Fault> {
     let one = &raw.species[index];
     if one.density_difference.is_some() && raw.gravity.is_none() {
         let message = "is set, but there is no [gravity]; write [gravity] acceleration = [x, y, z], or a force instead";
         return Err(Fault::new(format!("species[{index}].density_difference"), message));
     }
-    Ok(Species {
-        name: one.name.clone().unwrap_or_else(|| format!("{}", index + 1)),
-        radius: positive(&format!("species[{index}].radius"), one.radius)?,
-        count: count(raw, index, cell)?,
+    let classes = classes(one, index)?;
+    let total = count(raw, index, (cell, &classes))?;
+    let name = one.name.clone().unwrap_or_else(|| format!("{}", index + 1));
+    let species = |(k, class): (usize, &SizeClass)| Species {
+        name: if one.distribution.is_some() { format!("{name} {}", k + 1) } else { name.clone() },
+        radius: class.radius,
+        count: total.map(|total| (class.share * total as f64).round() as u64),
         density_difference: one.density_difference.unwrap_or(0.0),
         force: Vector::from_array(one.force),
         torque: Vector::from_array(one.torque),
+    };
+    let all: Vec<Species> = classes.iter().enumerate().map(species).collect();
+    if one.distribution.is_some() && all.iter().any(|class| class.count == Some(0)) {
+        let message = format!("has {} classes, the rarest of which would have no sphere; take fewer, or more spheres", all.len());
+        return Err(Fault::new(format!("species[{index}].distribution"), message));
+    }
+    Ok(all)
+}
+
+/// The radii of a section, and their shares by number.
+fn classes(one: &raw::Species, index: usize) -> Result<Vec<SizeClass>, Fault> {
+    let key = format!("species[{index}].radius");
+    match (one.radius, &one.distribution) {
+        (Some(radius), None) => Ok(vec![SizeClass { radius: positive(&key, radius)?, share: 1.0 }]),
+        (None, Some(raw)) => {
+            let key = format!("species[{index}].distribution");
+            Ok(distribution(raw, &key)?.classes(raw.classes.unwrap_or(CLASSES), &key)?)
+        }
+        (None, None) => Err(Fault::new(key, "is missing; a species has a radius, or a distribution of them")),
+        (Some(_), Some(_)) => Err(Fault::new(key, "is set, and a distribution too; leave one of them out")),
+    }
+}
+
+fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, Fault> {
+    use raw::DistributionKind::{LogNormal, PowerLaw, Table};
+    let keys = [
+        ("mean", raw.mean.is_some(), LogNormal),
+        ("deviation", raw.deviation.is_some(), LogNormal),
+        ("smallest", raw.smallest.is_some(), PowerLaw),
+        ("largest", raw.largest.is_some(), PowerLaw),
+        ("exponent", raw.exponent.is_some(), PowerLaw),
+        ("table", raw.table.is_some(), Table),
+    ];
+    for (name, is_set, kind) in keys {
+        let message = match (is_set, kind == raw.kind) {
+            (false, true) => "is missing; this kind needs it",
+            (true, false) => "goes with another kind; leave it out",
+            _ => continue,
+        };
+        return Err(Fault::new(format!("{key}.{name}"), message));
+    }
+    let [mean, deviation, smallest, largest, exponent] =
+        [raw.mean, raw.deviation, raw.smallest, raw.largest, raw.exponent].map(Option::unwrap_or_default);
+    Ok(match raw.kind {
+        LogNormal => SizeDistribution::LogNormal { mean, deviation },
+        PowerLaw => SizeDistribution::PowerLaw { smallest, largest, exponent },
+        Table => SizeDistribution::Table(raw.table.clone().unwrap_or_default()),
     })
 }
 
-fn count(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Option<u64>, Fault> {
+/// How many spheres of all classes.
+fn count(
+    raw: &raw::Raw,
+    index: usize,
+    (cell, classes): (&PeriodicBox, &[SizeClass]),
+) -> Result<Option<u64>, Fault> {
     let one = &raw.species[index];
     let fault = |name: &str, message: &str| Err(Fault::new(format!("species[{index}]{name}"), message));
     let from_file = raw.particles.initial == raw::Initial::File;
@@ -39,7 +99,9 @@ fn count(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Option<u64>
         }
         (None, Some(fraction)) => {
             let key = format!("species[{index}].volume_fraction");
-            counted(&key, (fraction, one.radius), (index, cell)).map(Some)
+            let cube: f64 = classes.iter().map(|class| class.share * class.radius.powi(3)).sum();
+            let radius = if let [class] = classes { class.radius } else { cube.cbrt() };
+            counted(&key, (fraction, radius), (index, cell)).map(Some)
         }
     }
 }

@@ -1,0 +1,215 @@
+//! Distributions of radii as few classes.
+
+use domain::{Number, ParameterError};
+
+/// A distribution of radii, by number.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SizeDistribution {
+    /// The logarithm is distributed normally.
+    LogNormal {
+        /// Mean radius.
+        mean: f64,
+        /// Standard deviation of the radius.
+        deviation: f64,
+    },
+    /// The density goes with a power of the radius.
+    PowerLaw {
+        /// The smallest radius.
+        smallest: f64,
+        /// The largest radius.
+        largest: f64,
+        /// The power: -3 for as much surface in each range of radii, -4 for as much volume.
+        exponent: f64,
+    },
+    /// Radii and how many there are of each, relative to each other.
+    Table(Vec<[f64; 2]>),
+}
+
+/// Spheres of one radius that stand for a range of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SizeClass {
+    /// Their radius.
+    pub radius: f64,
+    /// Their share, by number.
+    pub share: f64,
+}
+
+/// The most classes: a few have the same moments as a distribution, and more are like no fewer.
+pub const MOST_CLASSES: usize = 12;
+
+/// Points at which a density is taken, and standard deviations of the logarithm on either side of its mean.
+const POINTS: usize = 4000;
+const DEVIATIONS: f64 = 4.0;
+
+/// Halvings of the range in which a radius is sought.
+const HALVINGS: usize = 80;
+
+impl SizeDistribution {
+    /// `classes` radii and shares with the same moments as the distribution, from the 0th to that of order
+    /// `2 classes - 1`: the nodes and weights of its Gauss quadrature (Golub & Welsch, Math. Comp. 23, 221, 1969). Keys in
+    /// messages follow `key`.
+    pub fn classes(&self, classes: usize, key: &str) -> Result<Vec<SizeClass>, ParameterError> {
+        self.check(key)?;
+        if !(1..=MOST_CLASSES).contains(&classes) {
+            let message = format!("is {classes}; a distribution stands for 1 to {MOST_CLASSES} classes");
+            return Err(ParameterError::new(format!("{key}.classes"), message));
+        }
+        let points = self.points();
+        if points.len() <= classes {
+            return Ok(points);
+        }
+        Ok(quadrature(&points, classes))
+    }
+
+    fn check(&self, key: &str) -> Result<(), ParameterError> {
+        let key = |name: &str| format!("{key}.{name}");
+        match self {
+            Self::LogNormal { mean, deviation } => {
+                ParameterError::unless_positive(&key("mean"), *mean)?;
+                ParameterError::unless_positive(&key("deviation"), *deviation)?;
+                ParameterError::unless_between(&key("deviation"), *deviation, [1e-6 * mean, *mean]).map(drop)
+            }
+            Self::PowerLaw { smallest, largest, exponent } => {
+                ParameterError::unless_positive(&key("smallest"), *smallest)?;
+                ParameterError::unless_between(&key("exponent"), *exponent, [-20.0, 20.0])?;
+                if *largest > *smallest && *largest <= 1e3 * smallest {
+                    return Ok(());
+                }
+                let [found, least] = [*largest, *smallest].map(Number);
+                let message = format!("is {found}; it needs to be more than smallest = {least}, and at most a thousand times it");
+                Err(ParameterError::new(key("largest"), message))
+            }
+            Self::Table(rows) => {
+                let is_good = |row: &[f64; 2]| row.iter().all(|number| *number > 0.0 && number.is_finite());
+                if !rows.is_empty() && rows.iter().all(is_good) {
+                    return Ok(());
+                }
+                let message = "needs rows of a radius and how many there are of it, both above 0";
+                Err(ParameterError::new(key("table"), message))
+            }
+        }
+    }
+
+    /// Radii, ascending, and their shares: a table's own, or those of many small ranges.
+    fn points(&self) -> Vec<SizeClass> {
+        let mut points: Vec<SizeClass> = match self {
+            Self::LogNormal { mean, deviation } => {
+                let variance = (1.0 + (deviation / mean).powi(2)).ln();
+                let (middle, width) = (mean.ln() - 0.5 * variance, variance.sqrt());
+                let point = |t: f64| SizeClass { radius: (middle + width * t).exp(), share: (-0.5 * t * t).exp() };
+                midpoints([-DEVIATIONS, DEVIATIONS]).map(point).collect()
+            }
+            Self::PowerLaw { smallest, largest, exponent } => {
+                let point = |t: f64| SizeClass { radius: t.exp(), share: ((exponent + 1.0) * (t - smallest.ln())).exp() };
+                midpoints([smallest.ln(), largest.ln()]).map(point).collect()
+            }
+            Self::Table(rows) => rows.iter().map(|&[radius, share]| SizeClass { radius, share }).collect(),
+        };
+        points.sort_by(|a, b| a.radius.total_cmp(&b.radius));
+        points.dedup_by(|later, first| {
+            let is_same = later.radius == first.radius;
+            first.share += if is_same { later.share } else { 0.0 };
+            is_same
+        });
+        let sum: f64 = points.iter().map(|point| point.share).sum();
+        points.iter_mut().for_each(|point| point.share /= sum);
+        points
+    }
+}
+
+fn midpoints([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (0..POINTS).map(move |k| from + (to - from) * (k as f64 + 0.5) / POINTS as f64)
+}
+
+/// The Gauss quadrature of points: their orthonormal polynomials by the procedure of Stieltjes, with the coefficients
+/// `b_k p_k = (x - a_{k-1}) p_{k-1} - b_{k-1} p_{k-2}`; its nodes are the eigenvalues of the matrix that has `a` on the
+/// diagonal and `b` beside it.
+fn quadrature(points: &[SizeClass], classes: usize) -> Vec<SizeClass> {
+    let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
+    let (mut before, mut values) = (vec![0.0; points.len()], vec![1.0; points.len()]);
+    for _ in 0..classes {
+        let moment = |f: &dyn Fn(usize) -> f64| (0..points.len()).map(|i| points[i].share * f(i)).sum::<f64>();
+        let centre = moment(&|i| points[i].radius * values[i] * values[i]);
+        let last = beside.last().copied().unwrap_or(0.0);
+        let next: Vec<f64> =
+            (0..points.len()).map(|i| (points[i].radius - centre) * values[i] - last * before[i]).collect();
+        let norm = moment(&|i| next[i] * next[i]).sqrt();
+        diagonal.push(centre);
+        beside.push(norm);
+        before = std::mem::replace(&mut values, next.iter().map(|value| value / norm).collect());
+    }
+    let range = [points[0].radius, points[points.len() - 1].radius];
+    (0..classes).map(|k| class(k, range, (&diagonal, &beside))).collect()
+}
+
+/// The class of the `k`-th smallest node, found by how many are below a radius; its share is one over the sum of the squares
+/// of the orthonormal polynomials there.
+fn class(k: usize, [mut low, mut high]: [f64; 2], (diagonal, beside): (&[f64], &[f64])) -> SizeClass {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let mut pivot = 1.0;
+        let below = (0..diagonal.len()).filter(|&i| {
+            let coupling = if i == 0 { 0.0 } else { beside[i - 1] * beside[i - 1] / pivot };
+            pivot = diagonal[i] - middle - coupling;
+            pivot < 0.0
+        });
+        if below.count() > k { high = middle } else { low = middle }
+    }
+    let radius = 0.5 * (low + high);
+    let (mut before, mut value, mut sum) = (0.0, 1.0, 1.0);
+    for i in 0..diagonal.len() - 1 {
+        let last = if i == 0 { 0.0 } else { beside[i - 1] };
+        (before, value) = (value, ((radius - diagonal[i]) * value - last * before) / beside[i]);
+        sum += value * value;
+    }
+    SizeClass { radius, share: 1.0 / sum }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moment(classes: &[SizeClass], order: i32) -> f64 {
+        classes.iter().map(|class| class.share * class.radius.powi(order)).sum()
+    }
+
+    /// Of the log-normal distribution the moment of order n is `mean^n (1 + (deviation / mean)^2)^(n (n - 1) / 2)`.
+    #[test]
+    fn classes_have_the_moments_of_the_distribution() {
+        let classes = SizeDistribution::LogNormal { mean: 2.0, deviation: 0.5 }.classes(4, "d").unwrap();
+        for order in 0..8 {
+            let exact = 2.0_f64.powi(order) * 1.0625_f64.powi(order * (order - 1) / 2);
+            let error = moment(&classes, order) / exact - 1.0;
+            // What is cut off beyond four standard deviations.
+            assert!(error.abs() < [1e-12, 1e-4, 1e-4, 2e-4, 4e-4, 8e-4, 2e-3, 4e-3][order as usize], "{order}: {error}");
+        }
+        let classes = SizeDistribution::PowerLaw { smallest: 1.0, largest: 4.0, exponent: -3.0 }.classes(3, "d").unwrap();
+        let integral = |power: f64| (4.0_f64.powf(power) - 1.0) / power;
+        for order in [1, 3, 4, 5] {
+            let exact = integral(f64::from(order) - 2.0) / integral(-2.0);
+            assert!((moment(&classes, order) / exact - 1.0).abs() < 1e-6, "{order}");
+        }
+        assert!(classes.iter().all(|class| class.share > 0.0 && (1.0..4.0).contains(&class.radius)));
+        assert!(classes.is_sorted_by(|a, b| a.radius < b.radius));
+    }
+
+    #[test]
+    fn a_short_table_is_its_own_classes() {
+        let rows = vec![[2.0, 1.0], [1.0, 2.0], [2.0, 1.0]];
+        let classes = SizeDistribution::Table(rows.clone()).classes(5, "d").unwrap();
+        assert_eq!(classes, [SizeClass { radius: 1.0, share: 0.5 }, SizeClass { radius: 2.0, share: 0.5 }]);
+        let one = SizeDistribution::Table(rows).classes(1, "d").unwrap();
+        assert!((one[0].radius - 1.5).abs() < 1e-12 && (one[0].share - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn distributions_out_of_range_are_named() {
+        let said = |d: SizeDistribution, n| d.classes(n, "species[0].distribution").unwrap_err().to_string();
+        let normal = |mean, deviation| SizeDistribution::LogNormal { mean, deviation };
+        let power = |smallest, largest| SizeDistribution::PowerLaw { smallest, largest, exponent: -3.0 };
+        assert!(said(normal(1.0, 0.0), 3).starts_with("species[0].distribution.deviation is 0; "));
+        assert!(said(normal(1.0, 0.1), 13).starts_with("species[0].distribution.classes is 13; "));
+        assert!(said(power(2.0, 1.0), 3).starts_with("species[0].distribution.largest is 1; "));
+        assert!(said(SizeDistribution::Table(vec![[1.0, -1.0]]), 3).starts_with("species[0].distribution.table needs"));
+    }
+}

@@ -1,0 +1,102 @@
+"""The viscosity after the flow of a dense suspension is reversed, with friction and without.
+
+Contacts open at once, so that the least viscosity is that of lubrication, whatever the friction; then they are made anew."""
+
+import csv
+import pathlib
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from support.page import save, table, write_section
+from support.program import run
+
+SEEDS = range(1, 7 if "--full" in sys.argv[1:] else 3)
+FRICTIONS = (0.0, 0.5)
+BEFORE, AFTER, STEP = 3.0, 3.0, 0.005
+FRACTION, COUNTS = 0.45, {1.0: 73, 1.4: 27}
+# Of the least viscosities with and without friction, over each other.
+ALLOWED = 0.1
+# Of pair lubrication and contacts alone, means over four seeds: steady, least, strain of the least.
+PAIRS_ALONE = {0.0: (8.9, 6.0, 0.60), 0.5: (16.2, 6.2, 0.44)}
+
+
+def scene(seed, friction):
+    edge = (sum(4 / 3 * np.pi * radius**3 * count for radius, count in COUNTS.items()) / FRACTION) ** (1 / 3)
+    species = "".join(f'[[species]]\nname = "{a:g}"\nradius = {a}\ncount = {n}\n' for a, n in COUNTS.items())
+    return f"""seed = {seed}
+box.edges = [{edge}, {edge}, {edge}]
+fluid.viscosity = 1.0
+flow = {{ kind = "shear", rate = 1.0, reversal_at = [{BEFORE}] }}
+contacts = {{ friction = {friction} }}
+hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
+time = {{ step = {STEP}, duration = {BEFORE + AFTER} }}
+output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
+{species}"""
+
+
+def series(case):
+    """Time, viscosity and the contacts' part of it."""
+    seed, friction = case
+    with tempfile.TemporaryDirectory() as place:
+        out = pathlib.Path(place) / "out"
+        ended = run(scene(seed, friction), out)
+        if ended.returncode:
+            raise SystemExit(ended.stderr)
+        with open(out / "observables.csv") as file:
+            rows = list(csv.DictReader(file))
+    contact = [sum(float(value) for name, value in row.items() if name.startswith("stress_contact_xy")) / float(row["shear_rate"])
+               for row in rows]
+    return np.array([[float(row["time"]), float(row["relative_viscosity"]), of_contacts] for row, of_contacts in zip(rows, contact)])
+
+
+def draw(means):
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
+    for friction, values in means.items():
+        (line,) = axes.plot(values[:, 0] - BEFORE, values[:, 1], label=f"friction {friction:g}")
+        axes.plot(values[:, 0] - BEFORE, values[:, 2], "--", color=line.get_color(), label="of contacts")
+    axes.set(xlabel="strain since the reversal", ylabel="relative viscosity", ylim=(0, None))
+    axes.legend(ncols=2)
+    save(figure, "reversal.png")
+
+
+def main():
+    cases = [(seed, friction) for friction in FRICTIONS for seed in SEEDS]
+    with ThreadPoolExecutor(2) as two:
+        found = dict(zip(cases, two.map(series, cases)))
+    means = {friction: np.mean([found[seed, friction] for seed in SEEDS], axis=0) for friction in FRICTIONS}
+    draw(means)
+    rows, least = [], {}
+    for friction, values in means.items():
+        time, viscosity, contact = values.T
+        steady = viscosity[(time > BEFORE - 1.0) & (time <= BEFORE)].mean()
+        after = (time > BEFORE) & (time <= BEFORE + 1.5)
+        lowest = np.flatnonzero(after)[np.argmin(viscosity[after])]
+        least[friction] = viscosity[lowest]
+        soon = contact[np.argmin(abs(time - BEFORE - 0.05))] / steady
+        pairs = PAIRS_ALONE[friction]
+        rows.append([f"{friction:g}", f"{steady:.1f}", f"{pairs[0]:g}", f"{least[friction]:.2f}", f"{pairs[1]:g}",
+                     f"{time[lowest] - BEFORE:.2f}", f"{pairs[2]:g}", f"{soon:.3f}"])
+        print(*rows[-1], flush=True)
+    ratio = least[0.5] / least[0.0]
+    lines = [
+        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, means over {len(SEEDS)} starts, reversed at a strain of {BEFORE:g}. Beside the numbers",
+        "are those of pair lubrication and contacts without a far field. The last column has the contacts' stress at a strain of",
+        "0.05 after the reversal, over the whole before.",
+        "",
+        *table(["μ", "before", "pairs alone", "least", "pairs alone", "at a strain of", "pairs alone", "of contacts"], rows),
+        "",
+        f"The least viscosities have a ratio of {ratio:.3f}; {1 - ALLOWED:g} to {1 + ALLOWED:g} are allowed.",
+        "",
+        "![Viscosity after reversal](figures/reversal.png)",
+    ]
+    write_section("dense.md", "reversal", "Viscosity after a reversal", lines)
+    if abs(ratio - 1.0) > ALLOWED:
+        raise SystemExit(f"failed: the least viscosities have a ratio of {ratio:.3f}")
+
+
+if __name__ == "__main__":
+    main()
