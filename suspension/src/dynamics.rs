@@ -168,11 +168,11 @@ impl Dynamics {
                 let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
                 let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
                 let with = (contacts::Ahead { along, across }, velocities, self.flow().strain_rate());
-                let before = self.warm_start.motion(particles);
+                let before = WarmStart::motion(particles);
                 let touching = contacts.acting(particles, (&cell, &self.partition), with, &before);
                 touching.add_to(&mut loads);
                 let outcome = self.solve((particles, &cell), (&loads, &touching.springs()), &guess, moment)?;
-                let motion = self.warm_start.motion(particles);
+                let motion = WarmStart::motion(particles);
                 let noted = touching.note(particles, &motion);
                 self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
                 outcome

@@ -69,13 +69,14 @@ pub use forecast::Forecast;
 pub use hydrodynamics::{
     Acting, ContactSprings, Guess, Hydrodynamics as CoupledHydrodynamics, ShortRange, Solved, Springs,
 };
-pub use lubrication::Elasticity;
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
+pub use lubrication::Elasticity;
 pub use memory::Ranks;
 pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles,
-    Parameters, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted,
+    Adaptive, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model,
+    Multipoles, Parameters, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start,
+    Statistics as StatisticsWanted,
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};

@@ -134,7 +134,7 @@ impl WarmStart {
     }
 
     /// The motions relative to the background flow that were found last.
-    pub fn motion(&self, particles: &mut Particles) -> Motion {
+    pub fn motion(particles: &mut Particles) -> Motion {
         let [velocities, angular_velocities] = MOTION.map(|name| particles.vectors(name).to_vec());
         Motion { velocities, angular_velocities, strain_rates: Vec::new() }
     }

@@ -14,7 +14,7 @@ flow = { kind = "shear", rate = 1.0 }
 hydrodynamics = { lubrication = true, tolerance = 1e-3 }
 contacts = { friction = 0.5, stiffness = 1e6 }
 particles = { initial = "positions", positions = [[11.0, 12.4, 12.0], [13.0, 11.6, 12.0]] }
-time = { step = 0.02, steps = 400 }
+time = { step = 0.01, steps = 800 }
 [[species]]
 radius = 1.0
 count = 2
@@ -54,7 +54,9 @@ fn apart(suspension: &Suspension) -> Vector {
 /// at a distance of 3 radii downstream, from the exact two-sphere functions (da Cunha & Hinch, J. Fluid Mech. 309, 211, 1996).
 #[test]
 fn a_rough_pair_is_left_with_the_exact_offset() {
-    for (roughness, friction, exact) in [(5e-3, 0.0, 1.0175), (5e-3, 0.5, 1.0175), (5e-3, 5.0, 1.0175), (1e-2, 0.5, 1.126)] {
+    for (roughness, friction, exact) in
+        [(5e-3, 0.0, 1.0175), (5e-3, 0.5, 1.0175), (5e-3, 5.0, 1.0175), (1e-2, 0.5, 1.126)]
+    {
         let keys = [format!("contacts.roughness={roughness}"), format!("contacts.friction={friction}")];
         let model = model_of(PAIR, &keys.each_ref().map(String::as_str));
         let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
@@ -75,7 +77,9 @@ fn a_rough_pair_is_left_with_the_exact_offset() {
 #[test]
 fn a_pressed_pair_rests_on_its_spring() {
     let squeezed = PAIR.replace("count = 2", "count = 1\nforce = [30.0, 0.0, 0.0]\n[[species]]\nname = \"other\"\nradius = 1.5\ncount = 1\nforce = [-30.0, 0.0, 0.0]");
-    for (law, stiffness, overlap) in [("linear", 1e4, 30.0 / 1.25e4), ("hertz", 3e5, (1e-4 / 1.2_f64.sqrt()).powf(2.0 / 3.0))] {
+    for (law, stiffness, overlap) in
+        [("linear", 1e4, 30.0 / 1.25e4), ("hertz", 3e5, (1e-4 / 1.2_f64.sqrt()).powf(2.0 / 3.0))]
+    {
         let keys = [
             "flow.rate=0.0".to_owned(),
             "particles.positions=[[10.0, 12.0, 12.0], [12.52, 12.0, 12.0]]".to_owned(),
@@ -91,7 +95,8 @@ fn a_pressed_pair_rests_on_its_spring() {
         let found = 2.5 + 0.005 * 1.25 - apart(&suspension).length();
         assert!((found / overlap - 1.0).abs() < 1e-6, "{law}: overlap {found}, not {overlap}");
         let [each, frictional, _, largest, energy] = contacts(&mut suspension);
-        assert!(each == 1.0 && frictional == 1.0 && (largest - found / 6.25e-3).abs() < 1e-9, "{each} {largest}");
+        let errors = [each - 1.0, frictional - 1.0, largest - found / 6.25e-3];
+        assert!(errors.iter().all(|error| error.abs() < 1e-9), "{each} {frictional} {largest}");
         let power = if law == "linear" { 0.5 } else { 0.4 };
         assert!((energy / (power * 30.0 * found) - 1.0).abs() < 1e-5, "{law}: {energy}");
     }
@@ -112,7 +117,7 @@ fn run(model: &Model, ranks: usize) -> (Particles, [f64; 5]) {
 #[test]
 fn ranks_agree() {
     // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
-    let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-10", "time.steps=25"];
+    let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-9", "time.steps=25"];
     let model = model_of(DENSE, &tight);
     let (alone, numbers) = run(&model, 1);
     assert!(numbers[0] > 0.2 && numbers[2] > 0.0, "they touch and slide: {numbers:?}");
@@ -167,4 +172,30 @@ fn without_friction_nothing_is_remembered_across() {
     let slots = column.values.as_chunks::<10>().0;
     assert!(slots.iter().all(|slot| slot[1..7].iter().all(|&force| force == 0.0)));
     assert!(slots.iter().any(|slot| slot[7] > 0.0));
+}
+
+/// The same spheres in micrometres, in a fluid of another viscosity that is sheared at another rate: stiffness included, which
+/// is chosen here.
+#[test]
+fn units_do_not_matter() {
+    let (length, viscosity, rate) = (1e-6, 8.5e-4, 13.0);
+    let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-9", "time.steps=25"];
+    let plain = DENSE.replace(", stiffness = 2000.0", "");
+    let edges = [7.0, 7.5, 6.5].map(|edge| edge * length);
+    let others = [
+        format!("box.edges={edges:?}"),
+        format!("fluid.viscosity={viscosity:e}"),
+        format!("flow.rate={:e}", 2.0 * rate),
+        format!("time.step={:e}", 0.01 / rate),
+        format!("species[0].radius={length:e}"),
+        format!("species[1].radius={:e}", 1.3 * length),
+    ];
+    let (ones, numbers) = run(&model_of(&plain, &tight), 1);
+    let keys: Vec<&str> = tight.into_iter().chain(others.iter().map(String::as_str)).collect();
+    let (other, others) = run(&model_of(&plain, &keys), 1);
+    let errors = ones.positions.iter().zip(&other.positions).map(|(&a, &b)| (a - b / length).length());
+    let error = errors.fold(0.0, f64::max);
+    assert!(error < 1e-7, "{error}");
+    let energy = others[4] / (viscosity * rate * length.powi(3));
+    assert!((energy / numbers[4] - 1.0).abs() < 1e-5 && numbers[4] > 0.0, "{energy} {}", numbers[4]);
 }

@@ -19,11 +19,8 @@ radius = 1.0
 count = 3
 "#;
 
-const METHODS: [&str; 3] = [
-    r#"order = 4"#,
-    r#"integrator = "adaptive", tolerance = 1e-6"#,
-    r#"integrator = "implicit", tolerance = 1e-6"#,
-];
+const METHODS: [&str; 3] =
+    ["order = 4", r#"integrator = "adaptive", tolerance = 1e-6"#, r#"integrator = "implicit", tolerance = 1e-6"#];
 
 fn passing(method: &str, keys: &[&str]) -> Model {
     model_of(&PASSING.replace("ADVANCE", method), keys)
@@ -57,7 +54,7 @@ fn smooth_spheres_come_back_when_the_flow_is_reversed() {
             let now = suspension.gathered(None).positions;
             farthest = farthest.max(largest(now.iter().zip(&before.positions).map(|(&a, &b)| a - b)));
         }
-        assert_eq!(suspension.shear()[0], -2.0);
+        assert!((suspension.shear()[0] + 2.0).abs() < 1e-15);
         assert!(suspension.shear()[1].abs() < 1e-12 && farthest > 0.5, "strain {}", suspension.shear()[1]);
         let after = suspension.gathered(None);
         let error = largest(after.positions.iter().zip(&before.positions).map(|(&a, &b)| a - b));
@@ -119,7 +116,7 @@ fn a_resumed_run_has_the_same_bits() {
         let mut whole = Suspension::start(&model, &comm).unwrap();
         for step in 0..model.steps {
             let mut resumed = Suspension::resume(&model, Some(whole.state()), &comm).unwrap();
-            assert_eq!(resumed.shear(), whole.shear());
+            assert_eq!(resumed.shear().map(f64::to_bits), whole.shear().map(f64::to_bits));
             whole.step().unwrap();
             resumed.step().unwrap();
             assert_eq!(whole.gathered(None), resumed.gathered(None), "{method}, after step {step}");

@@ -40,7 +40,7 @@ pub fn most_contacts(radii: [f64; 2]) -> usize {
 pub fn recall(column: &Column, row: usize, id: u64) -> Option<Memory> {
     let of_row = &column.values[row * column.width..][..column.width];
     let mut slots = of_row.as_chunks::<CONTACT_NUMBERS>().0.iter().take_while(|slot| slot[0] != 0.0);
-    slots.find(|slot| slot[0] == (id + 1) as f64).map(|slot| Memory {
+    slots.find(|slot| slot[0] as u64 == id + 1).map(|slot| Memory {
         force: Vector::from_slice(&slot[1..4]),
         rolling: Vector::from_slice(&slot[4..7]),
         normal: slot[7],

@@ -54,7 +54,8 @@ impl NearPairs {
         let lubrication = lubrication.as_ref().map(|(force, stiffness)| (force, stiffness));
         let (positions, species) = (&positions, &species);
         let ids = &ids;
-        let arrangement = Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient };
+        let arrangement =
+            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient };
         let part = |k: usize| {
             let first = k * ROWS;
             f64::dispatch(Assembly { arrangement: &arrangement, first, rows: ROWS.min(owned - first) })

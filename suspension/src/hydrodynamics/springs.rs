@@ -26,6 +26,7 @@ pub struct ContactSprings {
 
 impl ContactSprings {
     /// The same in another unit of velocity.
+    #[must_use]
     pub fn times(&self, unit: f64) -> Self {
         let Self { other, normal, tangential, rolling } = *self;
         Self { other, normal: normal * unit, tangential: tangential * unit, rolling: rolling * unit }

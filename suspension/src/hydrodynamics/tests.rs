@@ -356,7 +356,8 @@ fn contacts_push_and_turn_as_the_motions_say() {
             let harmonic = 2.0 * a * b / (a + b);
             let twist = axis.cross((other.1 - own.1).cross(axis));
             pushed.forces[i] += spring.normal * parting * axis + spring.tangential * slip;
-            pushed.torques[i] += arms[0] * axis.cross(spring.tangential * slip) + spring.rolling * harmonic * harmonic * twist;
+            pushed.torques[i] +=
+                arms[0] * axis.cross(spring.tangential * slip) + spring.rolling * harmonic * harmonic * twist;
         }
         let (plain, free) = (solve(&pushed, None), solve(&given, None));
         for i in 0..count {

@@ -64,6 +64,7 @@ fn step_at(time: f64, time_step: f64, key: &str, said: f64) -> Result<u64, Fault
         return Ok(whole as u64);
     }
     let [said, step] = [said, time_step].map(Number);
-    let message = format!("is {said}, where no step begins; steps of time.step = {step} need to begin where the rate changes");
+    let message =
+        format!("is {said}, where no step begins; steps of time.step = {step} need to begin where the rate changes");
     Err(Fault::new(key, message))
 }

@@ -33,7 +33,8 @@ fn of_section(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Vec<Sp
     };
     let all: Vec<Species> = classes.iter().enumerate().map(species).collect();
     if one.distribution.is_some() && all.iter().any(|class| class.count == Some(0)) {
-        let message = format!("has {} classes, the rarest of which would have no sphere; take fewer, or more spheres", all.len());
+        let message =
+            format!("has {} classes, the rarest of which would have no sphere; take fewer, or more spheres", all.len());
         return Err(Fault::new(format!("species[{index}].distribution"), message));
     }
     Ok(all)
@@ -81,11 +82,7 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
 }
 
 /// How many spheres of all classes.
-fn count(
-    raw: &raw::Raw,
-    index: usize,
-    (cell, classes): (&PeriodicBox, &[SizeClass]),
-) -> Result<Option<u64>, Fault> {
+fn count(raw: &raw::Raw, index: usize, (cell, classes): (&PeriodicBox, &[SizeClass])) -> Result<Option<u64>, Fault> {
     let one = &raw.species[index];
     let fault = |name: &str, message: &str| Err(Fault::new(format!("species[{index}]{name}"), message));
     let from_file = raw.particles.initial == raw::Initial::File;
