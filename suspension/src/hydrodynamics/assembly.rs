@@ -56,6 +56,8 @@ struct Waiting {
     records: [[f64; NUMBERS]; LANES],
     others: [u32; LANES],
     count: usize,
+    /// Whether any of them touch.
+    touch: bool,
 }
 
 /// Sums over the pairs of a row, lane by lane.
@@ -134,9 +136,9 @@ impl Assembly<'_> {
             numbers[AXIS..AXIS + 3].copy_from_slice(&axis.to_array());
             numbers[IS_LARGER] = f64::from(u8::from(is_larger));
             numbers[SPRING] = spring;
-            [numbers[SLIP], numbers[ROLLING]] = [0.0; 2];
-            if slip + rolling > 0.0 {
+            if springs.is_some() {
                 set_contact(numbers, [slip, rolling], distance, pair_radii);
+                waiting.touch |= slip + rolling > 0.0;
             }
             if waiting.count == LANES {
                 let part = if list == 0 { &mut assembled.stiff } else { &mut assembled.soft };
@@ -158,7 +160,7 @@ impl Assembly<'_> {
 
 impl Waiting {
     fn new() -> Self {
-        Self { records: [[0.0; NUMBERS]; LANES], others: [0; LANES], count: 0 }
+        Self { records: [[0.0; NUMBERS]; LANES], others: [0; LANES], count: 0, touch: false }
     }
 
     /// The numbers of one more pair.
@@ -196,7 +198,7 @@ impl Waiting {
             coefficients.along[k][k] = coefficients.along[k][k] + spring;
             coefficients.along[k][1 - k] = coefficients.along[k][1 - k] - spring;
         }
-        if self.records.iter().any(|record| record[SLIP] + record[ROLLING] > 0.0) {
+        if std::mem::take(&mut self.touch) {
             add_contacts(&mut coefficients, &numbers);
         }
         let mut z = [Lanes::constant(0.0); 3];
