@@ -134,3 +134,91 @@ fn turned(memory: Memory, axis: Vector) -> Memory {
     };
     Memory { force: turn(memory.force), rolling: turn(memory.rolling), ..memory }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::{Tensor, Traceless};
+
+    /// A contact of two spheres as either sees it: rows 0 and 1, the other way round.
+    fn both() -> [Touching; 2] {
+        let separation = Vector::new(1.2, -2.0, 0.7);
+        let (distance, radii) = (separation.length(), [1.0, 1.5]);
+        let axis = separation / distance;
+        let force = across(Vector::new(0.3, 0.8, -0.5), axis);
+        let rolling = across(Vector::new(-0.2, 0.1, 0.4), axis);
+        let memory = Memory { force, rolling, ..Memory::default() };
+        let arms = radii.map(|a| distance * a / 2.5);
+        let one = Touching { rows: [0, 1], other: 1, separation, axis, radii, arms, overlap: 0.01, memory };
+        let reversed = Memory { force: -force, ..memory };
+        let swap = |[a, b]: [f64; 2]| [b, a];
+        let (radii, arms) = (swap(radii), swap(arms));
+        let other = Touching {
+            rows: [1, 0],
+            other: 0,
+            separation: -separation,
+            axis: -axis,
+            radii,
+            arms,
+            memory: reversed,
+            ..one
+        };
+        [one, other]
+    }
+
+    const VELOCITIES: [Vector; 2] = [Vector::new(0.4, -0.1, 0.9), Vector::new(-0.3, 0.6, 0.2)];
+    const ANGULAR: [Vector; 2] = [Vector::new(0.5, 0.2, -0.7), Vector::new(0.1, -0.9, 0.3)];
+
+    /// What contacts do to the spheres is what their springs give back, less what slip and rolling take, and what the flow's
+    /// strain does to the stress of contacts.
+    #[test]
+    fn the_powers_of_a_contact_balance() {
+        let strain = Traceless([0.3, 0.5, -0.2, 0.1, 0.4]).tensor();
+        let normal = 3.0;
+        let (mut of_loads, mut moment) = (0.0, Tensor::ZERO);
+        for contact in both() {
+            let [force, torque] = contact.load(normal, &contact.memory);
+            let row = contact.rows[0];
+            of_loads += force.dot(VELOCITIES[row]) + torque.dot(ANGULAR[row]);
+            let arm = contact.arms[0] * contact.axis;
+            moment += Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z);
+        }
+        let [one, _] = both();
+        let strained = strain * one.separation;
+        let released = normal * (one.parting(&VELOCITIES) + one.axis.dot(strained));
+        let slipped = one.memory.force.dot(one.slip(&VELOCITIES, &ANGULAR, strained));
+        let rolled = one.memory.rolling.dot(one.rolling(&ANGULAR));
+        let strained: f64 = (0..3).map(|k| moment.col(k).dot(strain.col(k))).sum();
+        let balance = released - slipped - rolled + strained;
+        assert!((of_loads - balance).abs() < 1e-14 && of_loads.abs() > 0.1, "{of_loads} is not {balance}");
+    }
+
+    #[test]
+    fn both_spheres_see_the_same_to_the_last_bit() {
+        let [one, other] = both();
+        let strained = Vector::new(0.1, 0.7, -0.3);
+        assert_eq!(one.slip(&VELOCITIES, &ANGULAR, strained), -other.slip(&VELOCITIES, &ANGULAR, -strained));
+        assert_eq!(one.rolling(&ANGULAR), other.rolling(&ANGULAR));
+        assert!(one.parting(&VELOCITIES).to_bits() == other.parting(&VELOCITIES).to_bits());
+        assert_eq!(one.load(2.0, &one.memory)[0], -other.load(2.0, &other.memory)[0]);
+    }
+
+    /// A pair that turns like one body neither slips nor rolls.
+    #[test]
+    fn a_pair_that_turns_like_one_body_feels_no_friction() {
+        let [one, _] = both();
+        let turning = Vector::new(0.3, -0.8, 0.5);
+        let velocities = [Vector::ZERO, turning.cross(one.separation)];
+        assert!(one.slip(&velocities, &[turning; 2], Vector::ZERO).length() < 1e-14);
+        assert_eq!(one.rolling(&[turning; 2]), Vector::ZERO);
+    }
+
+    #[test]
+    fn forces_turn_with_the_pair_and_keep_their_magnitude() {
+        let [one, _] = both();
+        let tilted = (one.axis + 0.1 * one.memory.force).normalize();
+        let memory = turned(one.memory, tilted);
+        assert!(memory.force.dot(tilted).abs() < 1e-15);
+        assert!((memory.force.length() - one.memory.force.length()).abs() < 1e-15);
+    }
+}
