@@ -1,7 +1,7 @@
 """Viscosity of dense suspensions of rough spheres by volume fraction and friction, beside those of a code without far field
 and published fits; with the contacts' share, normal stresses, evaluations and processor time.
 
-    scripts/validate contacts           100 spheres, a strain of 3
+    scripts/validate contacts           100 spheres, a strain of 6
     scripts/validate contacts --full    200 spheres, a strain of 12, more fractions"""
 
 import csv
@@ -19,7 +19,7 @@ from support.program import PROGRAM
 FULL = "--full" in sys.argv[1:]
 FRACTIONS = (0.40, 0.45, 0.50, 0.54) if FULL else (0.40, 0.45, 0.50)
 FRICTIONS = (0.0, 0.3, 0.5, 1.0) if FULL else (0.0, 0.5, 1.0)
-SPHERES, STRAIN, SETTLED = (200, 12.0, 2.0) if FULL else (100, 3.0, 1.0)
+SPHERES, STRAIN, SETTLED = (200, 12.0, 2.0) if FULL else (100, 6.0, 2.0)
 RATIO, STEP, ROUGHNESS = 1.4, 0.005, 0.005
 # Of pair lubrication and contacts alone, 100 spheres of radii 1 and 1.4, half the volume each.
 PAIRS_ALONE = {
