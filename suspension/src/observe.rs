@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::rheology::Rheology;
 use crate::sampling::{columns, counted};
 use crate::suspension::{StepReport, Suspension};
-use domain::Vector;
+use domain::{Number, Vector};
 use simulation::Quantity;
 use statistics::SpeciesColumns;
 use std::time::Instant;
@@ -19,9 +19,14 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
-    touches: bool,
+    /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts; and the largest seen.
+    aim: Option<f64>,
+    deepest: f64,
     smallest_radius: f64,
 }
+
+/// Overlaps of contacts that are worth a word, over those aimed at.
+const SOFT: f64 = 2.5;
 
 /// What a row tells of contacts.
 const CONTACTS: [(&str, &str); 5] = [
@@ -53,13 +58,30 @@ impl Observer {
             last,
             overlaps: Overlaps::default(),
             repels,
-            touches: model.contacts.is_some(),
+            aim: model.contacts.map(|contacts| contacts.overlap),
+            deepest: 0.0,
             smallest_radius,
         }
     }
 
-    /// What to say of overlaps in the rows so far, if there were any.
-    pub fn warning(&self) -> Option<String> {
+    /// What to say of the rows so far.
+    pub fn warnings(&self) -> Vec<String> {
+        [self.overlapped(), self.soft()].into_iter().flatten().collect()
+    }
+
+    /// Contacts that were pressed together much more than was aimed at.
+    fn soft(&self) -> Option<String> {
+        let aim = self.aim.filter(|aim| self.deepest > SOFT * aim)?;
+        Some(format!(
+            "contacts overlap by up to {:.2} of the roughness, where {:.2} was aimed at; near jamming that is what the \
+             stress depends on: look whether a larger contacts.stiffness changes it",
+            Number(self.deepest),
+            Number(aim)
+        ))
+    }
+
+    /// What to say of overlaps, if there were any.
+    fn overlapped(&self) -> Option<String> {
         let Overlaps { rows, with_overlap, largest } = self.overlaps;
         let remedy = if self.repels { "a larger repulsion.strength or a shorter time.step" } else { "a [repulsion]" };
         (with_overlap > 0).then(|| {
@@ -79,7 +101,7 @@ impl Observer {
         ];
         quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
-        if self.touches {
+        if self.aim.is_some() {
             quantities.extend(CONTACTS.map(|(name, unit)| Quantity::number(name, unit)));
         }
         quantities.extend([
@@ -109,7 +131,10 @@ impl Observer {
             suspension.comm().sum(counted.counts());
             row.push(vec![counted.intensity()]);
         }
-        row.extend(suspension.contact_numbers().into_iter().flatten().map(|number| vec![number]));
+        if let Some(numbers) = suspension.contact_numbers() {
+            self.deepest = self.deepest.max(numbers[3]);
+            row.extend(numbers.map(|number| vec![number]));
+        }
         let (iterations, evaluations) = (iterations as f64, evaluations as f64);
         row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));
         row

@@ -112,7 +112,7 @@ impl Simulation for Observed {
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.observer.warning().into_iter().collect()
+        self.observer.warnings()
     }
 
     fn averages(&mut self) -> Option<TableSet> {

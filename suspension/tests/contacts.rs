@@ -3,8 +3,9 @@
 mod support;
 
 use domain::{Comm, Particles, Vector};
+use simulation::Simulation;
 use support::model_of;
-use suspension::{Model, Suspension};
+use suspension::{Model, Observed, Suspension};
 
 /// Two spheres in a shear flow that brings them together, in the plane of the flow.
 const PAIR: &str = r#"
@@ -198,4 +199,21 @@ fn units_do_not_matter() {
     assert!(error < 1e-7, "{error}");
     let energy = others[4] / (viscosity * rate * length.powi(3));
     assert!((energy / numbers[4] - 1.0).abs() < 1e-5 && numbers[4] > 0.0, "{energy} {}", numbers[4]);
+}
+
+/// A run says at its end that its contacts were too soft for what was aimed at.
+#[test]
+fn soft_contacts_are_warned_of() {
+    let warnings = |stiffness: &str| {
+        let model = model_of(DENSE, &[stiffness, "time.steps=30"]);
+        let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+        for _ in 0..model.steps {
+            observed.advance(model.steps).unwrap();
+        }
+        observed.observe();
+        observed.warnings()
+    };
+    let said = warnings("contacts.stiffness=200.0");
+    assert!(said.len() == 1 && said[0].contains("a larger contacts.stiffness"), "{said:?}");
+    assert_eq!(warnings("contacts.stiffness=20000.0"), Vec::<String>::new());
 }
