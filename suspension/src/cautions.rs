@@ -18,7 +18,7 @@ fn burden(model: &Model, radii: &Radii) -> Option<String> {
     Plan::choose(&problem).ok()?.burden(&problem)
 }
 
-/// Strain of a step up to which viscosities of spheres in contact do not depend on it.
+/// Strain of a step up to which it changes the viscosity of spheres in contact by less than a tenth.
 const LONGEST_STRAIN: f64 = 0.01;
 
 /// Contacts stick and slide for a step at a time.

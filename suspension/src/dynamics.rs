@@ -81,7 +81,8 @@ impl Dynamics {
         let forces = Forces::new(model, setup.radii.largest())?;
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
         let radii = [setup.radii.smallest(), setup.radii.largest()];
-        let contacts = model.contacts.map(|contacts| Contacts::new(contacts.contact(model), radii));
+        let contacts =
+            model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
         let springs = forces.reach().filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
@@ -172,9 +173,11 @@ impl Dynamics {
                 let touching = contacts.acting(particles, (&cell, &self.partition), with, &before);
                 touching.add_to(&mut loads);
                 let outcome = self.solve((particles, &cell), (&loads, &touching.springs()), &guess, moment)?;
-                let motion = WarmStart::motion(particles);
-                let noted = touching.note(particles, &motion);
-                self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
+                if moment.implicit.is_some() {
+                    let motion = WarmStart::motion(particles);
+                    let noted = touching.note(particles, &motion);
+                    self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
+                }
                 outcome
             }
         };

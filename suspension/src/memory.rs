@@ -160,7 +160,7 @@ impl Share<'_> {
     fn contact_numbers(&self) -> usize {
         let radii = self.model.species.iter().map(|s| s.radius);
         let extremes = [radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)];
-        self.model.contacts.map_or(0, |_| 2 * CONTACT_NUMBERS * most_contacts(extremes))
+        self.model.contacts.map_or(0, |_| 2 * CONTACT_NUMBERS * most_contacts(extremes, self.expected.total() as usize))
     }
 
     fn is_rigid(&self) -> bool {

@@ -70,7 +70,8 @@ impl Rheology {
         if self.changes {
             row.extend([rate, strain, fluid + xy].map(|number| vec![number]));
         }
-        row.extend([1.0 + xy / fluid, xx - yy, yy - zz, -(xx + yy + zz) / 3.0].map(|number| vec![number]));
+        let viscosity = if rate == 0.0 { f64::NAN } else { 1.0 + xy / fluid };
+        row.extend([viscosity, xx - yy, yy - zz, -(xx + yy + zz) / 3.0].map(|number| vec![number]));
         row
     }
 }

@@ -1,8 +1,11 @@
 //! Contacts of rough spheres in runs.
 
+#[path = "support/ended.rs"]
+mod ended;
 mod support;
 
 use domain::{Comm, Particles, Vector};
+use ended::ended;
 use simulation::Simulation;
 use support::model_of;
 use suspension::{Model, Observed, Suspension};
@@ -104,15 +107,10 @@ fn a_pressed_pair_rests_on_its_spring() {
 }
 
 fn run(model: &Model, ranks: usize) -> (Particles, [f64; 5]) {
-    let all = Comm::threads(ranks, |comm| {
-        let mut suspension = Suspension::start(model, &comm).unwrap();
-        for _ in 0..model.steps {
-            suspension.step().unwrap();
-        }
-        let numbers = contacts(&mut suspension);
+    ended(model, ranks, |suspension| {
+        let numbers = contacts(suspension);
         (suspension.gathered(None), numbers)
-    });
-    all.into_iter().next().unwrap()
+    })
 }
 
 #[test]
@@ -154,11 +152,8 @@ fn a_resumed_run_has_the_same_bits() {
 #[test]
 fn the_contact_stress_is_symmetric_and_presses() {
     let model = model_of(DENSE, &[]);
-    let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
-    for _ in 0..model.steps {
-        suspension.step().unwrap();
-    }
-    let stress = suspension.stress(2).iter().fold(domain::Tensor::ZERO, |sum, s| sum + s.contact);
+    let of_species = ended(&model, 1, |suspension| suspension.stress(2));
+    let stress = of_species.iter().fold(domain::Tensor::ZERO, |sum, s| sum + s.contact);
     assert!((stress - stress.transpose()).col(0).length() < 1e-12 * stress.col(0).length());
     let pressure = -(stress.col(0).x + stress.col(1).y + stress.col(2).z) / 3.0;
     assert!(pressure > 0.0 && stress.col(0).y > 0.0, "{stress}");

@@ -1,8 +1,11 @@
 //! Rates of shear that change in the course of a run.
 
+#[path = "support/ended.rs"]
+mod ended;
 mod support;
 
 use domain::{Comm, Particles, Vector};
+use ended::ended;
 use support::model_of;
 use suspension::{Model, Suspension};
 
@@ -27,14 +30,7 @@ fn passing(method: &str, keys: &[&str]) -> Model {
 }
 
 fn run(model: &Model, ranks: usize) -> Particles {
-    let all = Comm::threads(ranks, |comm| {
-        let mut suspension = Suspension::start(model, &comm).unwrap();
-        for _ in 0..model.steps {
-            suspension.step().unwrap();
-        }
-        suspension.gathered(None)
-    });
-    all.into_iter().next().unwrap()
+    ended(model, ranks, |suspension| suspension.gathered(None))
 }
 
 fn largest(vectors: impl Iterator<Item = Vector>) -> f64 {

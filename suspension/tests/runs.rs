@@ -1,8 +1,11 @@
 //! Runs: on any ranks, with steps that are interrupted, against exact answers.
 
+#[path = "support/ended.rs"]
+mod ended;
 mod support;
 
 use domain::{Comm, Interrupt, Particles, Vector};
+use ended::ended;
 use simulation::Simulation;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -29,19 +32,12 @@ radius = 1.5
 count = 6
 "#;
 
-fn model(overrides: &[&str]) -> Model {
-    model_of(SCENE, overrides)
+fn run(model: &Model, ranks: usize) -> Particles {
+    ended(model, ranks, |suspension| suspension.gathered(None))
 }
 
-fn run(model: &Model, ranks: usize) -> Particles {
-    let all = Comm::threads(ranks, |comm| {
-        let mut suspension = Suspension::start(model, &comm).unwrap();
-        for _ in 0..model.steps {
-            suspension.step().unwrap();
-        }
-        suspension.gathered(None)
-    });
-    all.into_iter().next().unwrap()
+fn model(overrides: &[&str]) -> Model {
+    model_of(SCENE, overrides)
 }
 
 #[test]

@@ -30,10 +30,11 @@ impl Default for Memory {
 pub const CONTACT_NUMBERS: usize = 10;
 
 /// The contacts that a particle can have at most, whose surfaces just touch it, with spheres of the largest ratio of radii
-/// all around: by the share of its surface, widened by the radius of the others, that these cover.
-pub fn most_contacts(radii: [f64; 2]) -> usize {
+/// all around: by the share of its surface, widened by the radius of the others, that these cover; and not more than there
+/// are others.
+pub fn most_contacts(radii: [f64; 2], count: usize) -> usize {
     let ratio = radii[1] / radii[0];
-    (0.9 * 4.0 * (1.0 + ratio).powi(2)).ceil() as usize
+    ((0.9 * 4.0 * (1.0 + ratio).powi(2)).ceil() as usize).min(count.saturating_sub(1)).max(1)
 }
 
 /// What the contact of a row with the particle of an id remembers.
@@ -95,6 +96,7 @@ mod tests {
 
     #[test]
     fn spheres_of_one_size_have_up_to_fifteen_contacts() {
-        assert_eq!((most_contacts([1.0, 1.0]), most_contacts([1.0, 1.4])), (15, 21));
+        assert_eq!((most_contacts([1.0, 1.0], 100), most_contacts([1.0, 1.4], 100)), (15, 21));
+        assert_eq!((most_contacts([1.0, 1e3], 100), most_contacts([1.0, 1.0], 1)), (99, 1));
     }
 }

@@ -72,9 +72,9 @@ const CUT: f64 = 0.5;
 type End = (usize, u64, Memory);
 
 impl Contacts {
-    /// Contacts of a law, between spheres whose radii are between two.
-    pub fn new(law: Contact, radii: [f64; 2]) -> Self {
-        Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii) }
+    /// Contacts of a law, between so many spheres whose radii are between two.
+    pub fn new(law: Contact, (radii, count): ([f64; 2], usize)) -> Self {
+        Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count) }
     }
 
     /// The contacts of particles whose velocities relative to a flow of some rate of strain are expected to be given ones,

@@ -6,7 +6,7 @@ mod tables;
 
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
-use crate::model::{Axis, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
+use crate::model::{Axis, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
 use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
@@ -38,7 +38,7 @@ struct About {
     names: Vec<String>,
     /// Radius and volume fraction of each species.
     species: Vec<(f64, f64)>,
-    /// The flow at first, and its rates of shear in time.
+    /// The flow, at its largest rate if that changes, and its rates in time.
     flow: BackgroundFlow,
     rates: ShearRates,
     rigid: bool,
@@ -119,7 +119,7 @@ impl Statistics {
             let turning = column(particles, ANGULAR_VELOCITY).iter().map(|&w| w - flow.angular_velocity());
             each_species(&mut self.angular_velocities, &particles.species, &turning.collect::<Vec<_>>());
         }
-        let motions = self.paths.follow(time, (cell, particles), &velocities, flow);
+        let motions = self.paths.follow(time, (cell, particles), &velocities, self.about.flow);
         self.lagrangian.add(time, &motions);
         self.pairs.add(cell, &particles.positions, &particles.species);
         self.profile.add(&particles.positions, &particles.radii, &particles.species);
@@ -136,10 +136,8 @@ impl About {
     }
 
     fn of(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
-        let flow = match model.flow {
-            Flow::Shear { rate, .. } => BackgroundFlow::shear(rate),
-            _ => BackgroundFlow::NONE,
-        };
+        let rates = model.shear_rates();
+        let flow = BackgroundFlow::shear(if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
         let fraction = |index: usize| {
             let own = particles.species.iter().zip(&particles.radii).filter(|(s, _)| **s as usize == index);
             own.map(|(_, a)| 4.0 / 3.0 * std::f64::consts::PI * a.powi(3)).sum::<f64>() / model.cell.volume()
@@ -148,7 +146,7 @@ impl About {
             names: model.species.iter().map(|s| s.name.clone()).collect(),
             species: model.species.iter().enumerate().map(|(index, s)| (s.radius, fraction(index))).collect(),
             flow,
-            rates: model.shear_rates(),
+            rates,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             axis: wanted.axis.map_or_else(|| model.force_axis().unwrap_or(GRADIENT), index),
             columns: columns(model),

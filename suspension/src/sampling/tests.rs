@@ -1,5 +1,6 @@
 use super::*;
 use crate::Suspension;
+use crate::model::Flow;
 use crate::model::{Axis, Parameters};
 use domain::Comm;
 use simulation::Table;
