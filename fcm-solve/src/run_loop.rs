@@ -25,7 +25,7 @@ pub fn run_to_end(
     progress.say(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
     recorder.record(simulation)?;
     let first = simulation.clock().step();
-    while simulation.clock().step() < last {
+    while simulation.clock().step() < last && simulation.ended().is_none() {
         signals.checkpoint_took(recorder.longest_checkpoint());
         if let Some(stop) = signals.received() {
             recorder.checkpoint(simulation)?;
@@ -39,6 +39,9 @@ pub fn run_to_end(
     recorder.checkpoint(simulation)?;
     for warning in simulation.warnings() {
         progress.say(&format!("warning: {warning}"));
+    }
+    if let Some(why) = simulation.ended() {
+        progress.say(&format!("the suspension is {why}"));
     }
     progress.say(&format!(
         "finished after step {}; results in {}",

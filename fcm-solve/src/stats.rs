@@ -9,7 +9,8 @@ use io::{Kind, Scene, TrajectoryReader, provenance, write_tables};
 use simulation::Table;
 use std::path::PathBuf;
 use suspension::{
-    Model, Multipoles, SAMPLE_COLUMNS, Statistics, StatisticsWanted, column_bytes, sample_bytes, statistics_bytes,
+    Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsWanted, column_bytes, sample_bytes,
+    statistics_bytes,
 };
 
 /// Which run, and what of it.
@@ -51,6 +52,11 @@ fn take(args: &Args) -> anyhow::Result<()> {
         bail!("{} is not of a suspension, and statistics are of those only", trajectory.display())
     };
     let model = &suspension.model;
+    ensure!(
+        model.shear_rates().stress().is_none(),
+        "{} has velocities in a flow that a stress drives, but not its rates of shear; have the run take statistics, by [statistics]",
+        trajectory.display()
+    );
     let mut wanted = model.statistics.unwrap_or(StatisticsWanted::ALL);
     wanted.from = args.from.unwrap_or(f64::NEG_INFINITY);
     wanted.diffusive_from = args.diffusive_from.or(wanted.diffusive_from);
@@ -76,7 +82,8 @@ fn take(args: &Args) -> anyhow::Result<()> {
             check_memory(model, particles.len() as f64, samples)?;
         }
         let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles));
-        statistics.sample(time, &cell, &particles);
+        let rate = model.shear_rates().before_time(time);
+        statistics.sample(&Sample { time, rate, cell: &cell, particles: &particles, shear_stress: None });
     }
     let Some(statistics) = statistics else {
         bail!("the trajectory has no whole frame in that span; change --from and --to")

@@ -85,7 +85,7 @@ impl Run {
     pub fn run_to(&mut self, target: u64) -> Result<Ended, RunError> {
         self.prepare_files(target)?;
         self.record()?;
-        while self.simulation.clock().step() < target {
+        while self.simulation.clock().step() < target && self.simulation.ended().is_none() {
             if self.simulation.comm().any(self.signals.interrupt().is_requested()) {
                 self.checkpoint()?;
                 return Ok(Ended::Interrupted);

@@ -71,6 +71,11 @@ pub trait Simulation {
         None
     }
 
+    /// Why there is nothing more to come, if it has come to an end before its last step.
+    fn ended(&self) -> Option<String> {
+        None
+    }
+
     /// Warnings for the user at the start.
     fn cautions(&self) -> Vec<String> {
         Vec::new()

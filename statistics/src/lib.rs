@@ -24,6 +24,7 @@ mod fluctuations;
 mod histogram;
 mod lagrangian;
 mod memory;
+mod oscillation;
 mod pair_distribution;
 mod profile;
 mod segregation;
@@ -35,6 +36,7 @@ pub use diffusion::{Diffusivity, global_coefficient, mean_coefficient, mean_radi
 pub use fluctuations::Fluctuations;
 pub use histogram::Histogram;
 pub use lagrangian::{Lag, Lagrangian, Motion};
+pub use oscillation::{FEWEST_SAMPLES, Moduli};
 pub use pair_distribution::{Angle, PairDistribution};
 pub use profile::Profile;
 pub use segregation::SpeciesColumns;

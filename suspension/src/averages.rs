@@ -2,7 +2,7 @@
 
 use crate::Suspension;
 use crate::model::{Model, Statistics as Wanted};
-use crate::sampling::{COLUMNS, Statistics};
+use crate::sampling::{COLUMNS, Sample, Statistics};
 use domain::Particles;
 use simulation::{Schedule, TableSet};
 use statistics::State;
@@ -11,13 +11,17 @@ use statistics::State;
 pub struct Averages {
     samples: Schedule,
     from: f64,
+    /// Species and viscosity, where the stress is a part of the statistics.
+    sheared: Option<(usize, f64)>,
     statistics: Statistics,
 }
 
 impl Averages {
     /// Nothing so far; `frame` has all particles on the first rank.
     pub fn new(model: &Model, wanted: Wanted, frame: &Particles) -> Self {
-        Self { samples: wanted.samples, from: wanted.from, statistics: Statistics::new(model, wanted, frame) }
+        let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
+        let statistics = Statistics::new(model, wanted, frame);
+        Self { samples: wanted.samples, from: wanted.from, sheared, statistics }
     }
 
     /// Takes a sample if it is time for one. Collective.
@@ -25,8 +29,14 @@ impl Averages {
         let clock = suspension.clock();
         if self.samples.is_due(clock.step()) && clock.time() >= self.from {
             let particles = suspension.gathered(Some(&COLUMNS));
+            let [rate, _] = suspension.shear();
+            let shear_stress = self.sheared.map(|(species, viscosity)| {
+                let of_particles: f64 = suspension.stress(species).iter().map(|stress| stress.total().y_axis.x).sum();
+                viscosity * rate + of_particles
+            });
             if suspension.comm().is_first() {
-                self.statistics.sample(clock.time(), suspension.cell(), &particles);
+                let (time, cell, particles) = (clock.time(), suspension.cell(), &particles);
+                self.statistics.sample(&Sample { time, rate, cell, particles, shear_stress });
             }
         }
     }

@@ -26,7 +26,8 @@ fn long_steps(model: &Model) -> Option<String> {
     let rate = model.shear_rates().largest();
     let strain = rate * model.time_step;
     let (step, limit) = (Number(model.time_step), Number(LONGEST_STRAIN / rate));
-    (model.contacts.is_some() && strain > LONGEST_STRAIN * 1.001).then(|| {
+    let is_given = model.shear_rates().stress().is_none();
+    (is_given && model.contacts.is_some() && strain > LONGEST_STRAIN * 1.001).then(|| {
         format!(
             "time.step = {step} is a strain of {:.3}, and contacts stick or slide for a whole step; take {limit:.3} or less",
             Number(strain)

@@ -1,5 +1,7 @@
 //! From positions to velocities.
 
+mod drive;
+
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::contacts::{self, Contacts, Measured};
@@ -17,7 +19,7 @@ use crate::step_error::StepError;
 use crate::substeps;
 use crate::warm_start::WarmStart;
 use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
-use fcm::{Loads, PlanError, SolveError};
+use fcm::{Loads, Motion, PlanError, SolveError};
 use lubrication::Range;
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -69,6 +71,7 @@ pub struct Dynamics {
     lubrication: Option<Range>,
     warm_start: WarmStart,
     rigid: bool,
+    viscosity: f64,
     smallest_radius: f64,
 }
 
@@ -95,6 +98,7 @@ impl Dynamics {
             contacts,
             applied: AppliedForces::default(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
+            viscosity: model.viscosity,
             smallest_radius: setup.radii.smallest(),
             partition: setup.partition,
             moving: setup.moving,
@@ -124,8 +128,8 @@ impl Dynamics {
         &self.moving
     }
 
-    /// Makes the flow what it is from the step on that begins, if it changes then: nothing of the past goes on, and the
-    /// velocities are computed again. Collective.
+    /// Makes velocities what they are while particles move, and the flow what it is from the step on that begins, if it
+    /// changes then: nothing of the past goes on, and the velocities are computed again. Collective.
     pub fn begin_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<(), StepError> {
         if self.moving.begin(clock.step()) {
             integrator::forget(particles);
@@ -133,7 +137,28 @@ impl Dynamics {
             self.warm_start.forget(particles);
             self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;
         }
+        self.add_reference(particles, -1.0);
         Ok(())
+    }
+
+    /// Makes the velocities at the end of a step those that others see.
+    pub fn end_step(&mut self, particles: &mut Particles) {
+        self.add_reference(particles, 1.0);
+        if let Some(driven) = self.moving.driven() {
+            driven.note(particles);
+        }
+    }
+
+    /// Computes velocities, angular velocities and stresslets at the time of a clock, between steps. Collective.
+    pub fn evaluate_now(&mut self, particles: &mut Particles, clock: &Clock) -> Result<Outcome, StepError> {
+        let now = Moment::in_step(clock, 0.0, self.steps_before(clock));
+        let outcome = self.evaluate(particles, &now)?;
+        let rate = self.flow().shear_rate();
+        if let Some(driven) = self.moving.driven() {
+            driven.start_from(rate);
+        }
+        self.end_step(particles);
+        Ok(outcome)
     }
 
     /// Steps of the present flow before that which begins.
@@ -149,42 +174,55 @@ impl Dynamics {
     /// Brings the particles into the box and to their ranks, and computes their velocities, angular velocities and
     /// stresslets at a moment. Collective; fails on every rank or on none.
     pub fn evaluate(&mut self, particles: &mut Particles, moment: &Moment) -> Result<Outcome, StepError> {
-        let clock = &moment.clock;
         if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
             return Err(Interrupted.into());
         }
         self.place(particles, moment)?;
-        let cell = *self.moving.cell();
-        let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
-        let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities });
-        let mut loads = self.forces.on(particles, (&cell, &self.partition), ahead.as_ref());
-        let time = clock.time_at(moment.fraction);
-        let applied = self.applied.add_to(&mut loads, particles, (&cell, &self.partition), time);
-        applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
         let guess =
             if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
-        let outcome = match &self.contacts {
-            None => self.solve((particles, &cell), (&loads, &[]), &guess, moment)?,
-            Some(contacts) => {
-                let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
-                let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
-                let with = (contacts::Ahead { along, across }, velocities, self.flow().strain_rate());
-                let before = WarmStart::motion(particles);
-                let touching = contacts.acting(particles, (&cell, &self.partition), with, &before);
-                touching.add_to(&mut loads);
-                let outcome = self.solve((particles, &cell), (&loads, &touching.springs()), &guess, moment)?;
-                if moment.implicit.is_some() {
-                    let motion = WarmStart::motion(particles);
-                    let noted = touching.note(particles, &motion);
-                    self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
-                }
-                outcome
-            }
+        let before = self.contacts.as_ref().map(|_| WarmStart::motion(particles)).unwrap_or_default();
+        let outcome = match self.moving.search() {
+            None => self.solve_at(particles, (&guess, &before), moment)?.0,
+            Some(search) => self.drive(particles, (search, guess, &before), moment)?,
         };
         if self.rigid {
             self.warm_start.learn(particles, &moment.ages, moment.ahead, self.partition.comm());
         }
         Ok(outcome)
+    }
+
+    /// Solves for the motions of particles where they are, after those of a solution before. How that went, and where a stress drives the flow, the `xy` component
+    /// of the first moments of this rank's contacts. Collective.
+    fn solve_at(
+        &mut self,
+        particles: &mut Particles,
+        (guess, before): (&Guess, &Motion),
+        moment: &Moment,
+    ) -> Result<(Outcome, f64), StepError> {
+        let (cell, clock) = (*self.moving.cell(), &moment.clock);
+        let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
+        let besides = self.moving.expected_besides();
+        let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate: besides });
+        let mut loads = self.forces.on(particles, (&cell, &self.partition), ahead.as_ref());
+        let time = clock.time_at(moment.fraction);
+        let applied = self.applied.add_to(&mut loads, particles, (&cell, &self.partition), time);
+        applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
+        let Some(contacts) = &self.contacts else {
+            return Ok((self.solve((particles, &cell), (&loads, &[]), guess, moment)?, 0.0));
+        };
+        let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
+        let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
+        let with = (contacts::Ahead { along, across }, velocities, [self.flow().strain_rate(), besides]);
+        let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
+        touching.add_to(&mut loads);
+        let outcome = self.solve((particles, &cell), (&loads, &touching.springs()), guess, moment)?;
+        let motion = WarmStart::motion(particles);
+        if moment.implicit.is_some() {
+            let noted = touching.note(particles, &motion);
+            self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
+        }
+        let of_contacts = if self.moving.driven().is_some() { touching.shear_moment(&motion) } else { 0.0 };
+        Ok((outcome, of_contacts))
     }
 
     /// Solves for the motions under loads, with what springs resist, and writes them into the particles' columns.
@@ -216,7 +254,16 @@ impl Dynamics {
     /// A column of velocities less those of the background flow.
     fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
         let velocities = particles.vectors(name).to_vec();
-        velocities.iter().zip(&particles.positions).map(|(&v, &x)| v - self.flow().velocity(x)).collect()
+        velocities.iter().zip(&particles.positions).map(|(&v, &x)| v - self.moving.flow_at(x)).collect()
+    }
+
+    /// Adds what velocities are relative to while particles move, so many times.
+    fn add_reference(&self, particles: &mut Particles, times: f64) {
+        if !self.moving.carries() {
+            return;
+        }
+        let reference: Vec<_> = particles.positions.iter().map(|&x| self.flow().velocity(x) * times).collect();
+        particles.vectors(VELOCITY).iter_mut().zip(reference).for_each(|(v, reference)| *v += reference);
     }
 
     /// Why the flow could not be found at a step. Collective.
@@ -250,10 +297,11 @@ impl Dynamics {
         self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)
     }
 
-    /// Writes what was solved for into the particles' columns, the background flow included.
+    /// Writes what was solved for into the particles' columns, the background flow included as far as velocities have it while
+    /// particles move.
     fn record(&self, particles: &mut Particles, solved: &Solved) {
         let carried = particles.positions.iter().zip(&solved.motion.velocities);
-        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.flow().velocity(x)).collect();
+        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.moving.flow_at(x)).collect();
         particles.vectors(VELOCITY).copy_from_slice(&velocities);
         if self.rigid {
             let rotation = self.flow().angular_velocity();
@@ -295,7 +343,7 @@ impl Dynamics {
 
     /// Each particle's share of the first moments of repulsion, or nothing without it. Collective.
     pub fn repulsion_moments(&self, particles: &Particles) -> Vec<Tensor> {
-        self.forces.repulsion_moments(particles, self.cell(), &self.partition)
+        self.forces.repulsion_moments(particles, (self.cell(), &self.partition), None)
     }
 
     /// What contacts amount to, if there can be any. Collective.

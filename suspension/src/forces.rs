@@ -2,7 +2,7 @@
 
 use crate::model::{Model, Repulsion, Species};
 use crate::near::Near;
-use domain::{Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::Loads;
 use lubrication::{Barrier, BarrierError};
 
@@ -27,6 +27,8 @@ pub struct Ahead<'a> {
     pub time: f64,
     /// Velocities relative to the background flow, as expected.
     pub velocities: &'a [Vector],
+    /// What they have of a flow besides.
+    pub strain_rate: Traceless,
 }
 
 impl Forces {
@@ -64,11 +66,11 @@ impl Forces {
     /// For each pair, the force on the first sphere by which [`Self::resistance`] changes repulsion at the velocities
     /// expected, taken back. Collective.
     fn expected(&self, near: &Near, ahead: &Ahead) -> Vec<Vector> {
-        let relative = near.differences(ahead.velocities);
+        let (relative, strain_rate) = (near.differences(ahead.velocities), ahead.strain_rate.tensor());
         let of_pair = |((separation, radii, _), velocity): ((Vector, [f64; 2], _), Vector)| {
             let distance = separation.length();
             let axis = separation / distance;
-            axis * (-self.resistance(ahead.time, distance, radii) * axis.dot(velocity))
+            axis * (-self.resistance(ahead.time, distance, radii) * axis.dot(velocity + strain_rate * separation))
         };
         near.pairs().zip(relative).map(of_pair).collect()
     }
@@ -90,15 +92,24 @@ impl Forces {
     }
 
     /// For each particle that this rank owns, its share of the first moments of repulsion: of a pair at `x_i` and
-    /// `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without repulsion there are none.
+    /// `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without repulsion there are none. Where it
+    /// is to be that at the end of some time, forces change by [`Self::resistance`] to velocities beyond those expected.
     /// Collective.
-    pub fn repulsion_moments(&self, particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Vec<Tensor> {
+    pub fn repulsion_moments(
+        &self,
+        particles: &Particles,
+        (cell, partition): (&PeriodicBox, &Partition),
+        beyond: Option<&Ahead>,
+    ) -> Vec<Tensor> {
         let Some((barrier, reach)) = &self.barrier else { return Vec::new() };
-        Near::find(particles, cell, partition, *reach).sums(|separation, radii| {
-            let force = barrier.force(separation, radii);
+        let near = Near::find(particles, cell, partition, *reach);
+        let taken_back = beyond.map(|ahead| self.expected(&near, ahead)).unwrap_or_default();
+        let of_pair = |(k, (separation, radii, _)): (usize, (Vector, [f64; 2], _))| {
+            let force = barrier.force(separation, radii) - taken_back.get(k).copied().unwrap_or_default();
             let half = Tensor::from_cols(separation * force.x, separation * force.y, separation * force.z) * 0.5;
             [half, half]
-        })
+        };
+        near.summed(near.pairs().enumerate().map(of_pair))
     }
 
     fn steady_forces(&self, particles: &Particles) -> Vec<Vector> {

@@ -116,7 +116,8 @@ impl Substep<'_> {
         let comm = dynamics.partition().comm().clone();
         dynamics.remember(particles);
         let (ages, rest) = (ages(particles, &comm), (1.0 - fraction) * clock.dt());
-        let mut longest = proposed(particles, &ages, control, &comm).min(rest);
+        let mut longest =
+            proposed(particles, &ages, control, &comm).min(dynamics.moving_box().longest_substep()).min(rest);
         let before = (particles.clone(), dynamics.moving_box().clone());
         loop {
             let length = choose((particles, &ages), (rest, longest), (control, clock), dynamics)?;
@@ -136,6 +137,7 @@ impl Substep<'_> {
             let factor = (SAFETY / error.max(1e-9)).cbrt();
             if error <= REDONE {
                 dynamics.place(particles, &moment)?;
+                dynamics.end_flow(length.implicit());
                 grow_older(particles, &ages, step);
                 finish(particles, &length, step * factor.min(GROWTH));
                 return Ok((end, outcome));
@@ -164,11 +166,13 @@ fn choose(
     (control, clock): (&Adaptive, &Clock),
     dynamics: &Dynamics,
 ) -> Result<Length, StepError> {
-    let (approach, comm) = (dynamics.approach(particles, USED), dynamics.partition().comm());
+    let (mut approach, comm) = (dynamics.approach(particles, USED), dynamics.partition().comm());
     loop {
         let is_smooth = control.tolerance.is_finite();
         let length = Length { ages: ages.to_vec(), step: share(rest, longest), is_smooth };
-        let change = approach.after([length.expected(), [0.0; 3]], dynamics.least_gaps(control.tolerance), comm);
+        let least = dynamics.least_gaps(control.tolerance);
+        let sheared = approach.sheared_by(dynamics.moving_box().carry(length.step, length.expected()));
+        let change = sheared.after([length.expected(), [0.0; 3]], least, comm);
         if length.step < SHORTEST * clock.dt() {
             return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });
         }
@@ -181,26 +185,31 @@ fn choose(
 }
 
 /// Moves the particles to where they are expected at the end of a substep. Collective.
-fn expect(particles: &mut Particles, length: &Length, dynamics: &Dynamics) {
+fn expect(particles: &mut Particles, length: &Length, dynamics: &mut Dynamics) {
     let expected = combined(particles, [VELOCITY, PAST[0]], length.extrapolation());
     particles.vectors(EXPECTED).copy_from_slice(&expected);
-    let apart = moved_apart(&dynamics.approach(particles, USED), length.expected(), dynamics).unwrap_or_default();
+    let mut approach = dynamics.approach(particles, USED);
+    let sheared = approach.sheared_by(dynamics.moving_box().carry(length.step, length.expected()));
+    let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
     move_by(particles, USED, length.expected());
     displace(particles, &apart);
     remember(particles);
+    dynamics.expect_flow(length.extrapolation(), length.expected());
 }
 
 /// Moves the particles from where they were expected to where the velocities solved for lead, and says how large the error
 /// is, over what is allowed: that of the substep, or by how much gaps are not those expected. Collective.
-fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynamics: &Dynamics) -> f64 {
+fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynamics: &mut Dynamics) -> f64 {
+    let missing = dynamics.correct_flow(length.correction()[0]);
     let (columns, weights, comm) = ([VELOCITY, EXPECTED], length.correction(), dynamics.partition().comm());
     let share = if length.ages.len() < 2 { 1.0 / 2.0 } else { 1.0 / 3.0 };
     let [now, past] = length.extrapolation().map(|weight| -weight * weights[0]);
     let difference = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
     let error = share * largest_displacement(particles, difference, comm) / control.tolerance;
-    let approach = dynamics.approach(particles, columns);
-    let change = approach.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
-    let Some(apart) = moved_apart(&approach, weights, dynamics) else { return f64::INFINITY };
+    let mut approach = dynamics.approach(particles, columns);
+    let sheared = approach.sheared_by(missing);
+    let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
+    let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
     move_by(particles, columns, weights);
     displace(particles, &apart);
     error.max(change.error / GAP_ERROR)

@@ -28,6 +28,7 @@ pub mod benchmark;
 mod cautions;
 mod columns;
 mod contacts;
+mod driven;
 mod dynamics;
 mod error;
 mod extrapolation;
@@ -75,13 +76,15 @@ pub use memory::Ranks;
 pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
     Adaptive, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model,
-    Multipoles, Parameters, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start,
+    Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start,
     Statistics as StatisticsWanted,
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};
 pub use overlaps::Overlaps;
-pub use sampling::{COLUMNS as SAMPLE_COLUMNS, Statistics, bytes as statistics_bytes, column_bytes, sample_bytes};
+pub use sampling::{
+    COLUMNS as SAMPLE_COLUMNS, Sample, Statistics, bytes as statistics_bytes, column_bytes, sample_bytes,
+};
 pub use single_evaluation::SingleEvaluation;
 pub use steadiness::longest_step;
 pub use step_error::StepError;

@@ -6,6 +6,7 @@ mod tests;
 use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::contacts::{CONTACT_NUMBERS, most_contacts};
+use crate::driven::DRIVEN_NUMBERS;
 use crate::forces::barrier;
 use crate::hydrodynamics::memory::{pairs_bytes, solve_bytes, table_bytes};
 use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
@@ -148,6 +149,7 @@ impl Share<'_> {
     /// Numbers of all columns of a particle.
     fn numbers(&self) -> usize {
         let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
+        let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
         if self.is_rigid() {
             let kept = WarmStart::new(self.model.is_coupled()).numbers() + self.contact_numbers();
             velocities + FRAME[1].1 + FRAME[2].1 + kept

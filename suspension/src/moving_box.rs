@@ -1,22 +1,33 @@
 //! The box as time goes on.
 
+use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::ShearRates;
-use domain::{Particles, PeriodicBox, Vector};
+use domain::{Comm, Particles, PeriodicBox, Traceless, Vector};
 use simulation::Clock;
 use solver::BackgroundFlow;
+
+/// Where a stress drives the flow, substeps are at most this long in strain: contacts stick or slide for all of one.
+const LONGEST_STRAIN: f64 = 0.005;
 
 /// A box in a shear flow, that shears with it or stays straight. Beyond each of its sides the flow is faster by
 /// `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and enters on the other is
 /// seen in another frame of reference from then on, and so is its past.
+///
+/// Where the rate of the flow changes all the time, by an oscillation or since the stress is given, the particles are in the frame of the flow while they move: their
+/// velocities, past ones too, are relative to it, and the box carries them along as it shears, by `x += strain y` for
+/// places and velocities alike. So a multistep method for the velocities keeps its order, and images that move apart by
+/// exactly the strain of the box see the same past.
 #[derive(Clone)]
 pub struct MovingBox {
     start: PeriodicBox,
     rates: ShearRates,
+    driven: Option<Driven>,
     shears: bool,
     /// The flow as it is, and the step at which it became so.
     flow: BackgroundFlow,
     began: u64,
+    time: f64,
     cell: PeriodicBox,
     /// Whole periods that the lattice's strain has been turned back by since the start.
     turns: i32,
@@ -27,10 +38,71 @@ impl MovingBox {
     /// it shears, or does not.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
         let (rate, began) = rates.before(clock.step());
-        let flow = BackgroundFlow::shear(rate);
-        let mut moving = Self { start, rates, shears, flow, began, cell: start, turns: 0 };
-        (moving.cell, moving.turns) = moving.shape_at(clock.time());
+        let (flow, time) = (BackgroundFlow::shear(rate), clock.time());
+        let mut moving = Self { start, rates, driven: None, shears, flow, began, time, cell: start, turns: 0 };
+        (moving.cell, moving.turns) = moving.shape_at(time);
         moving
+    }
+
+    /// The same with a rate of shear that a stress in a fluid of a viscosity drives, by solves of a tolerance, as particles on the
+    /// first rank remember it. Collective.
+    #[must_use]
+    pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
+        let driven = Driven::start(stress, self.flow.shear_rate()).recalled(particles, comm);
+        (self.driven, self.flow) = (Some(driven), BackgroundFlow::shear(driven.rate()));
+        (self.cell, self.turns) = self.shape_at(self.time);
+        self
+    }
+
+    /// The flow that a stress drives, if one does.
+    pub fn driven(&mut self) -> Option<&mut Driven> {
+        self.driven.as_mut()
+    }
+
+    /// A search for the rate that the stress drives, if one does.
+    pub fn search(&self) -> Option<Search> {
+        self.driven.as_ref().map(Driven::search)
+    }
+
+    /// Goes on with another rate of shear.
+    pub fn set_rate(&mut self, rate: f64) {
+        self.flow = BackgroundFlow::shear(rate);
+    }
+
+    /// The rate of strain that was expected besides that of the flow.
+    pub fn expected_besides(&self) -> Traceless {
+        let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.flow.shear_rate());
+        BackgroundFlow::shear(missing).strain_rate()
+    }
+
+    /// Whether a stress drives it that has next to no effect.
+    pub fn is_jammed(&self) -> bool {
+        self.driven.as_ref().is_some_and(Driven::is_jammed)
+    }
+
+    /// The longest substep that is known to be short enough for the flow.
+    pub fn longest_substep(&self) -> f64 {
+        self.driven.as_ref().map_or(f64::INFINITY, |driven| LONGEST_STRAIN / driven.rate().abs())
+    }
+
+    /// Whether velocities are relative to the flow while particles move.
+    pub fn carries(&self) -> bool {
+        self.rates.frequency().is_some() || self.driven.is_some()
+    }
+
+    /// By how much the box shears the particles that it carries, in the time that comes; `weights` are those of the rates of
+    /// now, before, and the mean of the last substep.
+    pub fn carry(&self, duration: f64, weights: [f64; 3]) -> f64 {
+        match &self.driven {
+            Some(driven) => driven.carry(weights),
+            None if self.carries() => self.rates.strain(self.time + duration) - self.rates.strain(self.time),
+            None => 0.0,
+        }
+    }
+
+    /// What velocities have of the background flow while particles move.
+    pub fn flow_at(&self, place: Vector) -> Vector {
+        if self.carries() { Vector::ZERO } else { self.flow.velocity(place) }
     }
 
     /// The background flow.
@@ -54,7 +126,7 @@ impl MovingBox {
 
     /// The strain of the flow at a time.
     pub fn strain(&self, time: f64) -> f64 {
-        self.rates.strain(time)
+        self.driven.as_ref().map_or_else(|| self.rates.strain(time), Driven::strain)
     }
 
     /// The box as it is.
@@ -71,11 +143,11 @@ impl MovingBox {
 
     /// The velocity of the image that is `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
-        if self.shears { self.flow.gradient() * self.cell.lattice(steps) } else { Vector::ZERO }
+        if self.shears { self.flow_at(self.cell.lattice(steps)) } else { Vector::ZERO }
     }
 
     fn shape_at(&self, time: f64) -> (PeriodicBox, i32) {
-        let strain = self.start.strain() + if self.shears { self.rates.strain(time) } else { 0.0 };
+        let strain = self.start.strain() + if self.shears { self.strain(time) } else { 0.0 };
         let cell = PeriodicBox::sheared(self.start.edges(), strain).expect("times and rates are finite");
         let period = cell.edges().x / cell.edges().y;
         (cell, ((strain - cell.strain()) / period).round() as i32)
@@ -83,12 +155,20 @@ impl MovingBox {
 
     /// Brings the box to a time and the particles into it.
     pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
+        if let Some(driven) = &mut self.driven {
+            shear_by(driven.go(), particles);
+            self.flow = BackgroundFlow::shear(driven.expected());
+        } else if self.carries() {
+            shear_by(self.rates.strain(time) - self.rates.strain(self.time), particles);
+            self.flow = BackgroundFlow::shear(self.rates.before_time(time));
+        }
+        self.time = time;
         let (cell, turns) = self.shape_at(time);
         if turns != self.turns {
             particles.relabel(turns - self.turns);
         }
         (self.cell, self.turns) = (cell, turns);
-        if self.flow == BackgroundFlow::NONE {
+        if self.carries() || self.flow == BackgroundFlow::NONE {
             particles.wrap(&self.cell);
         } else {
             self.wrap_in_flow(particles);
@@ -104,12 +184,24 @@ impl MovingBox {
                 continue;
             }
             let jump = self.flow.gradient() * self.cell.lattice(std::array::from_fn(|d| now[d] - before[d]));
-            for column in particles.columns.iter_mut().filter(|c| VELOCITY_COLUMNS.contains(&c.name.as_str())) {
-                let velocities: &mut [Vector] = bytemuck::cast_slice_mut(&mut column.values);
+            for velocities in velocities(particles) {
                 velocities[i] -= jump;
             }
         }
     }
+}
+
+/// The columns of velocities.
+fn velocities(particles: &mut Particles) -> impl Iterator<Item = &mut [Vector]> {
+    let columns = particles.columns.iter_mut().filter(|c| VELOCITY_COLUMNS.contains(&c.name.as_str()));
+    columns.map(|column| bytemuck::cast_slice_mut(&mut column.values))
+}
+
+/// Carries particles along with a shear by a strain, and their velocities relative to it.
+fn shear_by(strain: f64, particles: &mut Particles) {
+    let shear = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| vector.x += strain * vector.y);
+    shear(&mut particles.positions);
+    velocities(particles).for_each(shear);
 }
 
 #[cfg(test)]
@@ -117,9 +209,10 @@ mod tests {
     use super::*;
     use crate::columns::VELOCITY;
     use crate::integrator::{AdamsBashforth, advance};
+    use crate::model::Protocol;
 
     fn at_rate(step: u64, start: PeriodicBox, rate: f64) -> MovingBox {
-        MovingBox::at(&Clock::at(step, 0.1), start, ShearRates::new(rate, &[], 0.1), true)
+        MovingBox::at(&Clock::at(step, 0.1), start, ShearRates::new(rate, Protocol::STEADY, 0.1), true)
     }
 
     /// Carried by the flow alone, a particle's place without periodicity is known: `x0 + rate y0 t + drift t`, and the
@@ -156,6 +249,41 @@ mod tests {
         let found = particles.positions[0] + moving.cell().lattice(particles.steps[0]);
         assert!((found - exact).length() < 1e-10 * exact.length(), "{found} is not {exact}");
         assert!(moving.turns >= 9, "the lattice turned back: {}", moving.turns);
+    }
+
+    /// In a flow that oscillates, a particle that drifts relative to it is `x' = rate cos(w t) y + drift`; the error is that of
+    /// the method, whatever images it passes through, and none for a particle that does not drift.
+    #[test]
+    fn a_drifting_particle_follows_an_oscillation() {
+        let (rate, w, start) = (1.2, 3.0, PeriodicBox::new(Vector::new(3.0, 2.0, 4.0)).unwrap());
+        let (end, from) = (2.0, Vector::new(1.0, 1.5, 0.2));
+        let error = |drift: Vector, dt: f64| {
+            let rates = ShearRates::new(rate, Protocol::Oscillation { frequency: w }, dt);
+            let mut moving = MovingBox::at(&Clock::at(0, dt), start, rates, true);
+            let mut particles = Particles::default();
+            particles.push(0, from, 0.1, 0);
+            particles.vectors(VELOCITY).fill(drift);
+            let mut clock = Clock::at(0, dt);
+            while clock.time() < end - 0.5 * dt {
+                let now = clock;
+                let go = |particles: &mut Particles, fraction| {
+                    moving.go_to(now.time_at(fraction), particles);
+                    particles.vectors(VELOCITY).fill(drift);
+                    Ok::<(), ()>(())
+                };
+                advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, go).unwrap();
+                clock.tick();
+            }
+            // The integral of rate cos(w t) (y0 + drift t)
+            let (sin, cos) = (w * end).sin_cos();
+            let sheared = rate / w * (sin * (from.y + drift.y * end) + drift.y * (cos - 1.0) / w);
+            let exact = from + drift * end + Vector::X * sheared;
+            (particles.positions[0] + moving.cell().lattice(particles.steps[0]) - exact).length()
+        };
+        assert!(error(Vector::ZERO, 0.05) < 1e-13, "{}", error(Vector::ZERO, 0.05));
+        let drift = Vector::new(0.1, 1.9, -0.4);
+        let order = (error(drift, 0.01) / error(drift, 0.005)).log2();
+        assert!((order - 4.0).abs() < 0.2, "order {order}");
     }
 
     #[test]

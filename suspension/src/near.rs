@@ -26,12 +26,6 @@ impl Near {
         Self { halo, cell: *cell, positions, radii, pairs }
     }
 
-    /// For each particle that this rank owns, the sum over its pairs of what `of(separation, radii)` gives to the first
-    /// and to the second of a pair. Collective.
-    pub fn sums<T: Pod + AddAssign>(&self, of: impl Fn(Vector, [f64; 2]) -> [T; 2]) -> Vec<T> {
-        self.summed(self.pairs().map(|(separation, radii, _)| of(separation, radii)))
-    }
-
     /// For each particle that this rank owns, the sum of what its pairs give to the first and to the second of them;
     /// there is one item for each of [`Near::pairs`]. Collective.
     pub fn summed<T: Pod + AddAssign>(&self, of_pairs: impl Iterator<Item = [T; 2]>) -> Vec<T> {
@@ -158,7 +152,8 @@ mod tests {
                 let mut particles = if comm.is_first() { three() } else { Particles::default() };
                 particles.migrate(&partition, &cell);
                 let near = Near::find(&particles, &cell, &partition, 3.0);
-                let forces = near.sums(|d, radii| [d * radii[0] * radii[1], -d * radii[0] * radii[1]]);
+                let force = |d: Vector, radii: [f64; 2]| [d * radii[0] * radii[1], -d * radii[0] * radii[1]];
+                let forces = near.summed(near.pairs().map(|(d, radii, _)| force(d, radii)));
                 particles.vectors("force").copy_from_slice(&forces);
                 particles.gathered(&partition)
             });

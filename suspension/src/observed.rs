@@ -107,6 +107,11 @@ impl Simulation for Observed {
         State { statistics, ..self.suspension.state() }
     }
 
+    fn ended(&self) -> Option<String> {
+        let words = "jammed: under its stress it is sheared less than 1e-5 times as fast as the fluid alone would be";
+        self.suspension.is_jammed().then(|| words.to_owned())
+    }
+
     fn cautions(&self) -> Vec<String> {
         self.cautions.clone()
     }

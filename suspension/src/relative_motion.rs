@@ -19,6 +19,8 @@ const SLACK: f64 = 0.1;
 pub struct RelativeMotion<const N: usize> {
     near: Near,
     pairs: Vec<MovingPair<N>>,
+    /// By how much the box shears separations besides.
+    carry: f64,
 }
 
 struct MovingPair<const N: usize> {
@@ -40,7 +42,13 @@ impl<const N: usize> RelativeMotion<N> {
             MovingPair { separation, velocities, radii }
         };
         let pairs = near.pairs().enumerate().map(pair).collect();
-        Self { near, pairs }
+        Self { near, pairs, carry: 0.0 }
+    }
+
+    /// The same with separations that are sheared by a strain too, after they changed by displacements.
+    pub fn sheared_by(&mut self, carry: f64) -> &Self {
+        self.carry = carry;
+        self
     }
 
     /// What the displacements `sum of weights[k] * velocity k` do to gaps, and how far they are from those with the
@@ -54,7 +62,7 @@ impl<const N: usize> RelativeMotion<N> {
             change.gap = change.gap.min(gap);
             let sizes = least.map(|least| gap.max(least * pair.mean_radius()));
             if sizes[0] > 0.0 {
-                let [after, other] = [weights, lower].map(|weights| pair.gap_after(weights));
+                let [after, other] = [weights, lower].map(|weights| pair.gap_after(weights, self.carry));
                 change.loss = change.loss.max((gap - after) / sizes[0]);
                 change.error = change.error.max((after - other).abs() / sizes[1]);
             }
@@ -69,7 +77,8 @@ impl<const N: usize> RelativeMotion<N> {
     /// sphere farther, again and again, a sphere of several such pairs by the mean of what they ask for. None if that
     /// comes to no end. Collective.
     pub fn apart(&self, weights: [f64; N], closest: f64, comm: &Comm) -> Option<Vec<Vector>> {
-        let separations: Vec<Vector> = self.pairs.iter().map(|pair| pair.separation_after(weights)).collect();
+        let separations: Vec<Vector> =
+            self.pairs.iter().map(|pair| pair.separation_after(weights, self.carry)).collect();
         let mut displacements = vec![Vector::ZERO; self.near.owned()];
         for _ in 0..MOST_ROUNDS {
             let between = self.near.differences(&displacements);
@@ -122,12 +131,13 @@ impl<const N: usize> MovingPair<N> {
         self.separation.length() - 2.0 * self.mean_radius()
     }
 
-    fn separation_after(&self, weights: [f64; N]) -> Vector {
-        self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>()
+    fn separation_after(&self, weights: [f64; N], carry: f64) -> Vector {
+        let moved = self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>();
+        moved + Vector::X * (carry * moved.y)
     }
 
-    fn gap_after(&self, weights: [f64; N]) -> f64 {
-        self.separation_after(weights).length() - 2.0 * self.mean_radius()
+    fn gap_after(&self, weights: [f64; N], carry: f64) -> f64 {
+        self.separation_after(weights, carry).length() - 2.0 * self.mean_radius()
     }
 
     /// What gives the spheres a gap of `closest` mean radii, if theirs falls short of it by more than the slack.
@@ -145,7 +155,7 @@ impl<const N: usize> MovingPair<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::ShearRates;
+    use crate::model::{Protocol, ShearRates};
     use domain::PeriodicBox;
     use simulation::Clock;
 
@@ -172,7 +182,7 @@ mod tests {
                 let mut particles = if comm.is_first() { chain() } else { Particles::default() };
                 particles.vectors(VELOCITY);
                 particles.migrate(&partition, &cell);
-                let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, &[], 1.0), true);
+                let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, Protocol::STEADY, 1.0), true);
                 let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
                 let apart = approach.apart([1.0], 1e-3, &comm).expect("an end");
                 let moved: Vec<Vector> = particles.vectors(VELOCITY).iter().zip(&apart).map(|(&v, &a)| v + a).collect();
@@ -192,7 +202,7 @@ mod tests {
     fn what_keeps_its_gap_stays_where_it_is() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
         let partition = Partition::new(&Comm::alone(), [8, 8]);
-        let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, &[], 1.0), true);
+        let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, Protocol::STEADY, 1.0), true);
         let mut particles = chain();
         let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
         let apart = approach.apart([-1.0], 1e-3, &Comm::alone());

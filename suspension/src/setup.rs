@@ -70,7 +70,15 @@ impl Setup {
     ) -> Result<Self, StartError> {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let shears = !matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
-        let moving = MovingBox::at(&Clock::at(step, model.time_step), model.cell, model.shear_rates(), shears);
+        let rates = model.shear_rates();
+        let stress = rates.stress();
+        let moving = MovingBox::at(&Clock::at(step, model.time_step), model.cell, rates, shears);
+        let moving = match stress {
+            Some(stress) => {
+                moving.driven_by((stress, model.viscosity, model.hydrodynamics.tolerance), &particles, comm)
+            }
+            None => moving,
+        };
         if model.fields {
             let planned = plan.on_the_grid_alone(moving.largest_strain());
             comm.agree(planned).map_err(StartError::Fields)?;

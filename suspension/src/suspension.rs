@@ -61,7 +61,7 @@ impl Suspension {
     pub fn start_with(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
         let (mut dynamics, mut particles) = Dynamics::new(model, Setup::start(model, placed, comm)?)?;
         let clock = Clock::at(0, model.time_step);
-        let outcome = dynamics.evaluate(&mut particles, &Moment::in_step(&clock, 0.0, 0))?;
+        let outcome = dynamics.evaluate_now(&mut particles, &clock)?;
         let (integrator, evaluations) = (model.integrator, dynamics.evaluations());
         Ok(Self {
             particles,
@@ -154,9 +154,7 @@ impl Suspension {
             return Ok(());
         }
         let evaluated = self.or_as_before(|suspension| {
-            let steps = suspension.dynamics.steps_before(&suspension.clock);
-            let now = Moment::in_step(&suspension.clock, 0.0, steps);
-            suspension.outcome = suspension.dynamics.evaluate(&mut suspension.particles, &now)?;
+            suspension.outcome = suspension.dynamics.evaluate_now(&mut suspension.particles, &suspension.clock)?;
             Ok(())
         });
         if evaluated.is_err() {
@@ -187,6 +185,7 @@ impl Suspension {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
             }
         };
+        dynamics.end_step(particles);
         self.evaluations = dynamics.evaluations() - before;
         self.clock.tick();
         self.has_applied_loads = false;
@@ -243,6 +242,11 @@ impl Suspension {
     pub fn shear(&self) -> [f64; 2] {
         let moving = self.dynamics.moving_box();
         [moving.flow().shear_rate(), moving.strain(self.clock.time())]
+    }
+
+    /// Whether a stress drives the flow that has next to no effect any more.
+    pub fn is_jammed(&self) -> bool {
+        self.dynamics.moving_box().is_jammed()
     }
 
     /// The stress of the particles of each of so many species. Collective.

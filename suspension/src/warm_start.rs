@@ -122,11 +122,21 @@ impl WarmStart {
         }
         let names = self.columns();
         let curvature = particles.column(CURVATURE, names.len()).values.clone();
-        let mut lists = names.iter().enumerate().map(|(k, &(name, width))| {
+        let lists = names.iter().enumerate().map(|(k, &(name, width))| {
             let [line, parabola] = [1, 2].map(|degree| extrapolated(particles, (name, width), degree, (ages, ahead)));
             let share = curvature.get(k).copied().unwrap_or_default();
             line.iter().zip(parabola).map(|(line, parabola)| line + share * (parabola - line)).collect::<Vec<f64>>()
         });
+        Self::guessed(lists)
+    }
+
+    /// What was found last.
+    pub fn found(&self, particles: &mut Particles) -> Guess {
+        Self::guessed(self.columns().into_iter().map(|(name, width)| particles.column(name, width).values.clone()))
+    }
+
+    /// Values of all columns, in their order, as a guess.
+    fn guessed(mut lists: impl Iterator<Item = Vec<f64>>) -> Guess {
         let stresslets_far = lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default();
         let [induced_velocities, induced_angular_velocities, velocities, angular_velocities] =
             [(); 4].map(|()| lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default());

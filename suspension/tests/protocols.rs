@@ -4,7 +4,7 @@
 mod ended;
 mod support;
 
-use domain::{Comm, Particles, Vector};
+use domain::{Comm, Particles, PeriodicBox, Vector};
 use ended::ended;
 use support::model_of;
 use suspension::{Model, Suspension};
@@ -90,10 +90,10 @@ fn a_table_of_rates_is_followed() {
 
 #[test]
 fn ranks_agree() {
-    for method in METHODS {
+    let turned = ["flow.reversal_at=[0.8]", OSCILLATION];
+    for (method, flow) in METHODS.into_iter().zip([turned[0], turned[1], turned[1]]) {
         // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
-        let tight = ["hydrodynamics.tolerance=1e-7", "time.steps=40", "flow.reversal_at=[0.8]"];
-        let model = passing(method, &tight);
+        let model = passing(method, &["hydrodynamics.tolerance=1e-7", "time.steps=40", flow]);
         let alone = run(&model, 1);
         for ranks in [2, 7] {
             let together = run(&model, ranks);
@@ -106,8 +106,9 @@ fn ranks_agree() {
 /// Resumed on any step, that of the reversal too.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    for method in METHODS {
-        let model = passing(method, &["flow.reversal_at=[0.2, 0.4]", "time.steps=14"]);
+    let turned = ["flow.reversal_at=[0.2, 0.4]", OSCILLATION];
+    for (method, flow) in METHODS.into_iter().flat_map(|method| turned.map(|flow| (method, flow))) {
+        let model = passing(method, &[flow, "time.steps=14"]);
         let comm = Comm::alone();
         let mut whole = Suspension::start(&model, &comm).unwrap();
         for step in 0..model.steps {
@@ -117,5 +118,95 @@ fn a_resumed_run_has_the_same_bits() {
             resumed.step().unwrap();
             assert_eq!(whole.gathered(None), resumed.gathered(None), "{method}, after step {step}");
         }
+    }
+}
+
+/// The strain is 0.8 sin(2 t).
+const OSCILLATION: &str = r#"flow={kind="shear",oscillation={amplitude=0.8,frequency=2.0}}"#;
+
+/// Smooth spheres come back after each period, and where they are in between does not depend on what is called the origin.
+#[test]
+fn smooth_spheres_come_back_after_a_period() {
+    let period = std::f64::consts::PI;
+    let step = format!("time.step={}", period / 150.0);
+    let moved = "particles.positions=[[5.0, 1.6, 6.0], [7.2, 2.6, 6.5], [3.0, 8.0, 2.0]]";
+    for method in METHODS {
+        let start = passing(method, &[OSCILLATION, &step, "time.steps=1"]);
+        let before = Suspension::start(&start, &Comm::alone()).unwrap().gathered(None);
+        let at = |steps: &str, keys: &[&str]| run(&passing(method, &[&[OSCILLATION, &step, steps], keys].concat()), 1);
+        let [middle, end, later] = ["time.steps=37", "time.steps=150", "time.steps=300"].map(|steps| at(steps, &[]));
+        let distance =
+            |a: &Particles, b: &Particles| largest(a.positions.iter().zip(&b.positions).map(|(&a, &b)| a - b));
+        assert!(distance(&middle, &before) > 0.5);
+        let errors = [&end, &later].map(|after| distance(after, &before));
+        assert!(errors[0] < 1e-3 && errors[1] < 2.0 * errors[0] + 1e-4, "{method}: {errors:?}");
+        let elsewhere = at("time.steps=37", &[moved]);
+        let between = |p: &Particles| {
+            let strain = 0.8 * (2.0 * 37.0 * period / 150.0).sin();
+            let cell = PeriodicBox::sheared(Vector::splat(12.0), strain).unwrap();
+            cell.nearest_image(p.positions[1] - p.positions[0])
+        };
+        let error = (between(&elsewhere) - between(&middle)).length();
+        assert!(error < 1e-4, "{method}: {error}");
+    }
+}
+
+/// Spheres under a shear stress.
+fn under(stress: f64, keys: &[&str]) -> Model {
+    let flow = format!(r#"flow={{kind="shear",control="stress",stress={stress}}}"#);
+    passing(METHODS[2], &[&[flow.as_str(), "time.tolerance=1e-4"], keys].concat())
+}
+
+/// The whole shear stress, in a fluid of viscosity 1.
+fn shear_stress(suspension: &Suspension) -> f64 {
+    suspension.shear()[0] + suspension.stress(1)[0].total().y_axis.x
+}
+
+/// The stress that a rate needed makes that rate, with contacts and repulsion too; and it stays where it is to be, while the
+/// rate changes.
+#[test]
+fn a_stress_gives_the_rate_that_needed_it() {
+    let forces = ["repulsion={strength=20.0,range=0.1}", "contacts={friction=0.5,roughness=0.02,stiffness=1e4}"];
+    for keys in [&forces[..0], &forces[..1], &forces[..]] {
+        let at_rate = |steps: &str| {
+            let keys = [&["flow={kind=\"shear\",rate=0.7}", steps], keys].concat();
+            ended(&passing(METHODS[2], &keys), 1, |suspension| shear_stress(suspension))
+        };
+        let stress = at_rate("time.steps=0");
+        let mut suspension = Suspension::start(&under(stress, keys), &Comm::alone()).unwrap();
+        let [rate, _] = suspension.shear();
+        assert!((rate / 0.7 - 1.0).abs() < 5e-3, "{rate}");
+        let (mut time, mut sum) = (0, 0.0);
+        for _ in 0..30 {
+            suspension.step().unwrap();
+            assert!(
+                (shear_stress(&suspension) / stress - 1.0).abs() < 0.02,
+                "{} not {stress}",
+                shear_stress(&suspension)
+            );
+            (time, sum) = (time + 1, sum + suspension.shear()[0]);
+        }
+        let mean = suspension.shear()[1] / (0.02 * f64::from(time));
+        assert!((sum / f64::from(time) / mean - 1.0).abs() < 0.02, "the strain is the integral of the rate");
+    }
+}
+
+#[test]
+fn stresses_go_on_after_a_resume_and_on_any_ranks() {
+    let keys = ["contacts={friction=0.5,roughness=0.02,stiffness=1e4}", "time.steps=12"];
+    let model = under(1.5, &keys);
+    let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
+    for step in 0..model.steps {
+        let mut resumed = Suspension::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
+        assert_eq!(resumed.shear().map(f64::to_bits), whole.shear().map(f64::to_bits));
+        whole.step().unwrap();
+        resumed.step().unwrap();
+        assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
+    }
+    let tight = under(1.5, &[&keys[..], &["hydrodynamics.tolerance=1e-7"]].concat());
+    let [alone, two, seven] = [1, 2, 7].map(|ranks| run(&tight, ranks));
+    for together in [two, seven] {
+        let error = largest(alone.positions.iter().zip(&together.positions).map(|(&a, &b)| a - b));
+        assert!(error < 1e-7, "{error}");
     }
 }

@@ -20,6 +20,7 @@ SMALLER = {
     "segregation": {"box.edges": "[12.0, 12.0, 12.0]", "time.duration": 0.125},
     "dense": {"time.duration": 0.05},
     "reversal": {"flow.reversal_at": "[0.025]", "time.duration": 0.05},
+    "thickening": {"time.duration": 3.0},
     "granular-disks": {"time.strain": 1.0},
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},

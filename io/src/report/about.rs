@@ -84,7 +84,7 @@ impl About {
     fn flow(&self) -> Option<Box<dyn Fn(Vector) -> Vector>> {
         match self.kind()? {
             Kind::Suspension(scene) => match scene.model.flow {
-                Flow::Shear { rate, .. } if scene.model.rate_changes.is_empty() => {
+                Flow::Shear { rate, .. } if scene.model.shear_rates().is_constant() => {
                     Some(Box::new(move |place| Vector::X * (rate * place.y)))
                 }
                 _ => None,

@@ -77,13 +77,13 @@ impl Contacts {
         Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count) }
     }
 
-    /// The contacts of particles whose velocities relative to a flow of some rate of strain are expected to be given ones,
-    /// after the motions of the solution before. Collective.
+    /// The contacts of particles whose velocities relative to a flow of some rate of strain are expected to be given ones and
+    /// those of another flow, after the motions of the solution before. Collective.
     pub fn acting(
         &self,
         particles: &Particles,
         place: (&PeriodicBox, &Partition),
-        (ahead, expected, strain_rate): (Ahead, &[Vector], Traceless),
+        (ahead, expected, [strain_rate, besides]): (Ahead, &[Vector], [Traceless; 2]),
         before: &Motion,
     ) -> Acting {
         let touching = AllTouching::find(&self.law, particles, place, self.reach);
@@ -91,7 +91,7 @@ impl Contacts {
         let velocities = touching.present(&before.velocities);
         let angular = touching.present(&before.angular_velocities);
         let of_one = |contact: &Touching| Expected {
-            parting: contact.parting(&parting),
+            parting: contact.parting(&parting) + contact.axis.dot(strained(contact, besides)),
             slip: contact.slip(&velocities, &angular, strained(contact, strain_rate)),
             rolling: contact.rolling(&angular),
         };
@@ -149,6 +149,18 @@ impl Acting {
             rest = others;
         }
         Ok(())
+    }
+
+    /// The `xy` component of the symmetric first moments of this rank's contact forces at the end, after motions relative to the
+    /// flow. Collective.
+    pub fn shear_moment(&self, motion: &Motion) -> f64 {
+        let ends = self.ends(motion);
+        let of_one = |(contact, (_, _, memory)): (&Touching, &End)| {
+            let [force, _] = contact.load(memory.normal, memory);
+            let arm = contact.arms[0] * contact.axis;
+            0.5 * (arm.x * force.y + arm.y * force.x)
+        };
+        self.touching.list.iter().zip(&ends).map(of_one).sum()
     }
 
     /// What contacts remember at the end, in the order of rows. Collective.

@@ -1,8 +1,10 @@
 //! The ranges that parameters have to be in.
 
 use super::spheres::check_species;
-use super::{Flow, Parameters, Repulsion};
+use super::{Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion};
 use domain::{Number, ParameterError};
+use statistics::FEWEST_SAMPLES;
+use std::f64::consts::TAU;
 
 /// The largest strain of a run: beyond, the box's offset has lost more than half of its digits.
 const MAX_STRAIN: f64 = 1e9;
@@ -28,7 +30,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
 fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     let Flow::Shear { rate, lees_edwards } = p.flow else {
         let message = "changes, but flow.kind is \"none\"; set flow.kind = \"shear\"";
-        return if p.rate_changes.is_empty() { Ok(()) } else { Err(ParameterError::new("flow.rate", message)) };
+        return if p.protocol == Protocol::STEADY { Ok(()) } else { Err(ParameterError::new("flow.rate", message)) };
     };
     let (rates, end) = (p.shear_rates(), p.end());
     rates.check()?;
@@ -37,6 +39,30 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
         let message =
             format!("is {rate}; until time {end:.6} that is a strain above {largest}, the most that a run can have");
         return Err(ParameterError::new("flow.rate", message));
+    }
+    let carried = [("flow.oscillation", rates.frequency().is_some()), ("flow.control", rates.stress().is_some())];
+    if let Some((key, _)) = carried.into_iter().find(|(_, is_set)| *is_set && !lees_edwards) {
+        let message = "is set, but with flow.lees_edwards = false the box stays straight; leave flow.lees_edwards out";
+        return Err(ParameterError::new(key, message));
+    }
+    if rates.stress().is_some() && p.hydrodynamics.multipoles == Multipoles::Monopole {
+        let message = "is \"stress\", of which spheres without stresslets have no part; set hydrodynamics.multipoles = \"dipole\"";
+        return Err(ParameterError::new("flow.control", message));
+    }
+    if rates.stress().is_some() && !matches!(p.integrator, Integrator::Implicit(_)) {
+        let message = "can't follow a rate that is solved for; flow.control = \"stress\" needs \"implicit\", which is its default";
+        return Err(ParameterError::new("time.integrator", message));
+    }
+    if let (Some(frequency), Some(wanted)) = (rates.frequency(), p.statistics) {
+        let interval = wanted.samples.next_after(0).map_or(0.0, |steps| steps as f64 * p.time_step);
+        let samples = TAU / (frequency * interval);
+        if samples < FEWEST_SAMPLES * (1.0 - 1e-9) {
+            let (samples, fewest) = (Number(samples), Number(FEWEST_SAMPLES));
+            let message = format!(
+                "leaves {samples:.3} samples in a period of flow.oscillation; moduli and harmonics need {fewest} or more"
+            );
+            return Err(ParameterError::new("statistics.every", message));
+        }
     }
     if p.hydrodynamics.lubrication && !lees_edwards {
         let message = "is true, but with flow.lees_edwards = false the box stays straight, and spheres on either side of \

@@ -65,8 +65,8 @@ impl Contacts {
         }
     }
 
-    /// What keeps the largest overlaps about where they are aimed at, under the forces by which the flow, weight and the
-    /// critical load press spheres of the mean radius together.
+    /// What keeps the largest overlaps about where they are aimed at, under the forces by which the flow and weight press
+    /// spheres of the mean radius together.
     fn sufficient_stiffness(&self, p: &Parameters) -> f64 {
         let spheres: f64 = p.species.iter().map(|s| s.count.unwrap_or(1) as f64).sum();
         let radius = p.species.iter().map(|s| s.count.unwrap_or(1) as f64 * s.radius).sum::<f64>() / spheres;
@@ -75,9 +75,12 @@ impl Contacts {
         let depth = DEPTH / room.max(LEAST_ROOM).powi(2);
         let rate = p.shear_rates().largest();
         let weight = p.species.iter().map(|s| s.force_on(s.radius, p.gravity).length()).fold(0.0, f64::max);
-        let load = 6.0 * PI * p.viscosity * rate * radius * radius + weight + self.critical_load;
+        // A stress is what presses spheres together; a rate does so by the viscosity, which `depth` has.
+        let (rate, stress) = p.shear_rates().stress().map_or((rate, 0.0), |stress| (0.0, stress));
+        let load = depth * (6.0 * PI * p.viscosity * rate * radius * radius + weight);
+        let by_stress = DEPTH * 6.0 * PI * stress * radius * radius;
         let target = self.overlap * self.roughness;
-        let linear = depth * load / (target * radius * radius);
+        let linear = (load + by_stress) / (target * radius * radius);
         let stiffness = match self.law {
             Elasticity::Linear => linear,
             Elasticity::Hertz => linear / target.sqrt(),

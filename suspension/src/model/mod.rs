@@ -14,7 +14,7 @@ pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Vector};
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
 pub use integrator::{Adaptive, Integrator};
-pub use rates::{RateChange, ShearRates};
+pub use rates::{Protocol, RateChange, ShearRates};
 pub use sizes::{SizeClass, SizeDistribution};
 pub use spheres::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
 pub use statistics::{Axis, Statistics};
@@ -37,8 +37,8 @@ pub struct Parameters {
     pub start: Start,
     /// The background flow.
     pub flow: Flow,
-    /// Changes of the rate of shear, in their order.
-    pub rate_changes: Vec<RateChange>,
+    /// How the rate of shear changes.
+    pub protocol: Protocol,
     /// The barrier that keeps spheres apart.
     pub repulsion: Option<Repulsion>,
     /// How rough spheres touch; without, they are smooth.
@@ -69,7 +69,7 @@ impl Parameters {
             species,
             start: Start::Random { minimum_gap: 0.0 },
             flow: Flow::None,
-            rate_changes: Vec::new(),
+            protocol: Protocol::STEADY,
             repulsion: None,
             contacts: None,
             hydrodynamics: Hydrodynamics::default(),
@@ -84,7 +84,7 @@ impl Parameters {
     /// The rate of shear in time; 0 without shear.
     pub fn shear_rates(&self) -> ShearRates {
         let first = if let Flow::Shear { rate, .. } = self.flow { rate } else { 0.0 };
-        ShearRates::new(first, &self.rate_changes, self.time_step)
+        ShearRates::new(first, self.protocol.clone(), self.time_step)
     }
 
     /// The time at the end of the last step.
@@ -101,7 +101,7 @@ pub enum Flow {
     None,
     /// `u = rate y e_x`.
     Shear {
-        /// One over time.
+        /// One over time; at the start, where it changes.
         rate: f64,
         /// Whether the box shears with the flow, so that images of spheres move with it.
         lees_edwards: bool,

@@ -12,7 +12,7 @@ pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
 use solver::BackgroundFlow;
 use statistics::{
-    Angle, Blocks, Fluctuations, Histogram, Lagrangian, PairDistribution, Profile, SpeciesColumns, State, Store,
+    Angle, Blocks, Fluctuations, Histogram, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns, State, Store,
 };
 
 /// The columns that a sample needs.
@@ -31,6 +31,23 @@ pub struct Statistics {
     pairs: PairDistribution,
     profile: Profile,
     segregation: Blocks,
+    /// In a flow that oscillates.
+    moduli: Option<Moduli>,
+}
+
+/// What a sample is taken of.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<'a> {
+    /// When.
+    pub time: f64,
+    /// The rate of shear then.
+    pub rate: f64,
+    /// The box.
+    pub cell: &'a PeriodicBox,
+    /// All particles, with the columns [`COLUMNS`].
+    pub particles: &'a Particles,
+    /// The shear stress of the whole suspension, if that is known.
+    pub shear_stress: Option<f64>,
 }
 
 /// What the samples have in common.
@@ -102,16 +119,17 @@ impl Statistics {
             pairs: PairDistribution::new(distance, angle, &particles.species, model.cell.volume()),
             profile: Profile::new(&model.cell, about.axis, about.names.len()),
             segregation: Blocks::default(),
+            moduli: about.rates.frequency().map(|w| Moduli::new(about.rates.largest() / w, w)),
             about,
         }
     }
 
-    /// Takes a sample of all particles, with the columns [`COLUMNS`], unless it is too early for it.
-    pub fn sample(&mut self, time: f64, cell: &PeriodicBox, particles: &Particles) {
+    /// Takes a sample, unless it is too early for it.
+    pub fn sample(&mut self, &Sample { time, rate, cell, particles, shear_stress }: &Sample) {
         if time < self.about.wanted.from {
             return;
         }
-        let flow = self.about.flow_at(time);
+        let flow = BackgroundFlow::shear(rate);
         let velocities = column(particles, VELOCITY).iter().zip(&particles.positions);
         let velocities: Vec<Vector> = velocities.map(|(&v, &x)| v - flow.velocity(x)).collect();
         each_species(&mut self.velocities, &particles.species, &velocities);
@@ -124,17 +142,15 @@ impl Statistics {
         self.pairs.add(cell, &particles.positions, &particles.species);
         self.profile.add(&particles.positions, &particles.radii, &particles.species);
         self.segregation.add(counted(&self.about.columns, particles).intensity());
+        if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
+            moduli.add(time, stress);
+        }
         let [first, _, samples] = self.times;
         self.times = [if samples == 0.0 { time } else { first }, time, samples + 1.0];
     }
 }
 
 impl About {
-    /// The background flow at the time of a sample.
-    fn flow_at(&self, time: f64) -> BackgroundFlow {
-        if self.rates.is_constant() { self.flow } else { BackgroundFlow::shear(self.rates.before_time(time)) }
-    }
-
     fn of(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
         let rates = model.shear_rates();
         let flow = BackgroundFlow::shear(if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
@@ -233,6 +249,9 @@ impl State for Statistics {
             [&mut self.paths, &mut self.lagrangian, &mut self.pairs, &mut self.profile, &mut self.segregation];
         for part in parts {
             part.visit(store);
+        }
+        if let Some(moduli) = &mut self.moduli {
+            moduli.visit(store);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Statistics, Vectors};
 use simulation::Table;
 use solver::BackgroundFlow;
-use statistics::{Diffusivity, Estimate, StretchedExponential, global_coefficient, mean_coefficient};
+use statistics::{Diffusivity, Estimate, Moduli, StretchedExponential, global_coefficient, mean_coefficient};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
@@ -16,7 +16,7 @@ impl Statistics {
         if self.times[2] == 0.0 {
             return Vec::new();
         }
-        vec![
+        let mut tables = vec![
             self.summary(),
             densities("velocity_density", &self.about.names, &self.velocities),
             densities("angular_velocity_density", &self.about.names, &self.angular_velocities),
@@ -24,7 +24,14 @@ impl Statistics {
             self.pairs(),
             self.pairs_by_angle(),
             self.concentration(),
-        ]
+        ];
+        tables.extend(self.measured_moduli().map(harmonics));
+        tables
+    }
+
+    /// The moduli, once there was a whole period.
+    fn measured_moduli(&self) -> Option<&Moduli> {
+        self.moduli.as_ref().filter(|moduli| moduli.periods() > 0)
     }
 
     /// The numbers that sum a run up, with their errors.
@@ -45,6 +52,11 @@ impl Statistics {
         }
         for (name, vectors) in self.about.names.iter().zip(&self.angular_velocities).filter(|_| self.about.rigid) {
             summary.add_moments(name, ["mean_angular_velocity", "w"], ["1/time", "1/time^2"], vectors);
+        }
+        if let Some((_, moduli)) = self.measured_moduli().and_then(|moduli| moduli.estimates().next()) {
+            for (name, found) in ["storage_modulus", "loss_modulus"].into_iter().zip(moduli) {
+                summary.add((name, ALL, "force/length^2"), found);
+            }
         }
         self.add_diffusivities(&mut summary);
         if self.about.names.len() > 1 {
@@ -134,6 +146,22 @@ impl Statistics {
         }
         table
     }
+}
+
+fn harmonics(moduli: &Moduli) -> Table {
+    let unit = "force/length^2";
+    let columns = [
+        ("harmonic", ""),
+        ("storage_modulus", unit),
+        ("storage_modulus_error", unit),
+        ("loss_modulus", unit),
+        ("loss_modulus_error", unit),
+    ];
+    let mut table = Table::new("harmonics", &[], &columns);
+    for (n, [storage, loss]) in moduli.estimates() {
+        table.add(&[], &[f64::from(n), storage.mean, storage.error, loss.mean, loss.error]);
+    }
+    table
 }
 
 /// The table that sums up.

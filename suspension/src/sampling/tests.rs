@@ -13,6 +13,10 @@ fn model() -> Model {
     Model::new(Parameters { seed: 3, flow, statistics: Some(Wanted::ALL), ..usual }).unwrap()
 }
 
+fn sample<'a>(time: f64, cell: &'a PeriodicBox, particles: &'a Particles) -> Sample<'a> {
+    Sample { time, rate: 0.5, cell, particles, shear_stress: None }
+}
+
 /// Particles that move with the flow and besides with a velocity of their own, at a time, in the box as it is then.
 fn drifting(model: &Model, time: f64) -> (PeriodicBox, Particles) {
     let cell = PeriodicBox::sheared(model.cell.edges(), 0.5 * time).unwrap();
@@ -45,7 +49,7 @@ fn displacements_leave_the_flow_out() {
     for step in 0..60 {
         let time = 0.25 * f64::from(step);
         let (cell, particles) = drifting(model, time);
-        statistics.sample(time, &cell, &particles);
+        statistics.sample(&sample(time, &cell, &particles));
     }
     for lag in statistics.lagrangian.lags(None) {
         let expected = lag.correlation * lag.time.powi(2);
@@ -71,13 +75,13 @@ fn an_interruption_changes_nothing() {
     for step in 0..20 {
         let time = 0.25 * f64::from(step);
         let (cell, particles) = drifting(model, time);
-        whole.sample(time, &cell, &particles);
+        whole.sample(&sample(time, &cell, &particles));
         if step == 11 {
             let bytes = parts.save();
             parts = new();
             assert!(parts.load(&bytes));
         }
-        parts.sample(time, &cell, &particles);
+        parts.sample(&sample(time, &cell, &particles));
     }
     assert_eq!(whole.save(), parts.save());
     let text = |s: &Statistics| s.tables().iter().map(Table::to_csv).collect::<String>();
@@ -98,7 +102,7 @@ fn ranks_agree() {
                 if comm.is_first() {
                     let wanted = model.statistics.unwrap();
                     let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &all));
-                    statistics.sample(suspension.clock().time(), suspension.cell(), &all);
+                    statistics.sample(&sample(suspension.clock().time(), suspension.cell(), &all));
                 }
             }
             statistics.map(|s| s.summary())

@@ -1,39 +1,86 @@
 //! The background flow of a scene.
 
 use super::raw;
+use crate::scene::checks::positive;
 use crate::scene::error::Fault;
 use domain::Number;
-use suspension::{Flow, RateChange};
+use suspension::{Flow, Protocol, RateChange};
 
 /// A time may be off a step by this part of it.
 const ROUND_OFF: f64 = 1e-6;
 
-/// The flow at first, and the changes of its rate, in steps of a length.
-pub fn flow(raw: Option<&raw::Flow>, time_step: f64) -> Result<(Flow, Vec<RateChange>), Fault> {
-    let Some(raw) = raw else { return Ok((Flow::None, Vec::new())) };
+/// The flow at first, and how its rate changes, in steps of a length.
+pub fn flow(raw: Option<&raw::Flow>, (viscosity, time_step): (f64, f64)) -> Result<(Flow, Protocol), Fault> {
+    let Some(raw) = raw else { return Ok((Flow::None, Protocol::STEADY)) };
     if let raw::FlowKind::None = raw.kind {
-        let keys = [("flow.rate", raw.rate.is_some()), ("flow.reversal_at", raw.reversal_at.is_some())];
+        let keys = [
+            ("flow.rate", raw.rate.is_some()),
+            ("flow.reversal_at", raw.reversal_at.is_some()),
+            ("flow.oscillation", raw.oscillation.is_some()),
+            ("flow.control", raw.control.is_some()),
+            ("flow.stress", raw.stress.is_some()),
+        ];
         return match keys.into_iter().find(|(_, is_set)| *is_set) {
-            None => Ok((Flow::None, Vec::new())),
+            None => Ok((Flow::None, Protocol::STEADY)),
             Some((key, _)) => {
                 let message = "is set, but flow.kind is \"none\"; set flow.kind = \"shear\" or leave it out";
                 Err(Fault::new(key, message))
             }
         };
     }
-    let Some(rate) = &raw.rate else {
-        return Err(Fault::new("flow.rate", "is missing; a shear flow u = rate y needs it"));
-    };
-    let (rate, changes) = match (rate, &raw.reversal_at) {
-        (raw::Rate::Number(rate), None) => (*rate, Vec::new()),
-        (raw::Rate::Number(rate), Some(strains)) => (*rate, reversals(*rate, strains, time_step)?),
-        (raw::Rate::Table(table), None) => from_table(table, time_step)?,
-        (raw::Rate::Table(_), Some(_)) => {
-            let message = "goes with one flow.rate; with a table of rates give the reversals there";
-            return Err(Fault::new("flow.reversal_at", message));
+    let (rate, protocol) = match (raw.control, raw.stress) {
+        (Some(raw::Control::Stress), Some(stress)) => driven(raw, stress, viscosity)?,
+        (Some(raw::Control::Stress), None) => {
+            return Err(Fault::new("flow.stress", "is missing; flow.control = \"stress\" needs it"));
         }
+        (_, Some(_)) => {
+            let message = "is set, but the rate is given; set flow.control = \"stress\" or leave it out";
+            return Err(Fault::new("flow.stress", message));
+        }
+        _ => rates(raw, time_step)?,
     };
-    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) }, changes))
+    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) }, protocol))
+}
+
+fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
+    match (&raw.rate, &raw.reversal_at, &raw.oscillation) {
+        (None, None, Some(oscillation)) => oscillating(oscillation),
+        (rate, _, Some(_)) => {
+            let key = if rate.is_some() { "flow.rate" } else { "flow.reversal_at" };
+            Err(Fault::new(key, "is set beside flow.oscillation, which says the whole strain; leave one of them out"))
+        }
+        (None, _, None) => Err(Fault::new("flow.rate", "is missing; a shear flow u = rate y needs it")),
+        (Some(raw::Rate::Number(rate)), None, _) => Ok((*rate, Protocol::STEADY)),
+        (Some(raw::Rate::Number(rate)), Some(strains), _) => {
+            Ok((*rate, Protocol::Steps(reversals(*rate, strains, time_step)?)))
+        }
+        (Some(raw::Rate::Table(table)), None, _) => from_table(table, time_step),
+        (Some(raw::Rate::Table(_)), Some(_), _) => {
+            let message = "goes with one flow.rate; with a table of rates give the reversals there";
+            Err(Fault::new("flow.reversal_at", message))
+        }
+    }
+}
+
+fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol), Fault> {
+    let is_table = matches!(raw.rate, Some(raw::Rate::Table(_)));
+    let keys = [
+        ("flow.oscillation", raw.oscillation.is_some()),
+        ("flow.reversal_at", raw.reversal_at.is_some()),
+        ("flow.rate", is_table),
+    ];
+    if let Some((key, _)) = keys.into_iter().find(|(_, is_set)| *is_set) {
+        let message = "can't be with flow.control = \"stress\", where the rate is what the stress makes it; leave one of them out";
+        return Err(Fault::new(key, message));
+    }
+    let rate = if let Some(raw::Rate::Number(rate)) = raw.rate { rate } else { stress / viscosity };
+    Ok((rate, Protocol::Stress(stress)))
+}
+
+fn oscillating(raw: &raw::Oscillation) -> Result<(f64, Protocol), Fault> {
+    let frequency = positive("flow.oscillation.frequency", raw.frequency)?;
+    let amplitude = positive("flow.oscillation.amplitude", raw.amplitude)?;
+    Ok((amplitude * frequency, Protocol::Oscillation { frequency }))
 }
 
 fn reversals(rate: f64, strains: &[f64], time_step: f64) -> Result<Vec<RateChange>, Fault> {
@@ -46,14 +93,14 @@ fn reversals(rate: f64, strains: &[f64], time_step: f64) -> Result<Vec<RateChang
     strains.iter().enumerate().map(&mut reverse).collect()
 }
 
-fn from_table(table: &[[f64; 2]], time_step: f64) -> Result<(f64, Vec<RateChange>), Fault> {
+fn from_table(table: &[[f64; 2]], time_step: f64) -> Result<(f64, Protocol), Fault> {
     let [[0.0, first], later @ ..] = table else {
         return Err(Fault::new("flow.rate", "is a table that does not start at time 0; begin it with [0.0, rate]"));
     };
     let change = |(k, &[time, rate]): (usize, &[f64; 2])| {
         Ok(RateChange { step: step_at(time, time_step, &format!("flow.rate[{}]", k + 1), time)?, rate })
     };
-    Ok((*first, later.iter().enumerate().map(change).collect::<Result<_, Fault>>()?))
+    Ok((*first, Protocol::Steps(later.iter().enumerate().map(change).collect::<Result<_, Fault>>()?)))
 }
 
 /// The step that begins at a time, which a key says in some way.

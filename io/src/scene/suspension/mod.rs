@@ -40,7 +40,8 @@ impl SuspensionScene {
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, path) = start(&raw.particles)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
-        let (flow, rate_changes) = flow::flow(raw.flow.as_ref(), time.step)?;
+        let is_driven = raw.flow.as_ref().is_some_and(|flow| flow.control == Some(raw::Control::Stress));
+        let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step))?;
         let parameters = Parameters {
             seed: raw.seed,
             cell,
@@ -49,13 +50,13 @@ impl SuspensionScene {
             species,
             start,
             flow,
-            rate_changes,
+            protocol,
             repulsion: raw.repulsion.as_ref().map(repulsion),
             contacts: raw.contacts.as_ref().map(contacts),
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
             steps: time.steps,
-            integrator: integrator(&raw.time, raw.contacts.is_some())?,
+            integrator: integrator(&raw.time, [raw.contacts.is_some(), is_driven])?,
             statistics: raw.statistics.as_ref().map(statistics),
             fields: output.fields != Schedule::NEVER,
         };
@@ -155,8 +156,8 @@ fn statistics(raw: &raw::Statistics) -> StatisticsWanted {
     }
 }
 
-fn integrator(raw: &raw::Time, with_contacts: bool) -> Result<Integrator, Fault> {
-    let usual = if with_contacts { raw::Integrator::Implicit } else { raw::Integrator::AdamsBashforth };
+fn integrator(raw: &raw::Time, [with_contacts, is_driven]: [bool; 2]) -> Result<Integrator, Fault> {
+    let usual = if with_contacts || is_driven { raw::Integrator::Implicit } else { raw::Integrator::AdamsBashforth };
     let integrator = raw.integrator.unwrap_or(usual);
     if integrator == raw::Integrator::AdamsBashforth {
         for (key, given) in [("time.tolerance", raw.tolerance), ("time.gap_fraction", raw.gap_fraction)] {

@@ -153,8 +153,31 @@ pub(super) struct Flow {
     pub(super) rate: Option<Rate>,
     /// Strains since the start, however sheared, at which the rate changes its sign.
     pub(super) reversal_at: Option<Vec<f64>>,
+    /// A strain that oscillates, instead of a rate.
+    pub(super) oscillation: Option<Oscillation>,
+    /// What is given: the rate (default), or the stress, with the rate that it makes.
+    pub(super) control: Option<Control>,
+    /// Shear stress, for control = "stress".
+    pub(super) stress: Option<f64>,
     /// Whether the box shears with the flow (default), or stays straight.
     pub(super) lees_edwards: Option<bool>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Control {
+    Rate,
+    Stress,
+}
+
+/// The strain amplitude sin(frequency t).
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Oscillation {
+    /// Largest strain.
+    pub(super) amplitude: f64,
+    /// Angular frequency, one over time.
+    pub(super) frequency: f64,
 }
 
 #[derive(Deserialize, JsonSchema, Clone)]

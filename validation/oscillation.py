@@ -1,0 +1,70 @@
+"""Moduli of a dense suspension under oscillating strain, by its amplitude: as that vanishes, contacts rest, the storage modulus
+of rigid spheres goes, and the loss modulus becomes that of their places; at large amplitudes contacts are made and broken."""
+
+import csv
+import pathlib
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from support.page import table, write_section
+from support.program import run
+
+FULL = "--full" in sys.argv[1:]
+AMPLITUDES = (0.001, 0.01, 0.05, 0.2, 1.0)
+FRACTION, FRICTION, FREQUENCY, COUNTS = 0.45, 0.5, 1.0, {1.0: 73, 1.4: 27}
+PERIODS = 6 if FULL else 3
+# Of G' over G'' at the smallest amplitude.
+ALLOWED = 0.02
+
+
+def moduli(amplitude):
+    edge = (sum(4 / 3 * np.pi * radius**3 * count for radius, count in COUNTS.items()) / FRACTION) ** (1 / 3)
+    species = "".join(f'[[species]]\nname = "{a:g}"\nradius = {a}\ncount = {n}\n' for a, n in COUNTS.items())
+    period = 2 * np.pi / FREQUENCY
+    steps = max(80, int(np.ceil(2 * np.pi * amplitude / 0.01)))
+    scene = f"""seed = 1
+box.edges = [{edge}, {edge}, {edge}]
+fluid.viscosity = 1.0
+flow = {{ kind = "shear", oscillation = {{ amplitude = {amplitude}, frequency = {FREQUENCY} }} }}
+contacts = {{ friction = {FRICTION} }}
+hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
+time = {{ step = {period / steps}, steps = {(PERIODS + 1) * steps} }}
+statistics = {{ every = 1, from = {period * (1 - 1e-9)} }}
+output = {{ trajectory_every = 0, observables_every = 0, checkpoint_every = 0 }}
+{species}"""
+    with tempfile.TemporaryDirectory() as place:
+        out = pathlib.Path(place) / "out"
+        ended = run(scene, out)
+        if ended.returncode:
+            raise SystemExit(ended.stderr)
+        with open(out / "statistics" / "harmonics.csv") as file:
+            return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def main():
+    with ThreadPoolExecutor(2) as two:
+        found = dict(zip(AMPLITUDES, two.map(moduli, AMPLITUDES)))
+    rows = []
+    for amplitude, (first, third, *_) in found.items():
+        loss = first["loss_modulus"]
+        size = np.hypot(third["storage_modulus"], third["loss_modulus"]) / np.hypot(first["storage_modulus"], loss)
+        rows.append([f"{amplitude:g}", f"{loss / FREQUENCY:.2f} ± {first['loss_modulus_error'] / FREQUENCY:.2f}",
+                     f"{first['storage_modulus'] / loss:+.3f} ± {first['storage_modulus_error'] / loss:.3f}", f"{size:.3f}"])
+        print(*rows[-1], flush=True)
+    lines = [
+        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, friction {FRICTION:g}, means over {PERIODS} periods after the first. Where the strain is small contacts open,",
+        "the stress is viscous, and what is left of it is that of lubrication; at large strains each half period is one of shear,",
+        "whose stress grows with strain: it has a third harmonic.",
+        "",
+        *table(["amplitude", "G'' / (μ ω)", "G' / G''", "third over first harmonic"], rows),
+    ]
+    write_section("dense.md", "oscillation", "Moduli by amplitude", lines)
+    smallest = found[AMPLITUDES[0]][0]
+    if abs(smallest["storage_modulus"]) > ALLOWED * smallest["loss_modulus"]:
+        raise SystemExit(f"failed: G' is {smallest['storage_modulus']:.4g} where G'' is {smallest['loss_modulus']:.4g}")
+
+
+if __name__ == "__main__":
+    main()
