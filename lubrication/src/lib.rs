@@ -31,6 +31,7 @@ mod pair_motion;
 mod range;
 mod root;
 mod root_table;
+mod surface_force;
 pub mod two_sphere;
 
 pub use arithmetic::Arithmetic;
@@ -42,3 +43,4 @@ pub use pair_factor::PairFactor;
 pub use pair_force::{PairForce, PairForceError};
 pub use pair_motion::{PairLoads, PairMotion};
 pub use range::{Range, RangeError};
+pub use surface_force::SurfaceForce;

@@ -7,7 +7,7 @@ use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::contacts::{self, Contacts, Measured};
 use crate::error::StartError;
 use crate::fluid;
-use crate::forces::{Ahead, Forces};
+use crate::forces::{Ahead, Forces, Surface};
 use crate::gap::Gap;
 use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, ShortRange, Solved, Springs};
 use crate::integrator::{self, EXPECTED};
@@ -86,7 +86,7 @@ impl Dynamics {
         let radii = [setup.radii.smallest(), setup.radii.largest()];
         let contacts =
             model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
-        let springs = forces.reach().filter(|_| is_implicit);
+        let springs = forces.reach_of_springs(setup.radii.largest()).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
@@ -341,9 +341,9 @@ impl Dynamics {
         &self.partition
     }
 
-    /// Each particle's share of the first moments of repulsion, or nothing without it. Collective.
-    pub fn repulsion_moments(&self, particles: &Particles) -> Vec<Tensor> {
-        self.forces.repulsion_moments(particles, (self.cell(), &self.partition), None)
+    /// Each particle's share of the first moments of repulsion or attraction, or nothing without it. Collective.
+    pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
+        self.forces.moments(which, particles, (self.cell(), &self.partition), None)
     }
 
     /// What contacts amount to, if there can be any. Collective.

@@ -4,21 +4,67 @@ use crate::model::{Model, Repulsion, Species};
 use crate::near::Near;
 use domain::{Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::Loads;
-use lubrication::{Barrier, BarrierError};
+use lubrication::{Barrier, BarrierError, SurfaceForce};
 
-/// Steady forces and torques by species, weight, and the repulsion barrier.
+/// Steady forces and torques by species, weight, repulsion and attraction.
 pub struct Forces {
     species: Vec<Species>,
     gravity: Vector,
-    barrier: Option<(Barrier, f64)>,
+    surface: SurfaceForces,
+    /// The distance of centres up to which spheres act on each other, if they do.
+    reach: Option<f64>,
+    /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
+    range: f64,
 }
 
-/// The repulsion of a scene, if it has one.
-pub fn barrier(model: &Model) -> Result<Option<Barrier>, BarrierError> {
-    let lubricated = model.hydrodynamics.lubrication;
-    let range = if lubricated { Barrier::RANGE_WITH_LUBRICATION } else { Barrier::RANGE_ALONE };
-    let barrier = |r: Repulsion| Ok(Barrier::new(r.strength, r.range.unwrap_or(range))?.growing(r.radius_power));
-    model.repulsion.map(barrier).transpose()
+/// Repulsion and attraction.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceForces {
+    /// Repulsion, if there is any.
+    pub repulsion: Option<SurfaceForce>,
+    /// Attraction, if there is any.
+    pub attraction: Option<SurfaceForce>,
+}
+
+/// Which forces between surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surface {
+    /// Repulsion.
+    Repulsion,
+    /// Attraction.
+    Attraction,
+}
+
+impl SurfaceForces {
+    /// Those of a scene.
+    pub fn of(model: &Model) -> Result<Self, BarrierError> {
+        let usual =
+            if model.hydrodynamics.lubrication { Barrier::RANGE_WITH_LUBRICATION } else { Barrier::RANGE_ALONE };
+        let repulsion = |r: Repulsion| match r.screening_length {
+            None => {
+                let barrier = Barrier::new(r.strength, r.range.unwrap_or(usual))?;
+                Ok(SurfaceForce::Barrier(barrier.growing(r.radius_power)))
+            }
+            Some(length) => Ok(SurfaceForce::Screened { strength: r.strength, radius_power: r.radius_power, length }),
+        };
+        Ok(Self {
+            repulsion: model.repulsion.map(repulsion).transpose()?,
+            attraction: model.attraction.map(|attraction| attraction.force()),
+        })
+    }
+
+    fn all(&self) -> impl Iterator<Item = &SurfaceForce> {
+        self.repulsion.iter().chain(&self.attraction)
+    }
+
+    /// The distance of centres up to which they act between spheres of two radii, if there are any.
+    pub fn reach(&self, radii: [f64; 2]) -> Option<f64> {
+        self.all().map(|force| force.reach(radii)).reduce(f64::max)
+    }
+
+    fn force(&self, separation: Vector, radii: [f64; 2]) -> Vector {
+        self.all().map(|force| force.force(separation, radii)).reduce(|sum, force| sum + force).unwrap_or_default()
+    }
 }
 
 /// How particles will move for some time, by which forces at its end are foretold.
@@ -34,9 +80,15 @@ pub struct Ahead<'a> {
 impl Forces {
     /// The forces of a scene whose largest particle has the given radius.
     pub fn new(model: &Model, largest_radius: f64) -> Result<Self, BarrierError> {
-        let with_reach = |barrier: Barrier| (barrier, barrier.reach([largest_radius; 2]));
-        let barrier = barrier(model)?.map(with_reach);
-        Ok(Self { species: model.species.clone(), gravity: model.gravity, barrier })
+        let surface = SurfaceForces::of(model)?;
+        let reach = surface.reach([largest_radius; 2]);
+        let smallest = model.species.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
+        let range = match surface.repulsion {
+            Some(SurfaceForce::Barrier(barrier)) => barrier.range(),
+            Some(SurfaceForce::Screened { length, .. }) => length / smallest,
+            _ => 0.0,
+        };
+        Ok(Self { species: model.species.clone(), gravity: model.gravity, surface, reach, range })
     }
 
     /// Forces and torques on the particles that this rank owns. Where they are to be those at the end of some time, repulsion
@@ -49,12 +101,12 @@ impl Forces {
         ahead: Option<&Ahead>,
     ) -> Loads {
         let mut forces = self.steady_forces(particles);
-        if let Some((barrier, reach)) = &self.barrier {
+        if let Some(reach) = self.reach {
             forces.resize(particles.len(), Vector::ZERO);
-            let near = Near::find(particles, cell, partition, *reach);
+            let near = Near::find(particles, cell, partition, reach);
             let added = ahead.map(|ahead| self.expected(&near, ahead)).unwrap_or_default();
             let on_pair = |(k, (separation, radii, _)): (usize, (Vector, [f64; 2], _))| {
-                let force = barrier.force(separation, radii) + added.get(k).copied().unwrap_or_default();
+                let force = self.surface.force(separation, radii) + added.get(k).copied().unwrap_or_default();
                 [force, -force]
             };
             let repulsion = near.summed(near.pairs().enumerate().map(on_pair));
@@ -78,34 +130,39 @@ impl Forces {
     /// By how much the repulsion of two spheres at a distance falls in some time if they part at unit velocity.
     pub fn resistance(&self, time: f64, distance: f64, radii: [f64; 2]) -> f64 {
         let gap = distance - radii[0] - radii[1];
-        self.barrier.as_ref().map_or(0.0, |(barrier, _)| time * barrier.stiffness(gap, radii))
+        self.surface.repulsion.map_or(0.0, |repulsion| time * repulsion.stiffness(gap, radii))
     }
 
     /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
     pub fn range(&self) -> f64 {
-        self.barrier.as_ref().map_or(0.0, |(barrier, _)| barrier.range())
+        self.range
     }
 
-    /// The distance of centres up to which spheres repel each other, if they do.
-    pub fn reach(&self) -> Option<f64> {
-        self.barrier.as_ref().map(|(_, reach)| *reach)
+    /// The distance of centres up to which repulsion resists, if there is any.
+    pub fn reach_of_springs(&self, largest_radius: f64) -> Option<f64> {
+        self.surface.repulsion.map(|repulsion| repulsion.reach([largest_radius; 2]))
     }
 
-    /// For each particle that this rank owns, its share of the first moments of repulsion: of a pair at `x_i` and
-    /// `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without repulsion there are none. Where it
-    /// is to be that at the end of some time, forces change by [`Self::resistance`] to velocities beyond those expected.
-    /// Collective.
-    pub fn repulsion_moments(
+    /// For each particle that this rank owns, its share of the first moments of repulsion or attraction: of a pair at
+    /// `x_i` and `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without such forces there are none.
+    /// Where it is to be that at the end of some time, repulsion changes by [`Self::resistance`] to velocities beyond those
+    /// expected. Collective.
+    pub fn moments(
         &self,
+        which: Surface,
         particles: &Particles,
         (cell, partition): (&PeriodicBox, &Partition),
         beyond: Option<&Ahead>,
     ) -> Vec<Tensor> {
-        let Some((barrier, reach)) = &self.barrier else { return Vec::new() };
-        let near = Near::find(particles, cell, partition, *reach);
+        let force = match which {
+            Surface::Repulsion => self.surface.repulsion,
+            Surface::Attraction => self.surface.attraction,
+        };
+        let (Some(force), Some(reach)) = (force, self.reach) else { return Vec::new() };
+        let near = Near::find(particles, cell, partition, reach);
         let taken_back = beyond.map(|ahead| self.expected(&near, ahead)).unwrap_or_default();
         let of_pair = |(k, (separation, radii, _)): (usize, (Vector, [f64; 2], _))| {
-            let force = barrier.force(separation, radii) - taken_back.get(k).copied().unwrap_or_default();
+            let force = force.force(separation, radii) - taken_back.get(k).copied().unwrap_or_default();
             let half = Tensor::from_cols(separation * force.x, separation * force.y, separation * force.z) * 0.5;
             [half, half]
         };

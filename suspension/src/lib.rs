@@ -75,9 +75,9 @@ pub use lubrication::Elasticity;
 pub use memory::Ranks;
 pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model,
-    Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start,
-    Statistics as StatisticsWanted,
+    Adaptive, Attraction, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION,
+    MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
+    SizeDistribution, Species, Start, Statistics as StatisticsWanted,
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};

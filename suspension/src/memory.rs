@@ -7,7 +7,7 @@ use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::contacts::{CONTACT_NUMBERS, most_contacts};
 use crate::driven::DRIVEN_NUMBERS;
-use crate::forces::barrier;
+use crate::forces::SurfaceForces;
 use crate::hydrodynamics::memory::{pairs_bytes, solve_bytes, table_bytes};
 use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
 use crate::model::{Integrator, Model, Multipoles, Species, Start};
@@ -140,8 +140,9 @@ impl Share<'_> {
     /// At which gaps forces between near spheres are part of the solve: lubrication, or repulsion that is implicit.
     fn near_field(&self) -> Option<Range> {
         let springs = || {
-            let barrier = barrier(self.model).ok().flatten().filter(|_| self.is_implicit())?;
-            Range::new(barrier.range(), Range::CLOSEST).ok()
+            let repulsion = SurfaceForces::of(self.model).ok()?.repulsion.filter(|_| self.is_implicit())?;
+            let largest = self.expected.largest_radius();
+            Range::new(repulsion.reach([largest; 2]) / largest - 2.0, Range::CLOSEST).ok()
         };
         self.range().or_else(springs)
     }
@@ -194,8 +195,8 @@ impl Share<'_> {
     fn evaluation(&self) -> Bytes {
         let owned = self.expected.owned();
         let largest = self.expected.largest_radius();
-        let repulsion = barrier(self.model).ok().flatten().map(|barrier| barrier.reach([largest; 2]));
-        let forces = repulsion.map_or_else(Bytes::default, |reach| self.near(reach).freed());
+        let reach = SurfaceForces::of(self.model).ok().and_then(|forces| forces.reach([largest; 2]));
+        let forces = reach.map_or_else(Bytes::default, |reach| self.near(reach).freed());
         let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
         let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
         let solve = match self.near_field() {

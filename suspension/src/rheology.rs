@@ -26,10 +26,11 @@ impl Rheology {
         if rates.largest() == 0.0 {
             return None;
         }
-        let all: [(bool, Origin); 4] = [
+        let all: [(bool, Origin); 5] = [
             (model.hydrodynamics.multipoles == Multipoles::Dipole, ("stress_stresslet", |s| s.stresslet)),
             (model.hydrodynamics.lubrication, ("stress_lubrication", |s| s.lubrication)),
             (model.repulsion.is_some(), ("stress_repulsion", |s| s.repulsion)),
+            (model.attraction.is_some(), ("stress_attraction", |s| s.attraction)),
             (model.contacts.is_some(), ("stress_contact", |s| s.contact)),
         ];
         let species = model.species.iter().map(|s| s.name.clone()).collect();

@@ -1,6 +1,6 @@
 //! How long fixed steps may be where repulsion holds spheres apart.
 
-use crate::forces::barrier;
+use crate::forces::SurfaceForces;
 use crate::integrator::AdamsBashforth;
 use crate::model::{Integrator, Model, Multipoles};
 use crate::plan::Radii;
@@ -32,19 +32,19 @@ pub fn longest_step(model: &Model) -> Option<f64> {
 }
 
 /// The longest fixed step with which two spheres come to rest that are pushed together and held apart by repulsion: a
-/// small change of their gap decays with the rate `-dF/dr m` at the stiffness `-dF/dr` of the barrier and the mobility
+/// small change of their gap decays with the rate `-dF/dr m` at the stiffness `-dF/dr` of the repulsion and the mobility
 /// `m` of the pair along its line of centres, and the method is stable up to a product of that and the step. The worst
 /// gap counts, and the two smallest spheres, which are the stiffest pair. None if steps are divided as need be, or
 /// there is no repulsion.
 fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
     let Integrator::AdamsBashforth { order } = model.integrator else { return None };
-    let barrier = barrier(model).ok()??;
+    let repulsion = SurfaceForces::of(model).ok()?.repulsion?;
     let pair = radii.smallest_two()?;
-    let range = barrier.reach(pair) - pair[0] - pair[1];
+    let range = repulsion.reach(pair) - pair[0] - pair[1];
     let rate = |k: u32| {
         let gap = range * (f64::from(k) + 0.5) / f64::from(GAPS);
         let mobility = opening_mobility(pair, gap, detail(model)).ok()?;
-        Some(barrier.stiffness(gap, pair) * mobility / model.viscosity)
+        Some(repulsion.stiffness(gap, pair) * mobility / model.viscosity)
     };
     let fastest = (0..GAPS).map(rate).try_fold(0.0, |fastest: f64, rate| Some(fastest.max(rate?)))?;
     (fastest > 0.0).then(|| AdamsBashforth::of_order(order).stable() / fastest)

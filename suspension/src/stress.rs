@@ -16,7 +16,7 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
-/// and that of contacts like that of repulsion, its symmetric part, with friction; each sphere of a pair has a share in
+/// that of attraction like that, and that of contacts like that of repulsion, its symmetric part, with friction; each sphere of a pair has a share in
 /// proportion to its radius.
 ///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
@@ -30,6 +30,8 @@ pub struct ParticleStress {
     pub lubrication: Tensor,
     /// Of the repulsion barrier.
     pub repulsion: Tensor,
+    /// Of attraction.
+    pub attraction: Tensor,
     /// Of contacts.
     pub contact: Tensor,
 }
@@ -37,21 +39,21 @@ pub struct ParticleStress {
 impl ParticleStress {
     /// All origins together.
     pub fn total(&self) -> Tensor {
-        self.stresslet + self.lubrication + self.repulsion + self.contact
+        self.stresslet + self.lubrication + self.repulsion + self.attraction + self.contact
     }
 
     /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume;
-    /// `pairs` has each particle's shares of the first moments of repulsion and of contacts, or nothing. Collective.
+    /// `pairs` has each particle's shares of the first moments of repulsion, attraction and contacts, or nothing. Collective.
     pub fn by_species(
         particles: &Particles,
-        pairs: [&[Tensor]; 2],
+        pairs: [&[Tensor]; 3],
         (species, volume): (usize, f64),
         comm: &Comm,
     ) -> Vec<Self> {
         let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
         let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
         let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
-        let mut sums = vec![[Tensor::ZERO; 4]; species];
+        let mut sums = vec![[Tensor::ZERO; 5]; species];
         for (row, &kind) in particles.species.iter().enumerate() {
             let [stresslet, lubrication, of_pairs @ ..] = &mut sums[kind as usize];
             if let (Some(&whole), Some(&far)) = (whole.get(row), far.get(row)) {
@@ -63,10 +65,11 @@ impl ParticleStress {
             }
         }
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
-        let stress = |[stresslet, lubrication, repulsion, contact]: [Tensor; 4]| Self {
+        let stress = |[stresslet, lubrication, repulsion, attraction, contact]: [Tensor; 5]| Self {
             stresslet,
             lubrication,
             repulsion,
+            attraction,
             contact,
         };
         sums.into_iter().map(|sums| stress(sums.map(|sum| sum * (1.0 / volume)))).collect()

@@ -5,6 +5,7 @@ use crate::columns::VELOCITY;
 use crate::contacts::Measured;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
+use crate::forces::Surface;
 use crate::integrator::{self, AdamsBashforth};
 use crate::model::{Integrator, Model};
 use crate::setup::Setup;
@@ -251,10 +252,11 @@ impl Suspension {
 
     /// The stress of the particles of each of so many species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
-        let repulsion = self.dynamics.repulsion_moments(&self.particles);
+        let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
+            .map(|which| self.dynamics.surface_moments(which, &self.particles));
         let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
         let volume = self.cell().volume();
-        ParticleStress::by_species(&self.particles, [&repulsion, &contacts], (species, volume), &self.comm)
+        ParticleStress::by_species(&self.particles, [&repulsion, &attraction, &contacts], (species, volume), &self.comm)
     }
 
     /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap

@@ -3,11 +3,11 @@
 use super::{Dynamics, Moment, Outcome};
 use crate::columns::{STRESSLET, VELOCITY};
 use crate::driven::Search;
-use crate::forces::Ahead;
+use crate::forces::{Ahead, Surface};
 use crate::hydrodynamics::Guess;
 use crate::integrator::EXPECTED;
 use crate::step_error::StepError;
-use domain::{Particles, Traceless};
+use domain::{Particles, Tensor, Traceless};
 use fcm::Motion;
 
 impl Dynamics {
@@ -45,11 +45,14 @@ impl Dynamics {
         let strain_rate = self.moving.expected_besides() * -1.0;
         let beyond = beyond.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate });
         let place = (self.moving.cell(), &self.partition);
-        let repulsion: f64 =
-            self.forces.repulsion_moments(particles, place, beyond.as_ref()).iter().map(|moment| moment.y_axis.x).sum();
+        let shear = |which, beyond| {
+            let moments = self.forces.moments(which, particles, place, beyond);
+            moments.iter().map(|moment: &Tensor| moment.y_axis.x).sum::<f64>()
+        };
+        let of_surfaces = shear(Surface::Repulsion, beyond.as_ref()) + shear(Surface::Attraction, None);
         let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
-        let mut sum = [repulsion + of_fluid + of_contacts];
+        let mut sum = [of_surfaces + of_fluid + of_contacts];
         self.partition.comm().sum(&mut sum);
         self.viscosity * self.flow().shear_rate() + sum[0] / self.cell().volume()
     }

@@ -19,6 +19,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     p.start.check(&p.species)?;
     check_flow(p)?;
     p.repulsion.as_ref().map_or(Ok(()), check_repulsion)?;
+    p.attraction.as_ref().map_or(Ok(()), |attraction| attraction.check(p))?;
     p.hydrodynamics.check()?;
     p.contacts.as_ref().map_or(Ok(()), |contacts| contacts.check(p))?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
@@ -74,7 +75,7 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn check_repulsion(repulsion: &Repulsion) -> Result<(), ParameterError> {
-    let Repulsion { strength, radius_power, range, calibrate } = *repulsion;
+    let Repulsion { strength, radius_power, range, screening_length, calibrate } = *repulsion;
     if strength < 0.0 || !strength.is_finite() {
         let message = format!("is {}; the force at contact needs to be 0 or more", Number(strength));
         return Err(ParameterError::new("repulsion.strength", message));
@@ -83,6 +84,14 @@ fn check_repulsion(repulsion: &Repulsion) -> Result<(), ParameterError> {
         let range = Number(range);
         let message = format!("is {range}; the gap where the barrier starts needs 0 < range <= 1, in mean radii");
         return Err(ParameterError::new("repulsion.range", message));
+    }
+    if let Some(length) = screening_length {
+        ParameterError::unless_positive("repulsion.screening_length", length)?;
+        if range.is_some() {
+            let message =
+                "is that of a barrier; a screened repulsion ends by repulsion.screening_length: leave one of them out";
+            return Err(ParameterError::new("repulsion.range", message));
+        }
     }
     if radius_power > 2 {
         let message = format!(

@@ -1,5 +1,6 @@
 //! What a suspension consists of and how it moves: parameters, and the model that they make once they are checked.
 
+mod attraction;
 mod check;
 mod contacts;
 mod copy;
@@ -10,6 +11,7 @@ mod sizes;
 mod spheres;
 mod statistics;
 
+pub use attraction::Attraction;
 pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Vector};
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
@@ -39,8 +41,10 @@ pub struct Parameters {
     pub flow: Flow,
     /// How the rate of shear changes.
     pub protocol: Protocol,
-    /// The barrier that keeps spheres apart.
+    /// What keeps spheres apart.
     pub repulsion: Option<Repulsion>,
+    /// How spheres attract each other.
+    pub attraction: Option<Attraction>,
     /// How rough spheres touch; without, they are smooth.
     pub contacts: Option<Contacts>,
     /// How the fluid is computed.
@@ -71,6 +75,7 @@ impl Parameters {
             flow: Flow::None,
             protocol: Protocol::STEADY,
             repulsion: None,
+            attraction: None,
             contacts: None,
             hydrodynamics: Hydrodynamics::default(),
             time_step,
@@ -108,7 +113,7 @@ pub enum Flow {
     },
 }
 
-/// The repulsion barrier.
+/// Repulsion, by a barrier or of charged spheres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repulsion {
     /// Force at contact, over the `radius_power`-th power of the harmonic mean radius of the two.
@@ -117,6 +122,8 @@ pub struct Repulsion {
     pub radius_power: u8,
     /// The gap where it starts over the mean radius of the two; what suits the hydrodynamics where there is none.
     pub range: Option<f64>,
+    /// The Debye length of charged spheres, whose repulsion falls exponentially with the gap; `None` for a barrier.
+    pub screening_length: Option<f64>,
     /// Whether the strength is only where the search for the least sufficient one starts.
     pub calibrate: bool,
 }
@@ -124,7 +131,7 @@ pub struct Repulsion {
 impl Repulsion {
     /// The same force at contact for all, over the range that suits the hydrodynamics.
     pub fn new(strength: f64) -> Self {
-        Self { strength, radius_power: 0, range: None, calibrate: false }
+        Self { strength, radius_power: 0, range: None, screening_length: None, calibrate: false }
     }
 }
 

@@ -12,7 +12,8 @@ pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Adaptive, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start, StatisticsWanted,
+    Adaptive, Attraction, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start,
+    StatisticsWanted,
 };
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
@@ -52,6 +53,7 @@ impl SuspensionScene {
             flow,
             protocol,
             repulsion: raw.repulsion.as_ref().map(repulsion),
+            attraction: raw.attraction.as_ref().map(attraction),
             contacts: raw.contacts.as_ref().map(contacts),
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
@@ -108,8 +110,21 @@ fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
 }
 
 fn repulsion(raw: &raw::Repulsion) -> Repulsion {
-    let raw::Repulsion { strength, range, radius_power, calibrate } = *raw;
-    Repulsion { strength, radius_power, range, calibrate }
+    let raw::Repulsion { strength, range, screening_length, radius_power, calibrate } = *raw;
+    Repulsion { strength, radius_power, range, screening_length, calibrate }
+}
+
+fn attraction(raw: &raw::Attraction) -> Attraction {
+    match *raw {
+        raw::Attraction::VanDerWaals { hamaker, closest, range } => Attraction::VanDerWaals {
+            hamaker,
+            closest: closest.unwrap_or(Attraction::CLOSEST),
+            range: range.unwrap_or(Attraction::RANGE),
+        },
+        raw::Attraction::Depletion { pressure, depletant_radius } => {
+            Attraction::Depletion { pressure, radius: depletant_radius }
+        }
+    }
 }
 
 fn contacts(raw: &raw::Contacts) -> Contacts {

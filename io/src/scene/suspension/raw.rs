@@ -31,6 +31,8 @@ pub(in crate::scene) struct Raw {
     pub(super) flow: Option<Flow>,
     /// A short-range repulsion between near spheres; none without this section.
     pub(super) repulsion: Option<Repulsion>,
+    /// An attraction between near spheres; none without this section.
+    pub(super) attraction: Option<Attraction>,
     /// Contacts of rough spheres; none without this section.
     pub(super) contacts: Option<Contacts>,
     /// How the fluid is computed.
@@ -201,12 +203,35 @@ pub(super) struct Repulsion {
     pub(super) strength: f64,
     /// Gap where it starts, in mean radii of the two spheres.
     pub(super) range: Option<f64>,
+    /// Debye length of charged spheres, whose repulsion falls exponentially with the gap; without, it is a barrier.
+    pub(super) screening_length: Option<f64>,
     /// The strength grows with this power, 0, 1 or 2, of the harmonic mean radius of the two.
     #[serde(default)]
     pub(super) radius_power: u8,
     /// Whether to look for the least strength that prevents overlap, from the one given.
     #[serde(default)]
     pub(super) calibrate: bool,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub(super) enum Attraction {
+    /// Of van der Waals.
+    VanDerWaals {
+        /// Hamaker constant, an energy.
+        hamaker: f64,
+        /// Gap that bounds the force at contact, in mean radii of the two spheres; 0.01 by default.
+        closest: Option<f64>,
+        /// Gap where it ends, in mean radii of the two; 1 by default.
+        range: Option<f64>,
+    },
+    /// By small spheres that find no place between large ones.
+    Depletion {
+        /// Osmotic pressure of the small spheres.
+        pressure: f64,
+        /// Radius of the small spheres.
+        depletant_radius: f64,
+    },
 }
 
 #[derive(Deserialize, JsonSchema)]

@@ -1,0 +1,174 @@
+//! Forces between the surfaces of two spheres, along their line of centres.
+
+use crate::barrier::Barrier;
+use domain::Vector;
+use std::f64::consts::PI;
+
+/// A force between two spheres of radii `a_i` and `a_j` at a gap `h` between their surfaces, with the mean radius `a` and the
+/// harmonic mean `a_h = 2 a_i a_j / (a_i + a_j)`; a repulsion has a positive sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SurfaceForce {
+    /// The barrier of the force-coupling method.
+    Barrier(Barrier),
+    /// Of charged spheres in an electrolyte whose double layers are thin (Derjaguin),
+    ///
+    /// ```text
+    /// F = strength a_h^n exp(-h / length)       up to 16 lengths
+    /// ```
+    Screened {
+        /// Force at contact, where the harmonic mean radius is 1.
+        strength: f64,
+        /// The power of that radius.
+        radius_power: u8,
+        /// The Debye length.
+        length: f64,
+    },
+    /// Of van der Waals, for small gaps (Derjaguin; Hamaker, Physica 4, 1058, 1937), with a gap `h_0 = closest a` that bounds it
+    /// and less its value at the gap `range a`, where it ends,
+    ///
+    /// ```text
+    /// F = -(hamaker a_h / 12) / (h + h_0)^2
+    /// ```
+    VanDerWaals {
+        /// The Hamaker constant, an energy.
+        hamaker: f64,
+        /// `h_0 / a`
+        closest: f64,
+        /// The gap where it ends, over `a`.
+        range: f64,
+    },
+    /// Of small spheres that find no place between two large ones (Asakura & Oosawa, J. Chem. Phys. 22, 1255, 1954): their
+    /// osmotic pressure times the area of the circle where the shells meet that their centres are kept from,
+    ///
+    /// ```text
+    /// F = -pressure pi rho^2,   rho^2 = R_i^2 - [(r^2 + R_i^2 - R_j^2) / (2 r)]^2,   R = a + thickness
+    /// ```
+    Depletion {
+        /// The osmotic pressure of the small spheres.
+        pressure: f64,
+        /// Their radius.
+        thickness: f64,
+    },
+}
+
+/// A screened repulsion ends at this many of its lengths, where it is 1e-7 of that at contact.
+const LENGTHS: f64 = 16.0;
+
+impl SurfaceForce {
+    /// The distance of the centres up to which it acts.
+    pub fn reach(&self, radii: [f64; 2]) -> f64 {
+        let contact = radii[0] + radii[1];
+        match self {
+            Self::Barrier(barrier) => barrier.reach(radii),
+            Self::Screened { length, .. } => contact + LENGTHS * length,
+            Self::VanDerWaals { range, .. } => contact * (1.0 + 0.5 * range),
+            Self::Depletion { thickness, .. } => contact + 2.0 * thickness,
+        }
+    }
+
+    /// Force on the first sphere; `separation` is `x_j - x_i`. The second sphere feels the opposite.
+    pub fn force(&self, separation: Vector, radii: [f64; 2]) -> Vector {
+        if let Self::Barrier(barrier) = self {
+            return barrier.force(separation, radii);
+        }
+        let distance = separation.length();
+        if distance >= self.reach(radii) {
+            return Vector::ZERO;
+        }
+        separation * (-self.magnitude_and_slope(distance, radii)[0] / distance)
+    }
+
+    /// How fast the force falls with the distance, `-dF/dr`, where it does; else 0.
+    pub fn stiffness(&self, gap: f64, radii: [f64; 2]) -> f64 {
+        if let Self::Barrier(barrier) = self {
+            return barrier.stiffness(gap, radii);
+        }
+        let distance = radii[0] + radii[1] + gap;
+        if distance >= self.reach(radii) { 0.0 } else { (-self.magnitude_and_slope(distance, radii)[1]).max(0.0) }
+    }
+
+    /// The force and its derivative with the distance of the centres, within reach.
+    fn magnitude_and_slope(&self, distance: f64, radii: [f64; 2]) -> [f64; 2] {
+        let contact = radii[0] + radii[1];
+        let (mean, harmonic, gap) = (0.5 * contact, 2.0 * radii[0] * radii[1] / contact, distance - contact);
+        match *self {
+            Self::Barrier(_) => unreachable!("a barrier has its own"),
+            Self::Screened { strength, radius_power, length } => {
+                let force = strength * harmonic.powi(radius_power.into()) * (-gap / length).exp();
+                [force, -force / length]
+            }
+            Self::VanDerWaals { hamaker, closest, range } => {
+                let (factor, at_end) = (hamaker * harmonic / 12.0, (range + closest) * mean);
+                // Spheres that overlap attract each other as at contact.
+                let (apart, is_apart) = (gap.max(0.0) + closest * mean, f64::from(u8::from(gap > 0.0)));
+                [factor * (at_end.powi(-2) - apart.powi(-2)), is_apart * 2.0 * factor * apart.powi(-3)]
+            }
+            Self::Depletion { pressure, thickness } => {
+                let [first, second] = radii.map(|radius| (radius + thickness).powi(2));
+                let along = (distance * distance + first - second) / (2.0 * distance);
+                let slope = (distance * distance - first + second) / (2.0 * distance * distance);
+                [-pressure * PI * (first - along * along).max(0.0), pressure * PI * 2.0 * along * slope]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RADII: [f64; 2] = [1.0, 1.7];
+
+    fn all() -> [SurfaceForce; 4] {
+        [
+            SurfaceForce::Barrier(Barrier::new(3.0, 0.2).unwrap()),
+            SurfaceForce::Screened { strength: 3.0, radius_power: 1, length: 0.05 },
+            SurfaceForce::VanDerWaals { hamaker: 0.6, closest: 0.01, range: 0.5 },
+            SurfaceForce::Depletion { pressure: 2.0, thickness: 0.15 },
+        ]
+    }
+
+    fn along(force: &SurfaceForce, gap: f64) -> f64 {
+        -force.force(Vector::X * (RADII[0] + RADII[1] + gap), RADII).x
+    }
+
+    #[test]
+    fn values_at_contact_are_those_of_the_formulae() {
+        let harmonic = 2.0 * 1.7 / 2.7;
+        let shells = [1.15_f64, 1.85];
+        let area = PI * (shells[0].powi(2) - ((2.7_f64.powi(2) + shells[0].powi(2) - shells[1].powi(2)) / 5.4).powi(2));
+        let attraction = -0.6 * harmonic / 12.0 * ((0.01_f64 * 1.35).powi(-2) - (0.51_f64 * 1.35).powi(-2));
+        for (force, expected) in all().iter().zip([3.0, 3.0 * harmonic, attraction, -2.0 * area]) {
+            assert!((along(force, 0.0) / expected - 1.0).abs() < 1e-12, "{force:?}");
+        }
+    }
+
+    /// The area of the shells' overlap is minus the derivative of their common volume: two caps.
+    #[test]
+    fn depletion_is_the_slope_of_the_common_volume() {
+        let common = |gap: f64| {
+            let ([a, b], d) = ([1.15_f64, 1.85], 2.7 + gap);
+            PI * (a + b - d).powi(2) * (d * d + 2.0 * d * (a + b) - 3.0 * (a - b).powi(2)) / (12.0 * d)
+        };
+        let force = all()[3];
+        for gap in [0.0, 0.1, 0.25] {
+            let slope = (common(gap + 1e-5) - common(gap - 1e-5)) / 2e-5;
+            assert!((along(&force, gap) / (2.0 * slope) - 1.0).abs() < 1e-6, "{gap}");
+        }
+    }
+
+    #[test]
+    fn forces_end_where_they_reach_and_stiffness_is_their_slope() {
+        for force in all() {
+            let end = force.reach(RADII) - 2.7;
+            assert!(along(&force, end * (1.0 + 1e-12)) == 0.0 && along(&force, 0.999 * end).abs() < 0.02, "{force:?}");
+            for gap in [0.02, 0.1, 0.9 * end] {
+                let slope = (along(&force, gap + 1e-6) - along(&force, gap - 1e-6)) / 2e-6;
+                let stiffness = force.stiffness(gap, RADII);
+                assert!((stiffness - (-slope).max(0.0)).abs() < 1e-6 * (1.0 + slope.abs()), "{force:?} at {gap}");
+                let turned = SurfaceForce::force(&force, Vector::Y * (2.7 + gap), [RADII[1], RADII[0]]);
+                assert!((turned + Vector::Y * along(&force, gap)).length() < 1e-12);
+            }
+        }
+    }
+}
