@@ -28,7 +28,18 @@ impl Random {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Three such numbers.
+    /// The next two independent numbers of a normal distribution of mean 0 and variance 1 (Box & Muller 1958).
+    pub fn normal(&mut self) -> [f64; 2] {
+        let [radius, turn] = [(-2.0 * (1.0 - self.uniform()).ln()).sqrt(), std::f64::consts::TAU * self.uniform()];
+        [radius * turn.cos(), radius * turn.sin()]
+    }
+
+    /// The next number of an even distribution of mean 0 and variance 1.
+    pub fn even(&mut self) -> f64 {
+        12.0_f64.sqrt() * (self.uniform() - 0.5)
+    }
+
+    /// Three such numbers in `[0, 1)`.
     pub fn point(&mut self) -> crate::Vector {
         let [x, y, z] = std::array::from_fn(|_| self.uniform());
         crate::Vector::new(x, y, z)
@@ -52,6 +63,23 @@ fn mix(mut z: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn normal_and_even_numbers_have_their_moments() {
+        let mut random = Random::new(5, 8);
+        let count = 200_000;
+        let mut sums = [[0.0; 3]; 3];
+        for _ in 0..count {
+            let [a, b] = random.normal();
+            for (sums, x) in sums.iter_mut().zip([a, b, random.even()]) {
+                *sums = [sums[0] + x, sums[1] + x * x, sums[2] + x.powi(4)];
+            }
+        }
+        for (sums, fourth) in sums.into_iter().zip([3.0, 3.0, 1.8]) {
+            let [mean, variance, found] = sums.map(|sum| sum / f64::from(count));
+            assert!(mean.abs() < 0.01 && (variance - 1.0).abs() < 0.02 && (found - fourth).abs() < 0.1);
+        }
+    }
 
     #[test]
     fn follows_the_published_generator() {

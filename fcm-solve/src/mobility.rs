@@ -5,8 +5,8 @@ use crate::number::tolerance;
 use crate::streams;
 use anyhow::{Context, ensure};
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Costs, Loads, Multipoles, Plan};
-use io::{Answer, Case, Terms};
+use fcm::{Costs, Loads, Motion, Multipoles, Plan};
+use io::{Answer, Case, NOISE_NUMBERS, Noise, Terms};
 use lubrication::Range;
 use solver::BackgroundFlow;
 use std::path::{Path, PathBuf};
@@ -38,10 +38,13 @@ A case for N particles:
   lubrication whether near pairs of rigid particles feel lubrication (default: false)
   lubrication_cutoff  the gap where it ends, in radii of the pair's larger sphere (default: 2.5)
   background  {\"velocity_gradient\": 3 x 3, G[i][j] = du_i/dx_j}
+  noise       {\"draws\": n, \"seed\": s}: random motions whose covariance is the mobility, besides
   strain      the box's Lees-Edwards strain: its second lattice vector is (strain Ly, Ly, 0)
 What is absent is zero. The answer has velocities and angular_velocities relative to the background
 flow at the centres, strain_rates of the disturbance flow, stresslets (with lubrication the whole
-hydrodynamic ones, and stresslets_far, the far field's part), iterations, residual, seconds and plan.";
+hydrodynamic ones, and stresslets_far, the far field's part), iterations, residual, seconds and plan;
+noise_velocities and noise_angular_velocities, draws x N x 3, are what heat does to the particles in a
+time dt at kT = dt/2, noise_strain_rates those of the fluid, of particles that are not rigid.";
 
 /// Evaluates the case. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
@@ -67,7 +70,19 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     let start = Instant::now();
     let motions = mobility.apply(&loads(case), &background)?;
     let seconds = start.elapsed().as_secs_f64();
-    let answer = comm.is_first().then(|| answer(&motions, case, mobility.plan(), seconds));
+    let noise = case.noise.map(|Noise { draws, seed }| mobility.noise(seed, 0..draws)).transpose()?;
+    if let Some(clipped) =
+        noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&clipped| clipped > 1e-3 && comm.is_first())
+    {
+        streams::log(format_args!(
+            "warning: {clipped:.1e} of the near field's weight is negative, which it is where spheres overlap; random motions \
+             are without it"
+        ));
+    }
+    let mut answer = comm.is_first().then(|| answer(&motions, case, mobility.plan(), seconds));
+    if let (Some(answer), Some((motions, _))) = (&mut answer, noise) {
+        add_noise(answer, &motions, case);
+    }
     comm.agree(answer.as_ref().map_or(Ok(()), finite).map_err(|e| in_full(&e)))?;
     Ok(answer)
 }
@@ -87,10 +102,11 @@ fn cautions(overlaps: Option<Overlaps>, mobility: &Mobility) -> Vec<String> {
     overlaps.map(caution).into_iter().chain(mobility.burden()).collect()
 }
 
-/// Bytes of the numbers of the case and of the answer, 32 of a particle, as they are and as text of about 20 characters
+/// Bytes of the numbers of the case and of the answer, 32 of a particle and those of random motions, as they are and as text of about 20 characters
 /// each.
 fn text_bytes(case: &Case) -> Bytes {
-    Bytes::keep(((8 + 20) * 32 * case.positions.len()) as f64)
+    let noise = case.noise.map_or(0.0, |noise| noise.draws as f64) * NOISE_NUMBERS as f64;
+    Bytes::keep((8.0 + 20.0) * (32.0 + 2.0 * noise) * case.positions.len() as f64)
 }
 
 fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<MobilityParameters> {
@@ -131,7 +147,19 @@ fn answer(motions: &Motions, case: &Case, plan: &Plan, seconds: f64) -> Answer {
         residual: *residual,
         seconds,
         plan: plan.describe(),
+        ..Answer::default()
     }
+}
+
+fn add_noise(answer: &mut Answer, motions: &[Motion], case: &Case) {
+    let dipoles = matches!(case.multipoles, Terms::Dipole);
+    let each = |of: &dyn Fn(&Motion) -> Vec<Vector>| {
+        motions.iter().map(|motion| of(motion).iter().map(Vector::to_array).collect()).collect()
+    };
+    answer.noise_velocities = Some(each(&|motion| motion.velocities.clone()));
+    answer.noise_angular_velocities = dipoles.then(|| each(&|motion| motion.angular_velocities.clone()));
+    answer.noise_strain_rates = (dipoles && !case.rigid)
+        .then(|| motions.iter().map(|motion| motion.strain_rates.iter().map(|tensor| tensor.0).collect()).collect());
 }
 
 /// Refuses an answer that is beyond the numbers of the machine.

@@ -4,6 +4,7 @@ use crate::envelope::{Envelope, Source};
 use crate::gaussian::{self, Gaussians, Sources, Terms};
 use crate::interpolate::Interpolation;
 use crate::kernel::{Kernel, Load};
+use crate::noise::Stream;
 use crate::plan::Plan;
 use crate::problem::Method;
 use crate::spread::Spread;
@@ -38,6 +39,10 @@ pub(crate) trait FarField {
 
     /// The velocities and velocity gradients, by what this rank's share of the grid adds to them.
     fn motions(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)>;
+
+    /// Velocities and velocity gradients, or velocities alone, of the covariance of those by random forces and dipoles, by what
+    /// this rank's share of the grid adds to them.
+    fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: &Stream) -> Vec<(Vector, Tensor)>;
 
     /// The velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
@@ -103,11 +108,15 @@ impl<T: Real> Far<T> {
     }
 
     fn interpolate(&self, classes: &[u32], wanted: Wanted) -> Vec<(Vector, Tensor)> {
-        let spacing = self.grid.spacing();
-        let volume = spacing.x * spacing.y * spacing.z / unit_volume(&self.plan, &self.grid).powi(2);
-        let to = Interpolation { places: &self.places, classes, volume };
+        let to = Interpolation { places: &self.places, classes, volume: self.interpolated_volume() };
         let terms = [wanted != Wanted::Gradients, wanted != Wanted::Velocities];
         self.stencils.with(terms, From { to, field: &self.field })
+    }
+
+    /// The volume of a point by which interpolation multiplies.
+    fn interpolated_volume(&self) -> f64 {
+        let spacing = self.grid.spacing();
+        spacing.x * spacing.y * spacing.z / unit_volume(&self.plan, &self.grid).powi(2)
     }
 
     fn evaluate(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)> {
@@ -256,6 +265,12 @@ impl<T: Real> FarField for Far<T> {
 
     fn motions(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)> {
         self.evaluate(loads, wanted, work)
+    }
+
+    fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: &Stream) -> Vec<(Vector, Tensor)> {
+        let volume = self.interpolated_volume();
+        self.field = self.transform.noise(&self.operator, volume, |mode| stream.of_mode(mode));
+        self.interpolate(classes, wanted)
     }
 
     fn velocity_field(&self) -> Vec<f64> {

@@ -102,31 +102,45 @@ impl Hydrodynamics {
         background: Traceless,
         guess: &[Traceless],
     ) -> Result<Solved, SolveError> {
+        self.solve_in(cell, particles, (loads, &Motion::default()), background, guess)
+    }
+
+    /// The same with motions that the fluid has at the particles besides, each its own, or none.
+    pub fn solve_in(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        (loads, ambient): (&Loads, &Motion),
+        background: Traceless,
+        guess: &[Traceless],
+    ) -> Result<Solved, SolveError> {
         self.mobility.arrange(cell, particles);
         let solved = match self.mobility.plan().multipoles {
-            Multipoles::Monopole => self.free(loads),
-            Multipoles::Dipole => self.rigid(&particles.radii, loads, background, guess)?,
+            Multipoles::Monopole => self.free(loads, ambient),
+            Multipoles::Dipole => self.rigid(&particles.radii, (loads, ambient), background, guess)?,
         };
         let finite = solved.motion.velocities.iter().all(|v| v.is_finite());
         if self.comm.any(!finite) { Err(SolveError::NotFinite) } else { Ok(solved) }
     }
 
-    fn free(&mut self, loads: &Loads) -> Solved {
+    fn free(&mut self, loads: &Loads, ambient: &Motion) -> Solved {
         let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
-        let motion = self.mobility.apply(&forces, Evaluation::Velocities);
+        let mut motion = self.mobility.apply(&forces, Evaluation::Velocities);
+        motion.add(1.0, ambient);
         Solved { motion, stresslets: Vec::new(), iterations: 0, residual: 0.0 }
     }
 
     fn rigid(
         &mut self,
         radii: &[f64],
-        loads: &Loads,
+        (loads, ambient): (&Loads, &Motion),
         background: Traceless,
         guess: &[Traceless],
     ) -> Result<Solved, SolveError> {
         let mut resistances = if guess.is_empty() { vec![Traceless::ZERO; radii.len()] } else { guess.to_vec() };
         let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
-        let motion = self.mobility.apply(&start, Evaluation::All);
+        let mut motion = self.mobility.apply(&start, Evaluation::All);
+        motion.add(1.0, ambient);
         // The unknowns are D = -S, for which the system is positive definite.
         for s in &mut resistances {
             *s = -*s;

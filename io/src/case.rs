@@ -48,7 +48,23 @@ pub struct Case {
     /// The background flow.
     #[serde(default)]
     pub background: Background,
+    /// Random motions whose covariance is the mobility, besides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
 }
+
+/// Random motions that are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Noise {
+    /// How many.
+    pub draws: u64,
+    /// Where random numbers start.
+    pub seed: u64,
+}
+
+/// Random motions of one draw come as this many numbers of a particle, at most.
+pub const NOISE_NUMBERS: usize = 11;
 
 /// A number for all particles, or one for each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,6 +96,9 @@ pub struct Background {
     pub velocity_gradient: [[f64; 3]; 3],
 }
 
+/// Draws of a case at most.
+const MOST_DRAWS: u64 = 1_000_000;
+
 fn yes() -> bool {
     true
 }
@@ -101,6 +120,15 @@ pub struct Answer {
     /// With lubrication, the part of the stresslets that the far field sees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stresslets_far: Option<Vec<[f64; 5]>>,
+    /// Random velocities, one list for each draw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_velocities: Option<Vec<Vec<[f64; 3]>>>,
+    /// Random angular velocities.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_angular_velocities: Option<Vec<Vec<[f64; 3]>>>,
+    /// Random rates of strain (xx, xy, xz, yy, yz), of particles that are not rigid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_strain_rates: Option<Vec<Vec<[f64; 5]>>>,
     /// Iterations for the stresslets and for lubrication.
     pub iterations: usize,
     /// Their relative residual.
@@ -194,6 +222,9 @@ impl Case {
                 Number(cutoff)
             ));
         }
+        if self.noise.is_some_and(|noise| noise.draws == 0 || noise.draws > MOST_DRAWS) {
+            return Err(format!("noise.draws needs to be 1 to {MOST_DRAWS}"));
+        }
         if self.multipoles == Terms::Monopole {
             let twisted = self.torques.iter().flatten().any(|&t| t != 0.0);
             if twisted || given(&self.stresslets) {
@@ -241,12 +272,23 @@ impl Answer {
         if let Some(list) = &self.stresslets_far {
             table("stresslets_far", 5, list.concat())?;
         }
+        draws(file, "noise_velocities", self.noise_velocities.as_deref())?;
+        draws(file, "noise_angular_velocities", self.noise_angular_velocities.as_deref())?;
+        draws(file, "noise_strain_rates", self.noise_strain_rates.as_deref())?;
         file.new_dataset::<u64>().create("iterations")?.write_scalar(&(self.iterations as u64))?;
         file.new_dataset::<f64>().create("residual")?.write_scalar(&self.residual)?;
         file.new_dataset::<f64>().create("seconds")?.write_scalar(&self.seconds)?;
         let plan: VarLenUnicode = self.plan.parse().map_err(|_| "the plan has a zero byte")?;
         file.new_dataset::<VarLenUnicode>().create("plan")?.write_scalar(&plan)
     }
+}
+
+/// Lists of draws, `(draws, N, W)`.
+fn draws<const W: usize>(file: &File, name: &str, lists: Option<&[Vec<[f64; W]>]>) -> hdf5::Result<()> {
+    let Some(lists) = lists else { return Ok(()) };
+    let shape = (lists.len(), lists.first().map_or(0, Vec::len), W);
+    let values = ndarray::Array3::from_shape_vec(shape, lists.concat().concat()).expect("lists of one length");
+    file.new_dataset_builder().with_data(&values).create(name).map(|_| ())
 }
 
 fn is_hdf5(path: &Path) -> bool {
@@ -362,6 +404,8 @@ mod tests {
         assert!(message(r#", "multipoles": "monopole", "torques": [[1, 0, 0]]"#).contains("use \"dipole\""));
         assert!(message(r#", "lubrication": true, "rigid": false"#).contains("set rigid to true"));
         assert!(message(r#", "lubrication": true, "lubrication_cutoff": 9.0"#).contains("<= 8"));
+        assert!(message(r#", "noise": {"draws": 0, "seed": 1}"#).contains("noise.draws needs to be 1 to"));
+        assert!(message(r#", "noise": {"draws": 2}"#).contains("missing field `seed`"));
         assert!(message(r#", "multipoles": "quadrupole""#).contains("unknown variant"));
         assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `box`"));
     }
@@ -387,10 +431,14 @@ mod tests {
         assert_eq!((case.edges, case.viscosity, case.rigid), ([4.0, 5.0, 6.0], 2.0, false));
         assert_eq!(case.forces, vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
         assert!((case.background.velocity_gradient[0][1] - 1.0).abs() < 1e-15);
-        let answer = Answer { velocities: vec![[1.0, 2.0, 3.0]; 2], plan: "a plan".to_owned(), ..Answer::default() };
+        let noise_velocities = Some(vec![vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]; 4]);
+        let plan = "a plan".to_owned();
+        let answer = Answer { velocities: vec![[1.0, 2.0, 3.0]; 2], noise_velocities, plan, ..Answer::default() };
         let path = folder.path().join("answer.h5");
         answer.write(&path).unwrap();
         let found = File::open(&path).unwrap().dataset("velocities").unwrap().read_raw::<f64>().unwrap();
         assert_eq!(found, [1.0, 2.0, 3.0, 1.0, 2.0, 3.0]);
+        let drawn = File::open(&path).unwrap().dataset("noise_velocities").unwrap();
+        assert_eq!((drawn.shape(), drawn.read_raw::<f64>().unwrap()[4]), (vec![4, 2, 3], 5.0));
     }
 }

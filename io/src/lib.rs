@@ -41,7 +41,7 @@ mod trajectory_reader;
 mod verified;
 
 pub use atomic_file::replace as replace_file;
-pub use case::{Answer, Background, Case, OneOrAll, Terms};
+pub use case::{Answer, Background, Case, NOISE_NUMBERS, Noise, OneOrAll, Terms};
 pub use causes::in_full;
 pub use checkpoint::Checkpoints;
 pub use contents::{Contents, DatasetShape, FrameSpan};

@@ -88,6 +88,12 @@ impl PairForce {
 
     /// The factor of a pair, for `separation` from the first centre to the second; none beyond the cutoff.
     pub fn factor(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
+        self.factor_by::<f64>(separation, species)
+    }
+
+    /// The same by numbers of any width.
+    #[inline(always)]
+    pub fn factor_by<X: Arithmetic>(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
         let [first, second] = species.map(|s| self.radii[s as usize]);
         let (small, large) = (first.min(second), first.max(second));
         let distance = separation.length();
@@ -96,7 +102,7 @@ impl PairForce {
             if first <= second { ([0, 1], separation / distance) } else { ([1, 0], -separation / distance) };
         let factor = (self.viscosity * small).sqrt() * self.range.taper(gap / large);
         let closest = self.range.closest() * 0.5 * (small + large);
-        let roots = self.table(species).at(gap.max(closest) / small, factor);
+        let roots = self.table(species).at::<X>(gap.max(closest) / small, factor);
         Some(PairFactor::new(&roots, axis, order, [small, large / small]))
     }
 

@@ -42,10 +42,11 @@ impl RootTable {
         Ok(Arc::clone(entry.get_or_init(|| Arc::new(Self::compute(&exact)))))
     }
 
-    /// Roots at a gap between the closest and the farthest, times `factor`.
-    pub fn at(&self, gap: f64, factor: f64) -> Roots {
+    /// Roots at a gap between the closest and the farthest, times `factor`, by numbers of any width.
+    #[inline(always)]
+    pub fn at<X: Arithmetic>(&self, gap: f64, factor: f64) -> Roots {
         let mut lanes = [0.0; LANES];
-        self.write::<f64>(gap, &mut lanes);
+        self.write::<X>(gap, &mut lanes);
         Roots::from_flat(&lanes, factor, &self.scales)
     }
 
@@ -125,7 +126,8 @@ mod tests {
             let table = RootTable::with_ratio(ratio).unwrap();
             for k in 0..60 {
                 let gap = 1.3e-6 * 1.29_f64.powi(k);
-                let (wanted, found) = (Roots::from_flat(&roots(&exact, gap), 1.0, &table.scales), table.at(gap, 1.0));
+                let (wanted, found) =
+                    (Roots::from_flat(&roots(&exact, gap), 1.0, &table.scales), table.at::<f64>(gap, 1.0));
                 // The approach of the surfaces is smooth; eigenvalues that change sign bend the rest by 1e-4 of the
                 // drag.
                 assert!(gap > 1.0 || (found.axial.root[0][0] / wanted.axial.root[0][0] - 1.0).abs() < 1e-9);

@@ -51,6 +51,21 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Noise:
+    """Random motions of N spheres whose covariance is their mobility, draw after draw.
+
+    With a communicator the first rank has them; the arrays of the others are empty.
+    """
+
+    velocities: np.ndarray
+    """(draws, N, 3), root of length/(force*time)"""
+    angular_velocities: np.ndarray
+    """(draws, N, 3); zero for point forces"""
+    strain_rates: np.ndarray
+    """(draws, N, 5): xx, xy, xz, yy, yz of the fluid, of spheres that are not rigid; else zero"""
+
+
+@dataclass(frozen=True)
 class Plan:
     """How a mobility is computed."""
 
@@ -180,6 +195,27 @@ class Mobility:
             *loads, gradient
         )
         return Motion(velocities, angular, stresslets, far, strain_rates, iterations, residual, seconds)
+
+    def noise(self, draws: int, seed: int, first: int = 0) -> Noise:
+        """Random motions whose covariance is the mobility: what heat does to the spheres in a time dt at kT = dt/2.
+
+        draws  how many
+        seed   where random numbers start, from 0 on
+        first  the number of the first draw: the same seed and number give the same motion, on any ranks
+
+        Times sqrt(2 kT/dt) they are velocities whose displacements over dt have the variance 2 kT M dt; the mean drift,
+        kT div M, is not in them.
+        """
+        if self._positions is None:
+            raise ValueError("the spheres have no positions yet: set .positions")
+        for name, number, least in (("draws", draws, 1), ("seed", seed, 0), ("first", first, 0)):
+            if not least <= number < 2**63:
+                raise ValueError(f"{name} is {number}; it needs to be a whole number from {least} on")
+        motions, clipped = self._core.noise(int(draws), int(seed), int(first))
+        if clipped > 1e-3:
+            self._say(f"{clipped:.1e} of the near field's weight is negative, as where spheres overlap, and left out")
+        count = len(self._radii) if self._core.is_first else 0
+        return Noise(*(np.reshape(motion, (int(draws), count, motion.shape[-1])) for motion in motions))
 
     def linear_operator(self, loads: str, motions: str) -> LinearOperator:
         """The part of the mobility from `loads` to `motions` as a scipy LinearOperator.

@@ -6,7 +6,7 @@ use crate::confined::{Confined, without_lock};
 use crate::error::{explained, refused};
 use crate::signals::Signals;
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
-use fcm::{Loads, Multipoles};
+use fcm::{Loads, Motion, Multipoles};
 use lubrication::Range;
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -24,6 +24,9 @@ pub struct Mobility {
 
 /// Velocities, angular velocities, strain rates, stresslets, far stresslets, iterations, residual.
 type Answer<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, usize, f64);
+
+/// Velocities, angular velocities, strain rates.
+type Random<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
@@ -86,6 +89,26 @@ impl Mobility {
             return Err(raised);
         }
         Ok((answer(py, applied.map_err(|cause| failed(&cause))?)?, seconds))
+    }
+
+    /// Random motions of so many draws from a number on, whose covariance is the mobility: velocities, angular velocities and
+    /// rates of strain, draw after draw, and the weight that was left out since it is negative.
+    #[pyo3(signature = (draws, seed, first))]
+    fn noise<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<(Random<'py>, f64)> {
+        let drawn = self.planned.with(py, |mobility| mobility.noise(seed, first..first + draws))?;
+        if let Some(raised) = self.signals.take() {
+            return Err(raised);
+        }
+        let (motions, drawn) = drawn.map_err(|cause| failed(&cause))?;
+        let mut all = Motion::default();
+        for motion in motions {
+            all.velocities.extend(motion.velocities);
+            all.angular_velocities.extend(motion.angular_velocities);
+            all.strain_rates.extend(motion.strain_rates);
+        }
+        let random =
+            (rows_of(py, all.velocities)?, rows_of(py, all.angular_velocities)?, rows_of(py, all.strain_rates)?);
+        Ok((random, drawn.clipped))
     }
 
     /// Whether this is the first rank, which has all arrays.

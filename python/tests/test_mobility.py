@@ -37,6 +37,21 @@ def test_rigid_spheres_are_those_of_the_program(program, tmp_path, more):
     assert (motion.iterations, motion.residual) == (answer["iterations"], answer["residual"])
 
 
+def test_noise_is_that_of_the_program_and_has_the_covariance_of_the_mobility(program, tmp_path):
+    answer = asked(program, tmp_path, 1e-3, noise={"draws": 3, "seed": 8}, lubrication=True)
+    made = mobility(lubrication=True)
+    noise = made.noise(3, 8)
+    assert np.array_equal(noise.velocities, answer["noise_velocities"])
+    assert np.array_equal(noise.angular_velocities, answer["noise_angular_velocities"])
+    assert np.array_equal(made.noise(1, 8, first=2).velocities[0], noise.velocities[2])
+    drawn = made.noise(400, 1).velocities.reshape(400, -1)
+    matrix = made.linear_operator("forces", "velocities") @ np.eye(15)
+    white = np.linalg.solve(np.linalg.cholesky(0.5 * (matrix + matrix.T)), drawn.T)
+    assert abs(np.mean(white**2) - 1) < 4 * np.sqrt(2 / white.size)
+    with pytest.raises(ValueError, match="draws is 0"):
+        made.noise(0, 1)
+
+
 def test_spheres_that_are_not_rigid_and_points_are_those_of_the_program(program, tmp_path):
     answer = asked(program, tmp_path, 1e-3, rigid=False, stresslets=STRESSLETS.tolist())
     assert np.array_equal(mobility(rigid=False)(stresslets=STRESSLETS).strain_rates, answer["strain_rates"])

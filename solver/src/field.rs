@@ -223,10 +223,33 @@ impl<T: Real> Field<T, Spectral> {
         }
     }
 
+    /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.
+    pub(crate) fn set_modes(&mut self, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync) {
+        let [nx, _, nz] = self.layout.points;
+        let columns = self.layout.blocks.start * T::LANES..(self.layout.blocks.end * T::LANES).min(nx / 2);
+        for m3 in 0..nz {
+            let of_row = |m2: usize| columns.clone().map(move |m1| [m1, m2, m3]);
+            let modes: Vec<[usize; 3]> = self.layout.modes.clone().flat_map(of_row).collect();
+            let plane: Vec<[Complex<f64>; 3]> = modes.par_iter().map(|&mode| values(mode)).collect();
+            for (mode, values) in modes.into_iter().zip(plane) {
+                for (component, value) in values.into_iter().enumerate() {
+                    let real = self.place_of(component, mode);
+                    self.memory.values_mut()[real] = T::from_f64(value.re);
+                    self.memory.values_mut()[real + T::LANES] = T::from_f64(value.im);
+                }
+            }
+        }
+    }
+
     fn value(&self, component: usize, mode: [usize; 3]) -> Complex<T> {
+        let real = self.place_of(component, mode);
+        Complex::new(self.memory.values()[real], self.memory.values()[real + T::LANES])
+    }
+
+    /// Where the real part of a mode stands; the imaginary part follows by a vector's lanes.
+    fn place_of(&self, component: usize, mode: [usize; 3]) -> usize {
         let (layout, lanes) = (&self.layout, T::LANES);
         let row = layout.spectral.at(component, mode[1] - layout.modes.start, mode[2]);
-        let real = row + (mode[0] / lanes - layout.blocks.start) * 2 * lanes + mode[0] % lanes;
-        Complex::new(self.memory.values()[real], self.memory.values()[real + lanes])
+        row + (mode[0] / lanes - layout.blocks.start) * 2 * lanes + mode[0] % lanes
     }
 }

@@ -82,6 +82,24 @@ impl<T: Real> Stokes<T> {
         }
     }
 
+    /// What it multiplies a transverse mode `m1 < nx/2` by; the others are set to zero.
+    pub(crate) fn factor(&self, [m1, m2, m3]: [usize; 3]) -> f64 {
+        let in_plane = m2 * self.k1.len() + m1;
+        let [k1, k2, k3] = [self.k1[m1], self.k2[in_plane], self.k3[m3]].map(T::to_f64);
+        let square = k1 * k1 + k2 * k2 + k3 * k3;
+        if square == 0.0 || m3 == self.points[2] / 2 {
+            return 0.0;
+        }
+        let level = self.widening.to_f64() * square + 1.0;
+        self.plane[in_plane].to_f64() * self.axis[m3].to_f64() * level * level / square
+    }
+
+    /// The wavevector of a mode `m1 < nx/2`.
+    pub(crate) fn wavevector(&self, [m1, m2, m3]: [usize; 3]) -> domain::Vector {
+        let [k1, k2, k3] = [self.k1[m1], self.k2[m2 * self.k1.len() + m1], self.k3[m3]].map(T::to_f64);
+        domain::Vector::new(k1, k2, k3)
+    }
+
     pub(crate) fn points(&self) -> [usize; 3] {
         self.points
     }

@@ -5,10 +5,17 @@ use crate::plan::{Radii, problem};
 use crate::steadiness;
 use domain::Number;
 use fcm::Plan;
+use std::f64::consts::PI;
 
 /// All warnings of a scene, a sentence each.
 pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
-    let all = [straight_box(model), steadiness::caution(model, radii), long_steps(model), burden(model, radii)];
+    let all = [
+        straight_box(model),
+        steadiness::caution(model, radii),
+        long_steps(model),
+        far_diffusion(model, radii),
+        burden(model, radii),
+    ];
     all.into_iter().flatten().collect()
 }
 
@@ -33,6 +40,27 @@ fn long_steps(model: &Model) -> Option<String> {
             Number(strain)
         )
     })
+}
+
+/// Steps of Brownian motion up to which equilibrium is off by less than a hundredth, in the time in which the smallest sphere
+/// diffuses over its radius.
+const LONGEST_DIFFUSION: f64 = 0.01;
+
+/// The step in the time `a^2 / D_0` in which the smallest sphere diffuses over its radius; none without heat.
+pub fn diffusive_step(model: &Model, radii: &Radii) -> Option<f64> {
+    let energy = model.thermal_energy?;
+    Some(model.time_step * energy / (6.0 * PI * model.viscosity * radii.smallest().powi(3)))
+}
+
+/// Steps in which spheres diffuse farther than the gaps between them.
+fn far_diffusion(model: &Model, radii: &Radii) -> Option<String> {
+    let step = diffusive_step(model, radii).filter(|step| *step > LONGEST_DIFFUSION * 1.001)?;
+    let (longest, limit) = (Number(model.time_step * LONGEST_DIFFUSION / step), Number(LONGEST_DIFFUSION));
+    let (now, step) = (Number(model.time_step), Number(step));
+    Some(format!(
+        "time.step = {now} is {step:.3} of the time in which the smallest sphere diffuses over its radius, and places at \
+         equilibrium are off by more than a hundredth; take {longest:.3} or less, which is {limit} of it"
+    ))
 }
 
 /// In a straight box the flow `u = rate y` jumps by `rate Ly` across the faces along y. The stress that is observed is

@@ -1,6 +1,9 @@
 //! From positions to velocities.
 
 mod drive;
+mod fluctuating;
+
+pub use fluctuating::AMBIENT_NUMBERS;
 
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
@@ -9,7 +12,7 @@ use crate::error::StartError;
 use crate::fluid;
 use crate::forces::{Ahead, Forces, Surface};
 use crate::gap::Gap;
-use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, ShortRange, Solved, Springs};
+use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, STILL, ShortRange, Solved, Springs};
 use crate::integrator::{self, EXPECTED};
 use crate::model::{Integrator, Model, Multipoles};
 use crate::moving_box::MovingBox;
@@ -73,6 +76,9 @@ pub struct Dynamics {
     rigid: bool,
     viscosity: f64,
     smallest_radius: f64,
+    tolerance: f64,
+    /// The largest weight of negative eigenvalues in the near field of random motions.
+    clipped: f64,
 }
 
 impl Dynamics {
@@ -99,6 +105,8 @@ impl Dynamics {
             applied: AppliedForces::default(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             viscosity: model.viscosity,
+            tolerance: model.hydrodynamics.tolerance,
+            clipped: 0.0,
             smallest_radius: setup.radii.smallest(),
             partition: setup.partition,
             moving: setup.moving,
@@ -199,23 +207,20 @@ impl Dynamics {
         (guess, before): (&Guess, &Motion),
         moment: &Moment,
     ) -> Result<(Outcome, f64), StepError> {
-        let (cell, clock) = (*self.moving.cell(), &moment.clock);
+        let cell = *self.moving.cell();
         let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
         let besides = self.moving.expected_besides();
         let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate: besides });
-        let mut loads = self.forces.on(particles, (&cell, &self.partition), ahead.as_ref());
-        let time = clock.time_at(moment.fraction);
-        let applied = self.applied.add_to(&mut loads, particles, (&cell, &self.partition), time);
-        applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
+        let mut loads = self.loads_at(particles, moment, ahead.as_ref())?;
         let Some(contacts) = &self.contacts else {
-            return Ok((self.solve((particles, &cell), (&loads, &[]), guess, moment)?, 0.0));
+            return Ok((self.solve((particles, &cell), (&loads, &[], &STILL), guess, moment)?, 0.0));
         };
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
         let with = (contacts::Ahead { along, across }, velocities, [self.flow().strain_rate(), besides]);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
-        let outcome = self.solve((particles, &cell), (&loads, &touching.springs()), guess, moment)?;
+        let outcome = self.solve((particles, &cell), (&loads, &touching.springs(), &STILL), guess, moment)?;
         let motion = WarmStart::motion(particles);
         if moment.implicit.is_some() {
             let noted = touching.note(particles, &motion);
@@ -225,18 +230,33 @@ impl Dynamics {
         Ok((outcome, of_contacts))
     }
 
-    /// Solves for the motions under loads, with what springs resist, and writes them into the particles' columns.
+    /// Forces and torques of the model and the user's at a moment. Collective.
+    fn loads_at(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        ahead: Option<&Ahead>,
+    ) -> Result<Loads, StepError> {
+        let (place, clock) = ((self.moving.cell(), &self.partition), &moment.clock);
+        let mut loads = self.forces.on(particles, place, ahead);
+        let applied = self.applied.add_to(&mut loads, particles, place, clock.time_at(moment.fraction));
+        applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
+        Ok(loads)
+    }
+
+    /// Solves for the motions under loads, with what springs resist, in a fluid that moves at the particles besides, and writes
+    /// them into the particles' columns.
     fn solve(
         &mut self,
         (particles, cell): (&mut Particles, &PeriodicBox),
-        (loads, contacts): (&Loads, &[Vec<ContactSprings>]),
+        (loads, contacts, ambient): (&Loads, &[Vec<ContactSprings>], &Motion),
         guess: &Guess,
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
         let forces = &self.forces;
         let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
-        let acting = Acting { loads, strain_rate: self.flow().strain_rate(), springs: springs.as_ref() };
+        let acting = Acting { loads, strain_rate: self.flow().strain_rate(), springs: springs.as_ref(), ambient };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         self.record(particles, &solved);
@@ -354,6 +374,11 @@ impl Dynamics {
     /// The background flow.
     pub fn flow(&self) -> &BackgroundFlow {
         self.moving.flow()
+    }
+
+    /// The largest weight of negative eigenvalues that were left out of random motions so far, over the whole.
+    pub fn clipped(&self) -> f64 {
+        self.clipped
     }
 
     /// How the fluid is computed, in words.

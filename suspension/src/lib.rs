@@ -25,6 +25,7 @@ mod adaptive;
 mod applied;
 mod averages;
 pub mod benchmark;
+mod brownian;
 mod cautions;
 mod columns;
 mod contacts;

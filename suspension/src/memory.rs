@@ -7,6 +7,7 @@ use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::contacts::{CONTACT_NUMBERS, most_contacts};
 use crate::driven::DRIVEN_NUMBERS;
+use crate::dynamics::AMBIENT_NUMBERS;
 use crate::forces::SurfaceForces;
 use crate::hydrodynamics::memory::{pairs_bytes, solve_bytes, table_bytes};
 use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
@@ -110,6 +111,9 @@ struct Share<'a> {
     is_first: bool,
 }
 
+/// Vectors of Lanczos's iteration for random motions.
+const VECTORS: f64 = 24.0;
+
 impl Share<'_> {
     /// From the start to the end.
     fn peak(&self) -> Bytes {
@@ -151,6 +155,7 @@ impl Share<'_> {
     fn numbers(&self) -> usize {
         let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
         let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
+        let velocities = velocities + if self.is_brownian() { AMBIENT_NUMBERS } else { 0 };
         if self.is_rigid() {
             let kept = WarmStart::new(self.model.is_coupled()).numbers() + self.contact_numbers();
             velocities + FRAME[1].1 + FRAME[2].1 + kept
@@ -188,6 +193,10 @@ impl Share<'_> {
         Particles::bytes(copies * self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
     }
 
+    fn is_brownian(&self) -> bool {
+        self.model.thermal_energy.is_some()
+    }
+
     fn is_implicit(&self) -> bool {
         matches!(self.model.integrator, Integrator::Implicit(_))
     }
@@ -203,6 +212,8 @@ impl Share<'_> {
             Some(range) => solve_bytes(&self.far, self.expected, range).or(self.far.solve()),
             None => self.far.solve(),
         };
+        let random = if self.is_brownian() { VECTORS * owned } else { 0.0 };
+        let solve = solve.or(Bytes::list::<[f64; AMBIENT_NUMBERS]>(random).freed());
         let evaluation = Particles::migration_bytes(owned).freed().or(loads.then(guess).then(solve).freed());
         evaluation.or(self.approach())
     }

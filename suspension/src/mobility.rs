@@ -1,10 +1,10 @@
 //! The mobility of spheres at given positions: loads to motions.
 
-use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, ShortRange, Solved};
+use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
 use domain::{Bytes, Comm, Failure, Interrupt, Particles, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Costs, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, PlanError, Problem, SolveError};
+use fcm::{Costs, Drawn, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, PlanError, Problem, SolveError, Stream};
 use lubrication::{PairForceError, Range};
 use solver::BackgroundFlow;
 
@@ -140,6 +140,38 @@ impl Mobility {
         Ok(motions(particles.gathered(&self.partition), &solved))
     }
 
+    /// Random motions of the spheres whose covariance is their mobility, as many as `draws`: what heat does to them in a time `dt`
+    /// at a thermal energy `kT = dt / 2`. The first is of the number `first`; the same seed and number give the same motion, on
+    /// any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid, else none.
+    pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
+        let (cell, mut worst) = (self.parameters.cell, Drawn::default());
+        let mut motions = Vec::new();
+        let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
+        let tolerance = ROOT * self.parameters.tolerance;
+        for draw in draws {
+            let mut particles = self.placed(&Loads::default());
+            let stream = Stream::new(seed, draw);
+            let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, (tolerance, &stream));
+            worst.iterations = worst.iterations.max(drawn.iterations);
+            worst.clipped = worst.clipped.max(drawn.clipped);
+            let mut motion = ambient.clone();
+            if is_rigid {
+                let loads = self.hydrodynamics.pair_noise(&cell, &particles, &stream);
+                let guess = Guess {
+                    induced_velocities: ambient.velocities.clone(),
+                    induced_angular_velocities: ambient.angular_velocities.clone(),
+                    ..Guess::default()
+                };
+                let acting = Acting { loads: &loads, strain_rate: Traceless::ZERO, springs: None, ambient: &ambient };
+                motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;
+                motion.strain_rates.clear();
+            }
+            record_motion(&mut particles, &motion);
+            motions.push(moved(&mut particles.gathered(&self.partition)));
+        }
+        Ok((motions, worst))
+    }
+
     /// The particles, with their loads, on the ranks that own them.
     fn placed(&self, loads: &Loads) -> Particles {
         let mut particles = Particles::default();
@@ -172,7 +204,7 @@ impl Mobility {
         }
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = background.strain_rate();
-            let acting = Acting { loads: &loads, strain_rate, springs: None };
+            let acting = Acting { loads: &loads, strain_rate, springs: None, ambient: &STILL };
             return self.hydrodynamics.solve(cell, particles, &acting, &Guess::default());
         }
         if stresslets {
@@ -185,6 +217,9 @@ impl Mobility {
         Ok(Solved { motion, stresslets, far: loads, induced: Motion::default(), iterations: 0, residual: 0.0 })
     }
 }
+
+/// Error of the near field's root over the tolerance.
+const ROOT: f64 = 0.3;
 
 /// What to change where it takes too much memory.
 const REMEDY: &str = "fewer positions, a larger tolerance";
@@ -210,23 +245,31 @@ fn problem(parameters: &MobilityParameters) -> Problem {
 
 /// Writes the result into the particles' columns, which are put into the order of the ids when they are gathered.
 fn record(particles: &mut Particles, solved: &Solved) {
-    let Motion { velocities, angular_velocities, strain_rates } = &solved.motion;
-    fill(particles.vectors(column::VELOCITY), velocities);
-    fill(particles.vectors(column::ANGULAR_VELOCITY), angular_velocities);
-    let stresslets = [(column::STRESSLET, &solved.stresslets), (column::STRESSLET_FAR, &solved.far.stresslets)];
-    for (name, list) in [(column::STRAIN_RATE, strain_rates)].into_iter().chain(stresslets) {
+    record_motion(particles, &solved.motion);
+    for (name, list) in [(column::STRESSLET, &solved.stresslets), (column::STRESSLET_FAR, &solved.far.stresslets)] {
         fill(traceless(particles, name), list);
     }
 }
 
-fn motions(mut all: Particles, solved: &Solved) -> Motions {
-    let motion = Motion {
+fn record_motion(particles: &mut Particles, motion: &Motion) {
+    let Motion { velocities, angular_velocities, strain_rates } = motion;
+    fill(particles.vectors(column::VELOCITY), velocities);
+    fill(particles.vectors(column::ANGULAR_VELOCITY), angular_velocities);
+    fill(traceless(particles, column::STRAIN_RATE), strain_rates);
+}
+
+/// The motions that gathered particles have in their columns.
+fn moved(all: &mut Particles) -> Motion {
+    Motion {
         velocities: all.vectors(column::VELOCITY).to_vec(),
         angular_velocities: all.vectors(column::ANGULAR_VELOCITY).to_vec(),
-        strain_rates: traceless(&mut all, column::STRAIN_RATE).to_vec(),
-    };
+        strain_rates: traceless(all, column::STRAIN_RATE).to_vec(),
+    }
+}
+
+fn motions(mut all: Particles, solved: &Solved) -> Motions {
     Motions {
-        motion,
+        motion: moved(&mut all),
         stresslets: traceless(&mut all, column::STRESSLET).to_vec(),
         stresslets_far: traceless(&mut all, column::STRESSLET_FAR).to_vec(),
         iterations: solved.iterations,

@@ -21,6 +21,9 @@ pub struct Observed {
     cautions: Vec<String>,
 }
 
+/// The weight that may be left out of random motions without a word.
+const CLIPPED: f64 = 1e-3;
+
 /// The columns of a frame of the trajectory.
 const FRAME: [&str; 3] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET];
 
@@ -117,7 +120,15 @@ impl Simulation for Observed {
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.observer.warnings()
+        let mut warnings = self.observer.warnings();
+        let clipped = self.suspension.clipped();
+        if clipped > CLIPPED {
+            warnings.push(format!(
+                "up to {clipped:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try a \
+                 larger repulsion.strength or a shorter time.step"
+            ));
+        }
+        warnings
     }
 
     fn averages(&mut self) -> Option<TableSet> {

@@ -1,6 +1,6 @@
 //! A scene in numbers, before it is run.
 
-use crate::cautions::cautions;
+use crate::cautions::{cautions, diffusive_step};
 use crate::error::StartError;
 use crate::gap::Gap;
 use crate::memory::{self, Ranks};
@@ -55,6 +55,12 @@ pub fn outline(
         .line("steps", format_args!("{}, until time {:.6}", model.steps, Number(model.end())))
         .value("steps", model.steps)
         .value("end_time", model.end());
+    let outline = match diffusive_step(model, &planned.radii) {
+        None => outline,
+        Some(step) => outline
+            .line("diffusion", format_args!("{:.3} of the smallest sphere's a^2/D0 in a step", Number(step)))
+            .value("diffusive_step", step),
+    };
     let memory = Memory::of(model, &planned, asked);
     let outline = with_cost(memory.add_to(outline), &planned.plan, &others);
     Ok(outline.warnings(memory.missing.into_iter().chain(cautions(model, &planned.radii))))

@@ -13,12 +13,15 @@ const GAPS: u32 = 16;
 /// What to say of a time step that is too long for the repulsion of the scene, if it is.
 pub fn caution(model: &Model, radii: &Radii) -> Option<String> {
     let (step, longest) = (model.time_step, longest_for(model, radii)?);
-    let lower = if model.integrator == (Integrator::AdamsBashforth { order: 2 }) { "" } else { " time.order = 2," };
+    let lower = match model.integrator {
+        Integrator::Brownian | Integrator::AdamsBashforth { order: 2 } => "",
+        _ => " time.order = 2,",
+    };
+    let instead = if model.integrator == Integrator::Brownian { "" } else { ", or time.integrator = \"adaptive\"" };
     (step > longest).then(|| {
         format!(
             "time.step = {} is longer than the {:.2} with which pairs are steady that repulsion holds \
-             apart: near spheres may jitter; take a shorter time.step,{lower} a weaker or wider [repulsion], or \
-             time.integrator = \"adaptive\"",
+             apart: near spheres may jitter; take a shorter time.step,{lower} a weaker or wider [repulsion]{instead}",
             Number(step),
             Number(longest),
         )
@@ -37,7 +40,11 @@ pub fn longest_step(model: &Model) -> Option<f64> {
 /// gap counts, and the two smallest spheres, which are the stiffest pair. None if steps are divided as need be, or
 /// there is no repulsion.
 fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
-    let Integrator::AdamsBashforth { order } = model.integrator else { return None };
+    let stable = match model.integrator {
+        Integrator::AdamsBashforth { order } => AdamsBashforth::of_order(order).stable(),
+        Integrator::Brownian => 1.0,
+        Integrator::Adaptive(_) | Integrator::Implicit(_) => return None,
+    };
     let repulsion = SurfaceForces::of(model).ok()?.repulsion?;
     let pair = radii.smallest_two()?;
     let range = repulsion.reach(pair) - pair[0] - pair[1];
@@ -47,7 +54,7 @@ fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
         Some(repulsion.stiffness(gap, pair) * mobility / model.viscosity)
     };
     let fastest = (0..GAPS).map(rate).try_fold(0.0, |fastest: f64, rate| Some(fastest.max(rate?)))?;
-    (fastest > 0.0).then(|| AdamsBashforth::of_order(order).stable() / fastest)
+    (fastest > 0.0).then(|| stable / fastest)
 }
 
 fn detail(model: &Model) -> Detail {

@@ -1,6 +1,7 @@
 //! A suspension of spheres in Stokes flow.
 
 use crate::applied;
+use crate::brownian::{self, Heat};
 use crate::columns::VELOCITY;
 use crate::contacts::Measured;
 use crate::dynamics::{Dynamics, Moment, Outcome};
@@ -23,6 +24,7 @@ pub struct Suspension {
     dynamics: Dynamics,
     clock: Clock,
     integrator: Integrator,
+    heat: Option<Heat>,
     outcome: Outcome,
     /// Evaluations of the mobility in the last step.
     evaluations: u64,
@@ -69,6 +71,7 @@ impl Suspension {
             dynamics,
             clock,
             integrator,
+            heat: heat(model),
             outcome,
             evaluations,
             caution: None,
@@ -94,6 +97,7 @@ impl Suspension {
             dynamics,
             clock,
             integrator,
+            heat: heat(model),
             outcome,
             evaluations: 0,
             caution: None,
@@ -176,12 +180,16 @@ impl Suspension {
     }
 
     fn take_step(&mut self) -> Result<(), StepError> {
-        let Self { particles, dynamics, clock, outcome, integrator, .. } = self;
+        let Self { particles, dynamics, clock, outcome, integrator, heat, .. } = self;
         let before = dynamics.evaluations();
         dynamics.begin_step(particles, clock)?;
         *outcome = match integrator {
             Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
             Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
+            Integrator::Brownian => {
+                let heat = heat.as_ref().expect("a model whose steps are Brownian has heat");
+                brownian::advance(particles, clock, heat, dynamics)?
+            }
             Integrator::AdamsBashforth { order } => {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
             }
@@ -250,6 +258,12 @@ impl Suspension {
         self.dynamics.moving_box().is_jammed()
     }
 
+    /// The largest weight of what was left out of random motions so far, over the whole: negative eigenvalues of the near field,
+    /// which it has where spheres overlap.
+    pub fn clipped(&self) -> f64 {
+        self.dynamics.clipped()
+    }
+
     /// The stress of the particles of each of so many species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
@@ -286,6 +300,11 @@ impl Suspension {
     pub fn velocity_field(&mut self) -> Result<([usize; 3], Vec<Vector>), PlanError> {
         self.dynamics.velocity_field(&self.particles)
     }
+}
+
+/// The heat of a model.
+fn heat(model: &Model) -> Option<Heat> {
+    model.thermal_energy.map(|energy| Heat { energy, seed: model.seed })
 }
 
 /// One step of the method of fixed steps.

@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All of them.
-pub static TEMPLATES: [Template; 14] = [
+pub static TEMPLATES: [Template; 16] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -29,6 +29,8 @@ pub static TEMPLATES: [Template; 14] = [
     template!("dense", "Rough spheres that touch with friction in a shear flow, at 45% by volume"),
     template!("reversal", "The same with a flow that is reversed"),
     template!("thickening", "The same under a given stress, with friction above a critical load"),
+    template!("colloid", "Charged colloids that diffuse, at 20% by volume"),
+    template!("brownian-shear", "The same in a shear flow"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
     template!("disk-sweep", "Several seeds and viscosities of such disks"),
     template!("poiseuille-disks", "Disks of many sizes in a Poiseuille flow"),

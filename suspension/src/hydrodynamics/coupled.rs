@@ -108,17 +108,18 @@ pub struct Coupled<'a> {
 
 impl<'a> Coupled<'a> {
     /// The system for particles that are in place in the mobility, with the resistances of single spheres to motion and
-    /// to strain; and the motion under `loads` and the unknowns' `start`. Collective.
+    /// to strain; and the motion under `loads` and the unknowns' `start`, besides that of the fluid around them. Collective.
     pub fn new(
         mut mobility: Scaled<'a>,
         near: &'a NearPairs,
         matrix: Option<ParticleMatrix<'a>>,
         (single, strain_resistance): (&'a [Screw], &'a [f64]),
-        (loads, start): (&Screws, &Unknowns),
+        (loads, ambient, start): (&Screws, &Motion, &Unknowns),
     ) -> Self {
         let mut all = start.loads();
         all.add(1.0, loads);
-        let motion = mobility.apply(&far_loads(&all, &start.moments));
+        let mut motion = mobility.apply(&far_loads(&all, &start.moments));
+        motion.add(1.0, ambient);
         let (step, correction) = (Motion::default(), Unknowns::default());
         Self { mobility, near, matrix, single, strain_resistance, motion, step, correction }
     }

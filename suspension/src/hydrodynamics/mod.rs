@@ -7,6 +7,7 @@ mod lanes;
 pub mod memory;
 mod near_pairs;
 mod pair_matrix;
+mod pair_noise;
 mod particle_matrix;
 mod scaled;
 mod screw;
@@ -15,7 +16,7 @@ mod stiffness;
 
 use coupled::{Coupled, Unknowns, resisted};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
-use fcm::{Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, SolveError, conjugate_gradients};
+use fcm::{Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, SolveError, Stream, conjugate_gradients};
 use lubrication::{PairForce, PairForceError, Range};
 use near_pairs::{NearField, NearPairs};
 use particle_matrix::ParticleMatrix;
@@ -53,6 +54,8 @@ pub struct Acting<'a> {
     pub strain_rate: Traceless,
     /// Springs whose resistance goes with the loads, if there are any.
     pub springs: Option<&'a Springs<'a>>,
+    /// How the fluid moves at the particles besides, each its own, such as by heat; no entries stand for none.
+    pub ambient: &'a Motion,
 }
 
 /// The motions of the spheres and what was needed to find them.
@@ -86,6 +89,9 @@ pub struct Guess {
     /// Angular velocities relative to the background flow.
     pub angular_velocities: Vec<Vector>,
 }
+
+/// Fluid that does not move besides.
+pub static STILL: Motion = Motion { velocities: Vec::new(), angular_velocities: Vec::new(), strain_rates: Vec::new() };
 
 /// Iterations after which a solve has failed.
 const MOST_ITERATIONS: usize = 1000;
@@ -150,7 +156,7 @@ impl Hydrodynamics {
         acting: &Acting,
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
-        let Acting { loads, strain_rate: background, springs } = *acting;
+        let Acting { loads, strain_rate: background, springs, ambient } = *acting;
         if let Some(field) = &mut self.near {
             let (units, own) = (self.units, scaled::particles(particles, &self.units));
             let scaled_background = background * (1.0 / units.rate());
@@ -166,17 +172,49 @@ impl Hydrodynamics {
                 let parts = (Scaled { mobility, units }, &near, self.preconditioned);
                 let group = (self.partition.comm(), &interrupt);
                 let (loads, guess) = (scaled::times(loads, 1.0 / units.torque()), scaled::guess(guess, &units));
-                let found = lubricated(group, parts, &own.radii, (&loads, scaled_background), &guess)?;
+                let ambient = scaled::motion(ambient, &units);
+                let found = lubricated(group, parts, &own.radii, (&loads, &ambient, scaled_background), &guess)?;
                 return Ok(scaled::solution(&found, &units));
             }
         }
-        let solved = self.far.solve(cell, particles, loads, background, &guess.stresslets_far)?;
+        let solved = self.far.solve_in(cell, particles, (loads, ambient), background, &guess.stresslets_far)?;
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
         let plan = self.far.mobility().plan();
         let single: Vec<Screw> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
         let induced = induced(&single, &motion, &far);
         Ok(Solved { motion, stresslets, far, induced, iterations, residual })
+    }
+}
+
+impl Hydrodynamics {
+    /// Random motions of particles whose covariance is the mobility of the method, to a tolerance: what fluctuations of the fluid
+    /// do to spheres that do not resist to strain. Collective.
+    pub fn noise(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        (tolerance, stream): (f64, &Stream),
+    ) -> (Motion, Drawn) {
+        let mobility = self.far.mobility();
+        mobility.arrange(cell, particles);
+        mobility.noise(&particles.ids, tolerance, stream)
+    }
+
+    /// Random forces and torques whose covariance is the resistance of lubrication; nothing without it. Collective.
+    pub fn pair_noise(&mut self, cell: &PeriodicBox, particles: &Particles, stream: &Stream) -> Loads {
+        let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else {
+            return Loads::default();
+        };
+        let (units, own) = (self.units, scaled::particles(particles, &self.units));
+        let loads = pair_noise::loads(field, &own, (&cell.scaled(1.0 / units.length), &self.partition), stream);
+        // The root of the unit of a resistance to velocities, and of one to turning.
+        let [force, torque] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt());
+        Loads {
+            forces: loads.forces.into_iter().map(|f| f * force).collect(),
+            torques: loads.torques.into_iter().map(|t| t * torque).collect(),
+            stresslets: Vec::new(),
+        }
     }
 }
 
@@ -189,7 +227,7 @@ fn lubricated(
     (comm, interrupt): (&Comm, &Interrupt),
     (mobility, near, preconditioned): (Scaled, &NearPairs, bool),
     radii: &[f64],
-    (loads, background): (&Loads, Traceless),
+    (loads, ambient, background): (&Loads, &Motion, Traceless),
     guess: &Guess,
 ) -> Result<Solved, SolveError> {
     let plan = mobility.mobility.plan().clone();
@@ -202,7 +240,7 @@ fn lubricated(
     known.add(1.0, near.ambient_loads());
     let is_rigid = plan.multipoles == Multipoles::Dipole;
     let mut x = start(near, (matrix.as_mut(), START * limits.tolerance), (&single, &known), (guess, is_rigid));
-    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, &x));
+    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
     if outcome.interrupted {

@@ -5,7 +5,7 @@ use super::pair_matrix::{PairMatrix, ROWS};
 use super::screw::Screws;
 use super::springs::Springs;
 use super::stiffness::Stiffness;
-use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, VerletList};
+use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Linear;
 use lubrication::PairForce;
 use rayon::prelude::*;
@@ -19,6 +19,29 @@ pub struct NearField {
     pub radii: Vec<f64>,
     /// Largest distance of the centres of a near pair.
     pub reach: f64,
+}
+
+/// Particles of a rank and those of others that are near, in place.
+pub struct Present {
+    pub halo: Halo,
+    pub positions: Vec<Vector>,
+    pub ids: Vec<u64>,
+    pub species: Vec<u32>,
+}
+
+impl NearField {
+    /// All that are present, and their lists. Collective.
+    pub fn present(&mut self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Present {
+        let halo = Halo::plan(partition, cell, &particles.positions, [self.reach; 2]);
+        let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
+        let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
+        let mut species: Vec<u32> = particles.radii.iter().map(class).collect();
+        halo.extend(&mut positions);
+        halo.extend(&mut ids);
+        halo.extend(&mut species);
+        self.lists.update(cell, &LocalAndGhosts { owned: particles.len(), ids: &ids, positions: &positions });
+        Present { halo, positions, ids, species }
+    }
 }
 
 /// The resistance of the near pairs of the particles that a rank owns, with what is needed of ghosts.
@@ -40,16 +63,9 @@ impl NearPairs {
         (cell, ambient): (&PeriodicBox, Traceless),
         partition: &Partition,
     ) -> Self {
-        let NearField { lubrication, lists, radii, reach } = field;
         let owned = particles.len();
-        let halo = Halo::plan(partition, cell, &particles.positions, [*reach; 2]);
-        let class = |a: &f64| radii.partition_point(|radius| radius < a) as u32;
-        let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
-        let mut species: Vec<u32> = particles.radii.iter().map(class).collect();
-        halo.extend(&mut positions);
-        halo.extend(&mut ids);
-        halo.extend(&mut species);
-        lists.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &positions });
+        let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
+        let NearField { lubrication, lists, radii, .. } = field;
         let neighbours = lists.neighbours();
         let lubrication = lubrication.as_ref().map(|(force, stiffness)| (force, stiffness));
         let (positions, species) = (&positions, &species);

@@ -21,7 +21,7 @@ impl Scaled<'_> {
                 self.mobility.apply(&forces, Evaluation::Velocities)
             }
         };
-        motion_times(&motion, 1.0 / self.units.velocity(), 1.0 / self.units.rate())
+        self::motion(&motion, &self.units)
     }
 }
 
@@ -78,6 +78,11 @@ pub fn times(loads: &Loads, torque: f64) -> Loads {
         torques: loads.torques.iter().map(|&t| t * torque).collect(),
         stresslets: tensors_times(&loads.stresslets, torque),
     }
+}
+
+/// A motion in such units.
+pub fn motion(given: &Motion, units: &Units) -> Motion {
+    motion_times(given, 1.0 / units.velocity(), 1.0 / units.rate())
 }
 
 fn motion_times(motion: &Motion, velocity: f64, rate: f64) -> Motion {

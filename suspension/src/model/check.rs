@@ -15,6 +15,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     ParameterError::unless_positive("time.step", p.time_step)?;
     check_species(&p.species, &p.cell)?;
     ParameterError::unless_positive("fluid.viscosity", p.viscosity)?;
+    check_heat(p)?;
     ParameterError::unless_finite_vector("gravity.acceleration", p.gravity)?;
     p.start.check(&p.species)?;
     check_flow(p)?;
@@ -24,6 +25,31 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     p.contacts.as_ref().map_or(Ok(()), |contacts| contacts.check(p))?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
     p.integrator.check(p.contacts.is_some())
+}
+
+/// Heat needs steps that know of it, and a box in which the images of a sphere move with the flow.
+fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
+    let is_brownian = p.integrator == Integrator::Brownian;
+    let Some(energy) = p.thermal_energy else {
+        let message = "is missing; time.integrator = \"brownian\" needs it";
+        return if is_brownian { Err(ParameterError::new("fluid.thermal_energy", message)) } else { Ok(()) };
+    };
+    ParameterError::unless_positive("fluid.thermal_energy", energy)?;
+    if !is_brownian {
+        let message =
+            "leaves heat out; with fluid.thermal_energy steps need to be \"brownian\", which is the default then";
+        return Err(ParameterError::new("time.integrator", message));
+    }
+    if p.contacts.is_some() {
+        let message = "can't be with fluid.thermal_energy: steps of Brownian motion have no springs; use [repulsion]";
+        return Err(ParameterError::new("contacts", message));
+    }
+    if let Flow::Shear { lees_edwards: false, .. } = p.flow {
+        let message = "is false, but heat moves spheres across the faces of the box, beyond which images that do not move \
+                       with the flow are no places of equilibrium; leave it out";
+        return Err(ParameterError::new("flow.lees_edwards", message));
+    }
+    Ok(())
 }
 
 /// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which

@@ -14,6 +14,8 @@ pub enum Integrator {
     Adaptive(Adaptive),
     /// The same, with short-range forces as they will be at the end of a part, so that their stiffness does not limit it.
     Implicit(Adaptive),
+    /// All steps are alike, and heat moves the spheres.
+    Brownian,
 }
 
 /// What limits the length of a substep.
@@ -44,7 +46,7 @@ impl Integrator {
                 let message = format!("is {order}; the Adams-Bashforth methods here have order 2, 3 or 4");
                 Err(ParameterError::new("time.order", message))
             }
-            Self::AdamsBashforth { .. } => Ok(()),
+            Self::AdamsBashforth { .. } | Self::Brownian => Ok(()),
             Self::Adaptive(Adaptive { tolerance, gap_fraction })
             | Self::Implicit(Adaptive { tolerance, gap_fraction }) => {
                 if !(with_contacts && *tolerance == f64::INFINITY) {

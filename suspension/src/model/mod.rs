@@ -31,6 +31,8 @@ pub struct Parameters {
     pub cell: PeriodicBox,
     /// Viscosity of the fluid.
     pub viscosity: f64,
+    /// The thermal energy `kT`, by which spheres diffuse; without, they do not.
+    pub thermal_energy: Option<f64>,
     /// Acceleration of gravity.
     pub gravity: Vector,
     /// The kinds of spheres.
@@ -69,6 +71,7 @@ impl Parameters {
             seed: 0,
             cell,
             viscosity,
+            thermal_energy: None,
             gravity: Vector::ZERO,
             species,
             start: Start::Random { minimum_gap: 0.0 },

@@ -35,18 +35,19 @@ pub struct SuspensionScene {
 impl SuspensionScene {
     pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, Fault> {
         let cell = cell(&raw.cell)?;
+        let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, &cell)?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
         let output = output(raw.output, time.steps);
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, path) = start(&raw.particles)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
-        let is_driven = raw.flow.as_ref().is_some_and(|flow| flow.control == Some(raw::Control::Stress));
         let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step))?;
         let parameters = Parameters {
             seed: raw.seed,
             cell,
             viscosity: raw.fluid.viscosity,
+            thermal_energy: raw.fluid.thermal_energy,
             gravity: raw.gravity.as_ref().map_or(Vector::ZERO, |g| g.acceleration.into()),
             species,
             start,
@@ -58,7 +59,7 @@ impl SuspensionScene {
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
             steps: time.steps,
-            integrator: integrator(&raw.time, [raw.contacts.is_some(), is_driven])?,
+            integrator: integrator(&raw.time, usual_integrator, raw.contacts.is_some())?,
             statistics: raw.statistics.as_ref().map(statistics),
             fields: output.fields != Schedule::NEVER,
         };
@@ -171,21 +172,37 @@ fn statistics(raw: &raw::Statistics) -> StatisticsWanted {
     }
 }
 
-fn integrator(raw: &raw::Time, [with_contacts, is_driven]: [bool; 2]) -> Result<Integrator, Fault> {
-    let usual = if with_contacts || is_driven { raw::Integrator::Implicit } else { raw::Integrator::AdamsBashforth };
+/// How steps are taken unless the scene says it.
+fn usual_integrator(raw: &Raw) -> raw::Integrator {
+    let is_driven = raw.flow.as_ref().is_some_and(|flow| flow.control == Some(raw::Control::Stress));
+    if raw.fluid.thermal_energy.is_some() {
+        raw::Integrator::Brownian
+    } else if raw.contacts.is_some() || is_driven {
+        raw::Integrator::Implicit
+    } else {
+        raw::Integrator::AdamsBashforth
+    }
+}
+
+fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> Result<Integrator, Fault> {
     let integrator = raw.integrator.unwrap_or(usual);
-    if integrator == raw::Integrator::AdamsBashforth {
+    if let raw::Integrator::AdamsBashforth | raw::Integrator::Brownian = integrator {
         for (key, given) in [("time.tolerance", raw.tolerance), ("time.gap_fraction", raw.gap_fraction)] {
             if given.is_some() {
                 let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or \"implicit\", or leave it out";
                 return Err(Fault::new(key, message));
             }
         }
+    }
+    if integrator == raw::Integrator::AdamsBashforth {
         return Ok(Integrator::AdamsBashforth { order: raw.order.unwrap_or(4) });
     }
     if raw.order.is_some() {
         let message = "is set, but only steps of \"adams-bashforth\" have a choice of it; leave it out";
         return Err(Fault::new("time.order", message));
+    }
+    if integrator == raw::Integrator::Brownian {
+        return Ok(Integrator::Brownian);
     }
     let usual = if with_contacts { Adaptive::UNLIMITED } else { Adaptive::default() };
     let control = Adaptive {

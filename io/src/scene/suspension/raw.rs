@@ -59,6 +59,8 @@ pub(super) struct Box {
 pub(super) struct Fluid {
     /// Dynamic viscosity.
     pub(super) viscosity: f64,
+    /// Thermal energy kT, by which spheres diffuse; without, they do not.
+    pub(super) thermal_energy: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -340,7 +342,7 @@ pub(super) struct Time {
     /// Time at the end; or steps.
     pub(super) duration: Option<f64>,
     /// Steps all alike, or each in as many parts as needed; "implicit" takes short-range forces at the end of a part, so that
-    /// their stiffness does not limit it, and is the default with contacts.
+    /// their stiffness does not limit it, and is the default with contacts; "brownian" is that with heat.
     pub(super) integrator: Option<Integrator>,
     /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
@@ -356,6 +358,7 @@ pub(super) enum Integrator {
     AdamsBashforth,
     Adaptive,
     Implicit,
+    Brownian,
 }
 
 #[derive(Deserialize, JsonSchema, Default)]

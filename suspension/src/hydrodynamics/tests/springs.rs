@@ -32,7 +32,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let lubrication = Some(Range::new(2.5, 1e-6).unwrap());
         let mut fluid = Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
-            let acting = Acting { loads, strain_rate: strain, springs };
+            let acting = Acting { loads, strain_rate: strain, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
         };
         let sprung = solve(&given, Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts }));
@@ -83,7 +83,7 @@ fn springs_push_as_the_motions_say() {
             Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-            let acting = Acting { loads: &loads, strain_rate: strain, springs };
+            let acting = Acting { loads: &loads, strain_rate: strain, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let sprung = solve(&forces, Some(&Springs { resistance: &resistance, contacts: &[] }));

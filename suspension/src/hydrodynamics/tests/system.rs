@@ -85,7 +85,7 @@ impl Setting {
         let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
         let matrix = Some(ParticleMatrix::new((&Comm::alone(), &self.near), &[self.near.stiff()], &self.single, 0.1));
         let mobility = Scaled { mobility: &mut self.mobility, units: Units::ONE };
-        Coupled::new(mobility, &self.near, matrix, (&self.single, &self.strain_resistance), (&nothing, &start))
+        Coupled::new(mobility, &self.near, matrix, (&self.single, &self.strain_resistance), (&nothing, &STILL, &start))
     }
 }
 

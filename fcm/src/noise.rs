@@ -1,0 +1,249 @@
+//! Random motions whose covariance is the mobility.
+
+use crate::loads::Motion;
+use domain::{Comm, Random, Traceless, Vector};
+use num_complex::Complex;
+
+/// Where the random numbers of one draw come from: the same numbers for the same modes and particles, on any ranks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stream {
+    /// The seed of the draw.
+    seed: u64,
+}
+
+/// Kinds of random numbers.
+const OF_FIELD: u64 = 1;
+const OF_NEAR: u64 = 2;
+
+impl Stream {
+    /// The numbers of a draw, such as a step, by a seed.
+    pub fn new(seed: u64, draw: u64) -> Self {
+        Self { seed: Random::new(seed, draw).bits() }
+    }
+
+    /// Numbers of a kind and a name.
+    pub fn of(&self, kind: u64, name: u64) -> Random {
+        Random::new(self.seed ^ kind.wrapping_mul(0xa076_1d64_78bd_642f), name)
+    }
+
+    /// Three complex numbers of a mode, of variance 1. Each of many waves adds little to any velocity: even numbers do.
+    pub(crate) fn of_mode(&self, mode: [i64; 3]) -> [Complex<f64>; 3] {
+        let [x, y, z] = mode.map(|m| (m + (1 << 20)) as u64);
+        let mut random = self.of(OF_FIELD, x << 42 | y << 21 | z);
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        std::array::from_fn(|_| Complex::new(half * random.even(), half * random.even()))
+    }
+
+    /// Eleven normal numbers of a particle.
+    pub(crate) fn of_particle(&self, id: u64) -> Components {
+        let mut random = self.of(OF_NEAR, id);
+        let mut numbers = Components::default();
+        for pair in numbers.chunks_mut(2) {
+            let normal = random.normal();
+            pair.copy_from_slice(&normal[..pair.len()]);
+        }
+        numbers
+    }
+}
+
+/// Components of a particle's motion or loads: three of the velocity, three of the angular velocity, and five of the rate of
+/// strain in an orthonormal basis.
+pub(crate) type Components = [f64; 11];
+
+/// How a draw went.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Drawn {
+    /// Applications of the near field.
+    pub iterations: usize,
+    /// The weight of negative eigenvalues of the near field that were taken for zero, over the whole: none but where spheres
+    /// overlap.
+    pub clipped: f64,
+}
+
+/// The root of 1.5.
+const AXIAL: f64 = 1.224_744_871_391_589;
+
+/// A traceless tensor in the orthonormal basis.
+pub(crate) fn orthonormal(tensor: Traceless) -> [f64; 5] {
+    let [xx, xy, xz, yy, yz] = tensor.0;
+    let root = std::f64::consts::SQRT_2;
+    [-AXIAL * (xx + yy), (xx - yy) / root, root * xy, root * xz, root * yz]
+}
+
+/// The tensor of components in that basis.
+pub(crate) fn tensor([axial, planar, xy, xz, yz]: [f64; 5]) -> Traceless {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let mean = -0.5 * axial / AXIAL;
+    Traceless([mean + half * planar, half * xy, half * xz, mean - half * planar, half * yz])
+}
+
+/// Iterations at most: the near field is well conditioned, and takes ten or twenty.
+const MOST_ITERATIONS: usize = 60;
+
+/// `A^{1/2} z` of a symmetric operator that is positive, or nearly, to a tolerance relative to the length of the result
+/// (Lanczos; Chow & Saad, SIAM J. Sci. Comput. 36, A588, 2014): with `V` an orthonormal basis of the Krylov space of `z` and
+/// `T = V^T A V`, it is `|z| V T^{1/2} e_1`. Collective.
+pub(crate) fn root_times(
+    comm: &Comm,
+    start: &[Components],
+    tolerance: f64,
+    mut apply: impl FnMut(&[Components]) -> Vec<Components>,
+) -> (Vec<Components>, Drawn) {
+    let dot = |a: &[Components], b: &[Components]| {
+        let mut sum = [a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum::<f64>()];
+        comm.sum(&mut sum);
+        sum[0]
+    };
+    let length = dot(start, start).sqrt();
+    let scaled = |vector: &[Components], factor: f64| -> Vec<Components> {
+        vector.iter().map(|components| components.map(|c| c * factor)).collect()
+    };
+    let (mut basis, mut diagonal, mut beside) = (vec![scaled(start, 1.0 / length)], Vec::new(), Vec::<f64>::new());
+    let mut before = Vec::new();
+    loop {
+        let last = basis.len() - 1;
+        let mut next = apply(&basis[last]);
+        diagonal.push(dot(&basis[last], &next));
+        // Once more against all, for what rounding leaves.
+        for _ in 0..2 {
+            for vector in &basis {
+                let share = dot(vector, &next);
+                subtract(&mut next, share, vector);
+            }
+        }
+        let (coordinates, clipped) = first_column_of_root(&diagonal, &beside);
+        let change: f64 =
+            coordinates.iter().enumerate().map(|(k, c)| (c - before.get(k).unwrap_or(&0.0)).powi(2)).sum();
+        let size: f64 = coordinates.iter().map(|c| c * c).sum();
+        let rest = dot(&next, &next).sqrt();
+        let is_near = last > 0 && change <= tolerance * tolerance * size;
+        if is_near || rest <= 1e-12 * diagonal[0].abs() || basis.len() == MOST_ITERATIONS {
+            let mut root = vec![[0.0; 11]; start.len()];
+            for (vector, coordinate) in basis.iter().zip(&coordinates) {
+                subtract(&mut root, -coordinate * length, vector);
+            }
+            return (root, Drawn { iterations: basis.len(), clipped });
+        }
+        before = coordinates;
+        beside.push(rest);
+        basis.push(scaled(&next, 1.0 / rest));
+    }
+}
+
+fn subtract(from: &mut [Components], factor: f64, vector: &[Components]) {
+    for (to, by) in from.as_flattened_mut().iter_mut().zip(vector.as_flattened()) {
+        *to -= factor * by;
+    }
+}
+
+/// The first column of the root of a tridiagonal matrix, and the share of its eigenvectors to negative eigenvalues, which
+/// count as zero.
+fn first_column_of_root(diagonal: &[f64], beside: &[f64]) -> (Vec<f64>, f64) {
+    let count = diagonal.len();
+    let mut matrix = vec![vec![0.0; count]; count];
+    for k in 0..count {
+        matrix[k][k] = diagonal[k];
+        if k + 1 < count {
+            (matrix[k][k + 1], matrix[k + 1][k]) = (beside[k], beside[k]);
+        }
+    }
+    let (values, vectors) = eigen(matrix);
+    let mut column = vec![0.0; count];
+    let [mut negative, mut all] = [0.0; 2];
+    for (value, vector) in values.iter().zip(&vectors) {
+        let weight = vector[0] * vector[0] * value.abs();
+        all += weight;
+        negative += if *value < 0.0 { weight } else { 0.0 };
+        for (sum, component) in column.iter_mut().zip(vector) {
+            *sum += value.max(0.0).sqrt() * vector[0] * component;
+        }
+    }
+    (column, if all > 0.0 { negative / all } else { 0.0 })
+}
+
+/// Eigenvalues and eigenvectors of a small symmetric matrix, by Jacobi's rotations.
+fn eigen(mut matrix: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let count = matrix.len();
+    let mut vectors: Vec<Vec<f64>> =
+        (0..count).map(|i| (0..count).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+    let size: f64 = matrix.iter().flatten().map(|a| a * a).sum();
+    for _ in 0..50 {
+        let off: f64 = (0..count).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| matrix[i][j].powi(2)).sum();
+        if off <= 1e-30 * size {
+            break;
+        }
+        for p in 0..count {
+            for q in p + 1..count {
+                if matrix[p][q] == 0.0 {
+                    continue;
+                }
+                let theta = (matrix[q][q] - matrix[p][p]) / (2.0 * matrix[p][q]);
+                let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+                let cos = 1.0 / (tangent * tangent + 1.0).sqrt();
+                let sin = tangent * cos;
+                for row in &mut matrix {
+                    (row[p], row[q]) = (cos * row[p] - sin * row[q], sin * row[p] + cos * row[q]);
+                }
+                for k in 0..count {
+                    (matrix[p][k], matrix[q][k]) =
+                        (cos * matrix[p][k] - sin * matrix[q][k], sin * matrix[p][k] + cos * matrix[q][k]);
+                }
+                for k in 0..count {
+                    (vectors[p][k], vectors[q][k]) =
+                        (cos * vectors[p][k] - sin * vectors[q][k], sin * vectors[p][k] + cos * vectors[q][k]);
+                }
+            }
+        }
+    }
+    ((0..count).map(|k| matrix[k][k]).collect(), vectors)
+}
+
+/// A motion of so many particles by components.
+pub(crate) fn motion(components: impl Iterator<Item = Components>) -> Motion {
+    let mut motion = Motion::default();
+    for [x, y, z, a, b, c, strain @ ..] in components {
+        motion.velocities.push(Vector::new(x, y, z));
+        motion.angular_velocities.push(Vector::new(a, b, c));
+        motion.strain_rates.push(tensor(strain));
+    }
+    motion
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_basis_is_orthonormal() {
+        for k in 0..5 {
+            let mut unit = [0.0; 5];
+            unit[k] = 1.0;
+            let there = tensor(unit);
+            assert!((there.contract(there) - 1.0).abs() < 1e-14);
+            let back = orthonormal(there);
+            assert!((0..5).all(|l| (back[l] - unit[l]).abs() < 1e-14), "{back:?}");
+        }
+    }
+
+    /// Twice the root is the matrix.
+    #[test]
+    fn roots_are_roots() {
+        let count = 7;
+        let entry = |i: usize, j: usize| if i == j { 2.0 + i as f64 } else { 0.8 / (1.0 + i.abs_diff(j) as f64) };
+        let apply = |x: &[Components]| -> Vec<Components> {
+            let flat = x.as_flattened();
+            let product = |i: usize| (0..flat.len()).map(|j| entry(i, j) * flat[j]).sum::<f64>();
+            let all: Vec<f64> = (0..flat.len()).map(product).collect();
+            all.as_chunks::<11>().0.to_vec()
+        };
+        let stream = Stream::new(3, 1);
+        let start: Vec<Components> = (0..count).map(|id| stream.of_particle(id)).collect();
+        let comm = Comm::alone();
+        let (once, drawn) = root_times(&comm, &start, 1e-12, apply);
+        let (twice, _) = root_times(&comm, &once, 1e-12, apply);
+        let exact = apply(&start);
+        let error =
+            twice.as_flattened().iter().zip(exact.as_flattened()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-8 && drawn.clipped == 0.0, "{error} after {}", drawn.iterations);
+    }
+}

@@ -1,0 +1,103 @@
+//! Spheres that heat moves.
+
+#[path = "support/ended.rs"]
+mod ended;
+mod support;
+
+use domain::{Comm, Particles, Vector};
+use ended::ended;
+use support::model_of;
+use suspension::{Model, Suspension};
+
+const ALONE: &str = r#"
+seed = 3
+box.edges = [5.0, 5.0, 5.0]
+fluid = { viscosity = 0.5, thermal_energy = 2.0 }
+particles = { initial = "positions", positions = [[1.0, 4.0, 2.0]] }
+hydrodynamics.tolerance = 1e-3
+time = { step = 0.01, steps = 3000 }
+[[species]]
+radius = 1.0
+count = 1
+"#;
+
+/// A sphere in a periodic box diffuses `1 - 2.8373 a/L + 4 (a/L)^3 ...` times as fast as one alone: 0.46454 at 5 radii.
+#[test]
+fn a_sphere_diffuses_as_fast_as_it_moves() {
+    let model = model_of(ALONE, &[]);
+    let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
+    let place = |suspension: &Suspension| {
+        let particles = suspension.particles();
+        particles.positions[0] + suspension.cell().lattice(particles.steps[0])
+    };
+    let (mut before, mut sum) = (place(&suspension), 0.0);
+    for _ in 0..model.steps {
+        suspension.step().unwrap();
+        let now = place(&suspension);
+        sum += (now - before).length_squared();
+        before = now;
+    }
+    let alone = 2.0 / (6.0 * std::f64::consts::PI * 0.5);
+    let found = sum / (6.0 * model.end()) / alone;
+    let error = 0.46454 * (2.0 / (3.0 * model.steps as f64)).sqrt();
+    assert!((found - 0.46454).abs() < 3.5 * error, "{found} +- {error}");
+    assert_eq!(suspension.clipped(), 0.0);
+}
+
+/// Spheres in shear, some of them near, across the faces of the box.
+const SHEARED: &str = r#"
+seed = 5
+box.edges = [10.0, 9.0, 9.0]
+fluid = { viscosity = 1.0, thermal_energy = 0.5 }
+flow = { kind = "shear", rate = 4.0 }
+repulsion = { strength = 30.0, range = 0.2 }
+hydrodynamics = { lubrication = true, tolerance = 1e-3 }
+particles = { initial = "positions", positions = [[5.0, 8.6, 4.0], [7.2, 0.6, 4.5], [3.0, 4.0, 2.0], [8.0, 5.0, 8.0]] }
+time = { step = 0.01, steps = 20 }
+[[species]]
+radius = 1.0
+count = 3
+[[species]]
+radius = 1.4
+count = 1
+"#;
+
+fn run(model: &Model, ranks: usize) -> Particles {
+    ended(model, ranks, |suspension| suspension.gathered(None))
+}
+
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    for flow in [r#"flow={kind="shear",rate=4.0}"#, r#"flow={kind="shear",oscillation={amplitude=0.8,frequency=9.0}}"#]
+    {
+        let model = model_of(SHEARED, &[flow]);
+        let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
+        for step in 0..model.steps {
+            let mut resumed = Suspension::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
+            whole.step().unwrap();
+            resumed.step().unwrap();
+            assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
+        }
+    }
+}
+
+#[test]
+fn ranks_agree() {
+    let model = model_of(SHEARED, &["hydrodynamics.tolerance=1e-7", "time.steps=6"]);
+    let alone = run(&model, 1);
+    for ranks in [2, 7] {
+        let together = run(&model, ranks);
+        let distances = alone.positions.iter().zip(&together.positions).map(|(&a, &b)| (a - b).length());
+        let error = distances.fold(0.0, f64::max);
+        assert!(error < 1e-6, "{ranks} ranks: {error}");
+    }
+}
+
+/// Another seed moves them elsewhere; forces alone are enough to move spheres, too.
+#[test]
+fn seeds_matter() {
+    let places = |keys: &[&str]| run(&model_of(SHEARED, keys), 1).positions;
+    assert_ne!(places(&["time.steps=2"]), places(&["time.steps=2", "seed=6"]));
+    let forces_alone = ["time.steps=2", "hydrodynamics={multipoles=\"monopole\",tolerance=1e-3}"];
+    assert!(places(&forces_alone).iter().all(|place: &Vector| place.is_finite()));
+}

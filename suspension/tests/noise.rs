@@ -1,0 +1,154 @@
+//! Random motions have the covariance of the mobility.
+
+use domain::{Bytes, Comm, PeriodicBox, Traceless, Vector};
+use fcm::{Costs, Loads, Multipoles};
+use lubrication::Range;
+use solver::BackgroundFlow;
+use suspension::{Mobility, MobilityParameters};
+
+/// Three spheres of two sizes near each other in a sheared box.
+fn parameters(edge: f64, tolerance: f64) -> MobilityParameters {
+    MobilityParameters {
+        cell: PeriodicBox::sheared(Vector::splat(edge), 0.2).unwrap(),
+        radii: vec![1.0, 1.0, 1.6],
+        viscosity: 1.3,
+        multipoles: Multipoles::Dipole,
+        rigid: true,
+        tolerance,
+        lubrication: None,
+        costs: Costs::default(),
+    }
+}
+
+fn places() -> Vec<Vector> {
+    vec![Vector::new(1.0, 2.0, 2.0), Vector::new(3.1, 2.4, 2.2), Vector::new(2.0, 4.8, 3.0)]
+}
+
+fn mobility(parameters: MobilityParameters, comm: &Comm) -> Mobility {
+    let mut mobility = Mobility::new(parameters, Bytes::default(), comm).unwrap();
+    mobility.place(&places()).unwrap();
+    mobility
+}
+
+/// Forces and torques to velocities and angular velocities, or forces, torques and moments `-S` in an orthonormal basis to all
+/// motions, column by column.
+fn dense(mobility: &mut Mobility, width: usize) -> Vec<Vec<f64>> {
+    let count = places().len();
+    let column = |k: usize| {
+        let (sphere, component) = (k % count, k / count);
+        let mut loads =
+            Loads { forces: vec![Vector::ZERO; count], torques: vec![Vector::ZERO; count], ..Loads::default() };
+        if width == 11 {
+            loads.stresslets = vec![Traceless::ZERO; count];
+        }
+        match component {
+            0..3 => loads.forces[sphere][component] = 1.0,
+            3..6 => loads.torques[sphere][component - 3] = 1.0,
+            _ => loads.stresslets[sphere] = -basis(component - 6),
+        }
+        flat(&mobility.apply(&loads, &BackgroundFlow::NONE).unwrap().motion, width)
+    };
+    (0..width * count).map(column).collect()
+}
+
+fn basis(k: usize) -> Traceless {
+    let (half, sixth) = (0.5_f64.sqrt(), (1.0_f64 / 6.0).sqrt());
+    [
+        [-sixth, 0.0, 0.0, -sixth, 0.0],
+        [half, 0.0, 0.0, -half, 0.0],
+        [0.0, half, 0.0, 0.0, 0.0],
+        [0.0, 0.0, half, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, half],
+    ]
+    .map(Traceless)[k]
+}
+
+fn flat(motion: &fcm::Motion, width: usize) -> Vec<f64> {
+    let count = motion.velocities.len();
+    let of = |k: usize, sphere: usize| match k {
+        0..3 => motion.velocities[sphere][k],
+        3..6 => motion.angular_velocities[sphere][k - 3],
+        _ => motion.strain_rates[sphere].contract(basis(k - 6)),
+    };
+    (0..width * count).map(|k| of(k / count, k % count)).collect()
+}
+
+/// The lower triangular `L` with `L L^T` a matrix.
+fn cholesky(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let count = matrix.len();
+    let mut root = vec![vec![0.0; count]; count];
+    for i in 0..count {
+        for j in 0..=i {
+            let rest = matrix[i][j] - (0..j).map(|k| root[i][k] * root[j][k]).sum::<f64>();
+            root[i][j] = if i == j { rest.sqrt() } else { rest / root[j][j] };
+        }
+    }
+    root
+}
+
+/// `L^-1` times a vector.
+fn whitened(root: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
+    let mut white = Vec::new();
+    for (row, value) in root.iter().zip(vector) {
+        let before: f64 = row.iter().zip(&white).map(|(l, w): (&f64, &f64)| l * w).sum();
+        white.push((value - before) / row[white.len()]);
+    }
+    white
+}
+
+/// Whitened by the dense matrix, numbers are independent and of variance 1: their mean square is within three times its error,
+/// and so are all elements of their covariance.
+#[test]
+fn random_motions_have_the_covariance_of_the_mobility() {
+    let lubricated =
+        |p: MobilityParameters| MobilityParameters { lubrication: Some(Range::new(2.5, Range::CLOSEST).unwrap()), ..p };
+    let free = |p: MobilityParameters| MobilityParameters { rigid: false, ..p };
+    let cases = [
+        ("raw, in f32", free(parameters(14.0, 1e-3)), 11),
+        ("raw, in f64", free(parameters(9.0, 1e-7)), 11),
+        ("rigid", parameters(14.0, 1e-3), 6),
+        ("lubricated", lubricated(parameters(14.0, 1e-3)), 6),
+        ("lubricated, with images", lubricated(parameters(7.5, 1e-3)), 6),
+    ];
+    for (name, parameters, width) in cases {
+        let mut mobility = mobility(parameters, &Comm::alone());
+        let root = cholesky(&dense(&mut mobility, width));
+        let draws = 3000;
+        let (motions, drawn) = mobility.noise(7, 0..draws).unwrap();
+        let white: Vec<Vec<f64>> = motions.iter().map(|motion| whitened(&root, &flat(motion, width))).collect();
+        let count = root.len();
+        let (mut energy, mut worst) = (0.0, 0.0_f64);
+        for i in 0..count {
+            for j in 0..=i {
+                let mean = white.iter().map(|w| w[i] * w[j]).sum::<f64>() / draws as f64;
+                let expected = if i == j { 1.0 } else { 0.0 };
+                let error = ((1.0 + expected) / draws as f64).sqrt();
+                worst = worst.max(((mean - expected) / error).abs());
+                energy += if i == j { mean / count as f64 } else { 0.0 };
+            }
+        }
+        let error = (2.0 / (draws as f64 * count as f64)).sqrt();
+        assert!(((energy - 1.0) / error).abs() < 3.0, "{name}: energy {energy}, error {error}, {drawn:?}");
+        assert!(worst < 4.5 && drawn.clipped == 0.0, "{name}: {worst} {drawn:?}");
+    }
+}
+
+#[test]
+fn ranks_and_the_order_of_draws_do_not_matter() {
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let draw = |ranks: usize, draws: std::ops::Range<u64>| {
+        let all = Comm::threads(ranks, |comm| {
+            let tight = MobilityParameters { lubrication, ..parameters(9.0, 1e-7) };
+            mobility(tight, &comm).noise(3, draws.clone()).unwrap().0
+        });
+        all.into_iter().next().unwrap()
+    };
+    let alone = draw(1, 0..3);
+    assert_eq!(draw(1, 2..3)[0], alone[2]);
+    for ranks in [2, 7] {
+        let together = draw(ranks, 0..1);
+        let error =
+            flat(&together[0], 6).iter().zip(flat(&alone[0], 6)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-6, "{ranks} ranks: {error}");
+    }
+}

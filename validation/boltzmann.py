@@ -1,0 +1,128 @@
+"""Equilibrium of spheres that heat moves does not know hydrodynamics: energy, virial and pair distribution of Brownian motion
+with and without lubrication against Monte Carlo of the same potential."""
+
+import pathlib
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+import h5py
+import numpy as np
+from support.page import table, write_section
+from support.program import run
+
+FULL = "--full" in sys.argv[1:]
+COUNT, FRACTION, STRENGTH, RANGE = 64, 0.3, 60.0, 0.4
+EDGE = (COUNT * 4 / 3 * np.pi / FRACTION) ** (1 / 3)
+# The time in which a sphere diffuses over its radius.
+DIFFUSIVE = 6 * np.pi
+CASES = [("far field", False, 2e-3), ("lubrication", True, 2e-3)]
+if FULL:
+    CASES += [("far field", False, 4e-3), ("far field", False, 8e-3), ("lubrication", True, 1e-3)]
+LENGTH, SETTLED = (60.0, 4.0) if FULL else (12.0, 2.0)
+SWEEPS = 40000 if FULL else 15000
+# What the energy and the virial may be off by: so many errors, and this part for the step.
+ERRORS, STEP_ERROR = 4.0, 0.02
+BINS = np.linspace(1.8, EDGE / 2, 16)
+
+
+def distances(places, others):
+    apart = places - others
+    apart -= EDGE * np.round(apart / EDGE)
+    return np.sqrt((apart**2).sum(-1))
+
+
+def potential(r):
+    """Of the barrier, whose force is STRENGTH at contact: F = strength/c [(R^2 - r^2)/(R^2 - c^2)]^2 r."""
+    contact, reach = 2.0, 2.0 * (1 + RANGE / 2)
+    return STRENGTH * np.clip(reach**2 - r**2, 0, None) ** 3 / (6 * contact * (reach**2 - contact**2) ** 2)
+
+
+def force(r):
+    contact, reach = 2.0, 2.0 * (1 + RANGE / 2)
+    return STRENGTH / contact * (np.clip(reach**2 - r**2, 0, None) / (reach**2 - contact**2)) ** 2 * r
+
+
+def measured(places):
+    """Energy a sphere, virial over 3 N, and the number of pairs in each bin."""
+    i, j = np.triu_indices(COUNT, 1)
+    r = distances(places[i], places[j])
+    return np.concatenate([[potential(r).sum() / COUNT, (force(r) * r).sum() / (3 * COUNT)], np.histogram(r, BINS)[0]])
+
+
+def monte_carlo():
+    random = np.random.default_rng(1)
+    side = int(np.ceil(COUNT ** (1 / 3)))
+    lattice = np.stack(np.meshgrid(*[np.arange(side)] * 3), -1).reshape(-1, 3)[:COUNT]
+    places, step, samples = (lattice + 0.5) * EDGE / side, 0.35, []
+    rows = np.arange(COUNT)
+    for sweep in range(SWEEPS):
+        moves, chances = random.uniform(-step, step, (COUNT, 3)), random.random(COUNT)
+        for k in range(COUNT):
+            others = places[rows != k]
+            change = potential(distances(places[k] + moves[k], others)).sum() - potential(distances(places[k], others)).sum()
+            if chances[k] < np.exp(-change):
+                places[k] += moves[k]
+        if sweep > SWEEPS // 20 and sweep % 5 == 0:
+            samples.append(measured(places))
+    return np.array(samples)
+
+
+def brownian(case):
+    _, lubrication, step = case
+    step, every = step * DIFFUSIVE, max(1, round(0.02 / step))
+    scene = f"""seed = 2
+box.edges = [{EDGE}, {EDGE}, {EDGE}]
+fluid = {{ viscosity = 1.0, thermal_energy = 1.0 }}
+repulsion = {{ strength = {STRENGTH}, range = {RANGE} }}
+hydrodynamics = {{ lubrication = {str(lubrication).lower()}, tolerance = 1e-2 }}
+time = {{ step = {step}, duration = {round(LENGTH * DIFFUSIVE / step) * step} }}
+output = {{ trajectory_every = {every}, observables_every = 0, checkpoint_every = 0 }}
+[[species]]
+radius = 1.0
+count = {COUNT}
+"""
+    with tempfile.TemporaryDirectory() as place:
+        out = pathlib.Path(place) / "out"
+        ended = run(scene, out)
+        if ended.returncode:
+            raise SystemExit(ended.stderr)
+        with h5py.File(out / "trajectory.h5") as file:
+            places = file["particles/all/position/value"][:]
+            time = file["particles/all/position/time"][:]
+    return np.array([measured(frame) for frame in places[time > SETTLED * DIFFUSIVE]])
+
+
+def mean_and_error(samples):
+    blocks = np.array([block.mean(axis=0) for block in np.array_split(samples, 12)])
+    return samples.mean(axis=0), blocks.std(axis=0, ddof=1) / np.sqrt(len(blocks))
+
+
+def main():
+    with ThreadPoolExecutor(2) as two:
+        found = list(two.map(brownian, CASES))
+    exact, exact_error = mean_and_error(monte_carlo())
+    rows, failed = [["Monte Carlo", "", f"{exact[0]:.4f} ± {exact_error[0]:.4f}", f"{exact[1]:.3f} ± {exact_error[1]:.3f}", ""]], []
+    for (name, _, step), samples in zip(CASES, found):
+        mean, error = mean_and_error(samples)
+        pairs = np.abs(mean[2:] - exact[2:]).max() / exact[2:].max()
+        rows.append([name, f"{step:g}", f"{mean[0]:.4f} ± {error[0]:.4f}", f"{mean[1]:.3f} ± {error[1]:.3f}", f"{pairs:.3f}"])
+        print(*rows[-1], flush=True)
+        for what, k in (("energy", 0), ("virial", 1)):
+            allowed = ERRORS * np.hypot(error[k], exact_error[k]) + STEP_ERROR * exact[k]
+            if abs(mean[k] - exact[k]) > allowed:
+                failed.append(f"{name}, step {step:g}: the {what} is {mean[k]:.4f}, not {exact[k]:.4f}")
+    lines = [
+        f"{COUNT} spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} kT/a at contact that starts at a gap of {RANGE:g}, over {LENGTH:g} times",
+        "the time \\\\(a^2/D_0\\\\), steps in units of it: energy a sphere and virial over \\\\(3N\\\\) in kT, and the largest difference",
+        "of the pair distribution from Monte Carlo, over its peak.",
+        "",
+        *table(["", "step", "energy", "virial", "pair distribution"], rows),
+    ]
+    write_section("brownian.md", "boltzmann", "Equilibrium", lines)
+    if failed:
+        raise SystemExit("failed: " + "; ".join(failed))
+
+
+if __name__ == "__main__":
+    main()
