@@ -42,7 +42,7 @@ pub(crate) trait FarField {
 
     /// Velocities and velocity gradients, or velocities alone, of the covariance of those by random forces and dipoles, by what
     /// this rank's share of the grid adds to them.
-    fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: &Stream) -> Vec<(Vector, Tensor)>;
+    fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: Stream) -> Vec<(Vector, Tensor)>;
 
     /// The velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
@@ -267,7 +267,7 @@ impl<T: Real> FarField for Far<T> {
         self.evaluate(loads, wanted, work)
     }
 
-    fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: &Stream) -> Vec<(Vector, Tensor)> {
+    fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: Stream) -> Vec<(Vector, Tensor)> {
         let volume = self.interpolated_volume();
         self.field = self.transform.noise(&self.operator, volume, |mode| stream.of_mode(mode));
         self.interpolate(classes, wanted)

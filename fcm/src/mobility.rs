@@ -161,7 +161,7 @@ impl Mobility {
     ///
     /// The far field has its root mode by mode, see [`solver::Transform::noise`], and interpolation is the adjoint of
     /// spreading; the near field's root is applied by Lanczos's iteration.
-    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: &Stream) -> (Motion, Drawn) {
+    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
         let has_dipoles = self.plan.multipoles == Multipoles::Dipole;
         let wanted = if has_dipoles { Wanted::Both } else { Wanted::Velocities };
         let mut far = self.far.noise(&self.arrangement.classes, wanted, stream);
@@ -191,7 +191,7 @@ impl Mobility {
     }
 
     /// The near field's part. Collective.
-    fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: &Stream) -> (Vec<Components>, Drawn) {
+    fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Vec<Components>, Drawn) {
         let Some(near) = &self.near else { return (Vec::new(), Drawn::default()) };
         let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
         let has_dipoles = self.plan.multipoles == Multipoles::Dipole;

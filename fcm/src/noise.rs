@@ -22,12 +22,12 @@ impl Stream {
     }
 
     /// Numbers of a kind and a name.
-    pub fn of(&self, kind: u64, name: u64) -> Random {
+    pub fn of(self, kind: u64, name: u64) -> Random {
         Random::new(self.seed ^ kind.wrapping_mul(0xa076_1d64_78bd_642f), name)
     }
 
     /// Three complex numbers of a mode, of variance 1. Each of many waves adds little to any velocity: even numbers do.
-    pub(crate) fn of_mode(&self, mode: [i64; 3]) -> [Complex<f64>; 3] {
+    pub(crate) fn of_mode(self, mode: [i64; 3]) -> [Complex<f64>; 3] {
         let [x, y, z] = mode.map(|m| (m + (1 << 20)) as u64);
         let mut random = self.of(OF_FIELD, x << 42 | y << 21 | z);
         let half = std::f64::consts::FRAC_1_SQRT_2;
@@ -35,7 +35,7 @@ impl Stream {
     }
 
     /// Eleven normal numbers of a particle.
-    pub(crate) fn of_particle(&self, id: u64) -> Components {
+    pub(crate) fn of_particle(self, id: u64) -> Components {
         let mut random = self.of(OF_NEAR, id);
         let mut numbers = Components::default();
         for pair in numbers.chunks_mut(2) {

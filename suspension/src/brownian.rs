@@ -43,13 +43,13 @@ pub fn advance(
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let (stream, amplitude) = heat.of_step(clock);
-    step(particles, clock, (amplitude, &stream), dynamics)
+    step(particles, clock, (amplitude, stream), dynamics)
 }
 
 fn step(
     particles: &mut Particles,
     clock: &Clock,
-    noise: (f64, &Stream),
+    noise: (f64, Stream),
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let half = 0.5 * clock.dt();
@@ -110,7 +110,7 @@ mod tests {
                 let stream = Stream::new(11, draw);
                 let ends = [1.0, -1.0].map(|sign| {
                     let mut moved = particles.clone();
-                    step(&mut moved, &clock, (sign * amplitude, &stream), &mut dynamics).unwrap();
+                    step(&mut moved, &clock, (sign * amplitude, stream), &mut dynamics).unwrap();
                     moved.positions[1].x - moved.positions[0].x
                 });
                 (0.5 * (ends[0] + ends[1]) - distance) / clock.dt()

@@ -1,6 +1,6 @@
 //! What acts on the particles besides the fluid.
 
-use crate::model::{Model, Repulsion, Species};
+use crate::model::{Attraction, Model, Repulsion, Species};
 use crate::near::Near;
 use domain::{Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::Loads;
@@ -49,7 +49,7 @@ impl SurfaceForces {
         };
         Ok(Self {
             repulsion: model.repulsion.map(repulsion).transpose()?,
-            attraction: model.attraction.map(|attraction| attraction.force()),
+            attraction: model.attraction.map(Attraction::force),
         })
     }
 

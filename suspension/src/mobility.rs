@@ -151,12 +151,12 @@ impl Mobility {
         for draw in draws {
             let mut particles = self.placed(&Loads::default());
             let stream = Stream::new(seed, draw);
-            let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, (tolerance, &stream));
+            let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, (tolerance, stream));
             worst.iterations = worst.iterations.max(drawn.iterations);
             worst.clipped = worst.clipped.max(drawn.clipped);
             let mut motion = ambient.clone();
             if is_rigid {
-                let loads = self.hydrodynamics.pair_noise(&cell, &particles, &stream);
+                let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
                 let guess = Guess {
                     induced_velocities: ambient.velocities.clone(),
                     induced_angular_velocities: ambient.angular_velocities.clone(),

@@ -113,7 +113,7 @@ fn random_motions_have_the_covariance_of_the_mobility() {
     for (name, parameters, width) in cases {
         let mut mobility = mobility(parameters, &Comm::alone());
         let root = cholesky(&dense(&mut mobility, width));
-        let draws = 3000;
+        let draws = 1200;
         let (motions, drawn) = mobility.noise(7, 0..draws).unwrap();
         let white: Vec<Vec<f64>> = motions.iter().map(|motion| whitened(&root, &flat(motion, width))).collect();
         let count = root.len();

@@ -36,7 +36,7 @@ const ATTRACTIONS: [(&str, SurfaceForce); 2] = [
 ];
 
 const METHODS: [&str; 3] =
-    ["hydrodynamics.lubrication=true", "hydrodynamics.lubrication=false", r#"time={step=0.03,steps=1000}"#];
+    ["hydrodynamics.lubrication=true", "hydrodynamics.lubrication=false", "time={step=0.03,steps=1000}"];
 
 #[test]
 fn a_pair_comes_to_rest_where_its_forces_balance() {

@@ -17,7 +17,7 @@ const ROOT: f64 = 0.3;
 impl Dynamics {
     /// Draws how the fluid moves at each particle, by an amplitude; the first column of past velocities has these velocities and
     /// those of the background flow. Collective.
-    pub fn fluctuate(&mut self, particles: &mut Particles, (amplitude, stream): (f64, &Stream)) {
+    pub fn fluctuate(&mut self, particles: &mut Particles, (amplitude, stream): (f64, Stream)) {
         let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
         let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, stream));
         self.clipped = self.clipped.max(drawn.clipped);
@@ -31,7 +31,9 @@ impl Dynamics {
             values[..3].copy_from_slice(&motion.velocities[row].to_array());
             values[3..6].copy_from_slice(&turning.to_array());
             values[6..].copy_from_slice(&strain.0);
-            values.iter_mut().for_each(|value| *value *= amplitude);
+            for value in values {
+                *value *= amplitude;
+            }
         }
     }
 
@@ -41,7 +43,7 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
-        (amplitude, stream): (f64, &Stream),
+        (amplitude, stream): (f64, Stream),
     ) -> Result<Outcome, StepError> {
         if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
             return Err(Interrupted.into());

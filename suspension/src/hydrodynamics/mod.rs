@@ -194,7 +194,7 @@ impl Hydrodynamics {
         &mut self,
         cell: &PeriodicBox,
         particles: &Particles,
-        (tolerance, stream): (f64, &Stream),
+        (tolerance, stream): (f64, Stream),
     ) -> (Motion, Drawn) {
         let mobility = self.far.mobility();
         mobility.arrange(cell, particles);
@@ -202,7 +202,7 @@ impl Hydrodynamics {
     }
 
     /// Random forces and torques whose covariance is the resistance of lubrication; nothing without it. Collective.
-    pub fn pair_noise(&mut self, cell: &PeriodicBox, particles: &Particles, stream: &Stream) -> Loads {
+    pub fn pair_noise(&mut self, cell: &PeriodicBox, particles: &Particles, stream: Stream) -> Loads {
         let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else {
             return Loads::default();
         };

@@ -22,7 +22,7 @@ pub fn loads(
     field: &mut NearField,
     particles: &Particles,
     (cell, partition): (&PeriodicBox, &Partition),
-    stream: &Stream,
+    stream: Stream,
 ) -> Loads {
     let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
     let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
@@ -53,7 +53,7 @@ struct Pairs<'a> {
     species: &'a [u32],
     steps: &'a [[i32; 4]],
     neighbours: &'a Neighbours,
-    stream: &'a Stream,
+    stream: Stream,
     owned: usize,
     rows: [usize; 2],
 }
@@ -91,7 +91,7 @@ impl Work<f64> for Pairs<'_> {
     }
 }
 
-fn numbers(stream: &Stream, [first, second]: [u64; 2], image: [i32; 3]) -> [f64; PairFactor::MODES] {
+fn numbers(stream: Stream, [first, second]: [u64; 2], image: [i32; 3]) -> [f64; PairFactor::MODES] {
     let mut name = Random::new(first, second);
     let image = image.into_iter().fold(0_u64, |key, step| (key << 21) ^ (i64::from(step) + (1 << 20)) as u64);
     let mut random = stream.of(OF_PAIR, name.bits() ^ image);
