@@ -39,12 +39,12 @@ pub fn outline(
 ) -> Result<Outline, StartError> {
     let planned = Planned::of_model(model)?;
     let fits = |planned: &Planned| comm.check_memory(memory::placing(model, &planned.radii)).is_ok();
-    let (planned, gap) = match planned {
-        Some(planned) if comm.any(!fits(&planned)) => (planned, None),
+    let (planned, gap, relaxed) = match planned {
+        Some(planned) if comm.any(!fits(&planned)) => (planned, None, None),
         planned => {
             let setup = Setup::placed(model, placed, planned, comm)?;
-            let gap = setup.gap();
-            (Planned { radii: setup.radii, plan: setup.plan }, Some(gap))
+            let (gap, relaxed) = (setup.gap(), setup.relaxed());
+            (Planned { radii: setup.radii, plan: setup.plan }, Some(gap), relaxed)
         }
     };
     let mut others = Plan::ranked(&problem(model, &planned.radii))?;
@@ -63,7 +63,7 @@ pub fn outline(
     };
     let memory = Memory::of(model, &planned, asked);
     let outline = with_cost(memory.add_to(outline), &planned.plan, &others);
-    Ok(outline.warnings(memory.missing.into_iter().chain(cautions(model, &planned.radii))))
+    Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
 
 /// The particles, and their smallest gap if there is memory to place them: infinite for a sphere alone.

@@ -77,6 +77,12 @@ impl<const N: usize> RelativeMotion<N> {
     /// sphere farther, again and again, a sphere of several such pairs by the mean of what they ask for. None if that
     /// comes to no end. Collective.
     pub fn apart(&self, weights: [f64; N], closest: f64, comm: &Comm) -> Option<Vec<Vector>> {
+        let (displacements, is_done) = self.pushed(weights, closest, comm);
+        is_done.then_some(displacements)
+    }
+
+    /// The same as far as it comes, and whether it comes to an end. Collective.
+    pub fn pushed(&self, weights: [f64; N], closest: f64, comm: &Comm) -> (Vec<Vector>, bool) {
         let separations: Vec<Vector> =
             self.pairs.iter().map(|pair| pair.separation_after(weights, self.carry)).collect();
         let mut displacements = vec![Vector::ZERO; self.near.owned()];
@@ -85,14 +91,14 @@ impl<const N: usize> RelativeMotion<N> {
             let pushes: Vec<[Push; 2]> =
                 (0..self.pairs.len()).map(|k| self.pairs[k].push(separations[k] + between[k], closest)).collect();
             if !comm.any(pushes.iter().any(|[push, _]| push.pairs > 0.0)) {
-                return Some(displacements);
+                return (displacements, true);
             }
             let sums = self.near.summed(pushes.into_iter());
             for (displacement, push) in displacements.iter_mut().zip(sums).filter(|(_, push)| push.pairs > 0.0) {
                 *displacement += push.displacement / push.pairs;
             }
         }
-        None
+        (displacements, false)
     }
 }
 
@@ -147,7 +153,9 @@ impl<const N: usize> MovingPair<N> {
         if missing <= SLACK * gap {
             return [Push::default(); 2];
         }
-        let apart = separation * (missing / distance / (self.radii[0] + self.radii[1]));
+        let sum = self.radii[0] + self.radii[1];
+        // Two at one place are moved apart along x.
+        let apart = if distance > 0.0 { separation * (missing / distance / sum) } else { Vector::X * (missing / sum) };
         [-apart * self.radii[1], apart * self.radii[0]].map(|displacement| Push { displacement, pairs: 1.0 })
     }
 }

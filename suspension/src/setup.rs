@@ -8,6 +8,7 @@ use crate::model::{Flow, Model};
 use crate::moving_box::MovingBox;
 use crate::near::smallest_gap;
 use crate::plan::{Radii, plan};
+use crate::relative_motion::RelativeMotion;
 use domain::{Comm, Failure, GivenPositions, Particles, Partition};
 use fcm::{Plan, PlanError};
 use simulation::Clock;
@@ -24,7 +25,12 @@ pub struct Setup {
     pub partition: Partition,
     /// The box, and the background flow.
     pub moving: MovingBox,
+    /// How far spheres that overlapped were moved at most, if any were.
+    farthest: Option<Gap>,
 }
+
+/// Rounds in which spheres that overlap are moved apart, each of as many pushes as a neighbour list is good for.
+const MOST_ROUNDS: usize = 100;
 
 impl Setup {
     /// A scene at time zero, if there is memory to run it. Collective.
@@ -43,10 +49,13 @@ impl Setup {
     ) -> Result<Self, StartError> {
         let particles = if comm.is_first() { initial::particles(model, placed) } else { Ok(Particles::default()) };
         let particles = comm.agree(particles)?;
-        let setup = match planned {
+        let mut setup = match planned {
             Some(planned) => Self::of(model, (planned, particles), (comm, 0))?,
             None => Self::at(model, particles, (comm, 0)).map_err(|error| StartError::Given(Box::new(error)))?,
         };
+        if let Some(contacts) = model.contacts.filter(|_| setup.gap().length < 0.0) {
+            setup.relax(contacts.roughness, comm);
+        }
         let Gap { length: gap, radius } = setup.gap();
         // Touching spheres may touch, up to the round-off of a box's length.
         if gap > -1e-12 * model.cell.edges().max_element() {
@@ -54,6 +63,28 @@ impl Setup {
         } else {
             Err(StartError::Overlap(Gap { length: -gap, radius }))
         }
+    }
+
+    /// Moves spheres that overlap apart, until all gaps are about so many mean radii or that comes to no end. Collective.
+    fn relax(&mut self, gap: f64, comm: &Comm) {
+        let mut farthest = 0.0_f64;
+        for _ in 0..MOST_ROUNDS {
+            let approach = RelativeMotion::find(&mut self.particles, &self.moving, &self.partition, []);
+            let (displacements, is_done) = approach.pushed([], gap, comm);
+            let moved = displacements.iter().map(|displacement| displacement.length()).fold(0.0, f64::max);
+            for (position, displacement) in self.particles.positions.iter_mut().zip(displacements) {
+                *position += displacement;
+            }
+            self.particles.wrap(self.moving.cell());
+            self.particles.migrate(&self.partition, self.moving.cell());
+            let mut largest = [moved];
+            comm.max(&mut largest);
+            farthest += largest[0];
+            if is_done && largest[0] == 0.0 {
+                break;
+            }
+        }
+        self.farthest = Some(Gap { length: farthest, radius: self.radii.smallest() });
     }
 
     /// A scene after `step` steps, with all particles on the first rank, if there is memory to run it. Collective.
@@ -85,7 +116,13 @@ impl Setup {
         }
         particles.wrap(moving.cell());
         particles.migrate(&partition, moving.cell());
-        Ok(Self { particles, radii, plan, partition, moving })
+        Ok(Self { particles, radii, plan, partition, moving, farthest: None })
+    }
+
+    /// What to say of spheres that overlapped and were moved apart, if any were.
+    pub fn relaxed(&self) -> Option<String> {
+        let farthest = self.farthest?;
+        Some(format!("spheres overlap at the start; with [contacts] they are moved apart first, by {farthest} at most"))
     }
 
     /// The smallest gap between the surfaces of two particles. Collective.

@@ -28,7 +28,7 @@ pub struct Suspension {
     outcome: Outcome,
     /// Evaluations of the mobility in the last step.
     evaluations: u64,
-    caution: Option<&'static str>,
+    caution: Option<String>,
     /// Whether the state that was resumed has loads of the user's in its velocities, which are still those of now.
     has_applied_loads: bool,
     comm: Comm,
@@ -62,7 +62,9 @@ impl Suspension {
     ///
     /// [`Start::Given`]: crate::Start::Given
     pub fn start_with(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
-        let (mut dynamics, mut particles) = Dynamics::new(model, Setup::start(model, placed, comm)?)?;
+        let setup = Setup::start(model, placed, comm)?;
+        let caution = setup.relaxed();
+        let (mut dynamics, mut particles) = Dynamics::new(model, setup)?;
         let clock = Clock::at(0, model.time_step);
         let outcome = dynamics.evaluate_now(&mut particles, &clock)?;
         let (integrator, evaluations) = (model.integrator, dynamics.evaluations());
@@ -74,7 +76,7 @@ impl Suspension {
             heat: heat(model),
             outcome,
             evaluations,
-            caution: None,
+            caution,
             has_applied_loads: false,
             comm: comm.clone(),
         })
@@ -105,14 +107,14 @@ impl Suspension {
             comm,
         };
         if then.is_some_and(|plan| !fcm::is_same_way(&plan, &resumed.plan())) {
-            resumed.caution = Some(OTHER_PLAN);
+            resumed.caution = Some(OTHER_PLAN.to_owned());
         }
         Ok(resumed)
     }
 
-    /// What the user should know of the way in which the run goes on, on the first rank.
-    pub fn caution(&self) -> Option<&'static str> {
-        self.caution
+    /// What the user should know of the way in which the run starts or goes on, on the first rank.
+    pub fn caution(&self) -> Option<&str> {
+        self.caution.as_deref()
     }
 
     /// Looks at this interrupt at each evaluation of the mobility from now on.

@@ -4,11 +4,11 @@
 mod ended;
 mod support;
 
-use domain::{Comm, Particles, Vector};
+use domain::{Comm, Particles, Random, Vector};
 use ended::ended;
 use simulation::Simulation;
 use support::model_of;
-use suspension::{Model, Observed, Suspension};
+use suspension::{Integrator, Model, Observed, Parameters, Suspension};
 
 /// Two spheres in a shear flow that brings them together, in the plane of the flow.
 const PAIR: &str = r#"
@@ -52,6 +52,35 @@ fn contacts(suspension: &mut Suspension) -> [f64; 5] {
 fn apart(suspension: &Suspension) -> Vector {
     let places = suspension.gathered(None).positions;
     suspension.cell().nearest_image(places[0] - places[1])
+}
+
+/// Spheres anywhere, two of them at one place, are moved apart to their roughness, on any ranks; without contacts, overlap is an
+/// error.
+#[test]
+fn starts_that_overlap_are_relaxed() {
+    let edges = Vector::new(7.0, 7.5, 6.5);
+    let place = |k: u64| (Random::new(4, k.max(1)).point() * edges).to_array();
+    let places: Vec<[f64; 3]> = (0..22).map(place).collect();
+    let keys = [r#"particles.initial="positions""#.to_owned(), format!("particles.positions={places:?}")];
+    let model = model_of(DENSE, &keys.each_ref().map(String::as_str));
+    let relaxed = |ranks: usize| {
+        let all = Comm::threads(ranks, |comm| {
+            let mut suspension = Suspension::start(&model, &comm).unwrap();
+            assert!(suspension.caution().is_some_and(|words| words.contains("moved apart")));
+            (suspension.report().smallest_gap, suspension.gathered(None).positions)
+        });
+        all.into_iter().next().unwrap()
+    };
+    let (gap, alone) = relaxed(1);
+    assert!((0.8 * 0.02..0.03).contains(&gap), "{gap}");
+    for ranks in [2, 7] {
+        let (_, together) = relaxed(ranks);
+        let error = alone.iter().zip(together).map(|(&a, b)| (a - b).length()).fold(0.0, f64::max);
+        assert!(error < 1e-6, "{ranks} ranks: {error}");
+    }
+    let integrator = Integrator::AdamsBashforth { order: 4 };
+    let smooth = Parameters { contacts: None, integrator, ..Parameters::clone(&model) };
+    assert!(Suspension::start(&Model::new(smooth).unwrap(), &Comm::alone()).is_err());
 }
 
 /// Rough spheres that met part where their line is across the flow, and then move as smooth ones that pass so near: offsets
