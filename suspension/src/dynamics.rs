@@ -199,8 +199,8 @@ impl Dynamics {
         Ok(outcome)
     }
 
-    /// Solves for the motions of particles where they are, after those of a solution before. How that went, and where a stress drives the flow, the `xy` component
-    /// of the first moments of this rank's contacts. Collective.
+    /// Solves for the motions of particles where they are, after those of a solution before. How that went, and where a stress
+    /// drives the flow, the `xy` component of the first moments of this rank's contacts. Collective.
     fn solve_at(
         &mut self,
         particles: &mut Particles,

@@ -140,9 +140,10 @@ impl Mobility {
         Ok(motions(particles.gathered(&self.partition), &solved))
     }
 
-    /// Random motions of the spheres whose covariance is their mobility, as many as `draws`: what heat does to them in a time `dt`
-    /// at a thermal energy `kT = dt / 2`. The first is of the number `first`; the same seed and number give the same motion, on
-    /// any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid, else none.
+    /// Random motions of the spheres whose covariance is their mobility, as many as `draws`: what heat does to them in
+    /// a time `dt` at a thermal energy `kT = dt / 2`. The first is of the number `first`; the same seed and number give
+    /// the same motion, on any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid,
+    /// else none.
     pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
         let (cell, mut worst) = (self.parameters.cell, Drawn::default());
         let mut motions = Vec::new();

@@ -14,10 +14,10 @@ const LONGEST_STRAIN: f64 = 0.005;
 /// `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and enters on the other is
 /// seen in another frame of reference from then on, and so is its past.
 ///
-/// Where the rate of the flow changes all the time, by an oscillation or since the stress is given, the particles are in the frame of the flow while they move: their
-/// velocities, past ones too, are relative to it, and the box carries them along as it shears, by `x += strain y` for
-/// places and velocities alike. So a multistep method for the velocities keeps its order, and images that move apart by
-/// exactly the strain of the box see the same past.
+/// Where the rate of the flow changes all the time, by an oscillation or since the stress is given, the particles are
+/// in the frame of the flow while they move: their velocities, past ones too, are relative to it, and the box carries
+/// them along as it shears, by `x += strain y` for places and velocities alike. So a multistep method for the
+/// velocities keeps its order, and images that move apart by exactly the strain of the box see the same past.
 #[derive(Clone)]
 pub struct MovingBox {
     start: PeriodicBox,
@@ -44,8 +44,8 @@ impl MovingBox {
         moving
     }
 
-    /// The same with a rate of shear that a stress in a fluid of a viscosity drives, by solves of a tolerance, as particles on the
-    /// first rank remember it. Collective.
+    /// The same with a rate of shear that a stress in a fluid of a viscosity drives, by solves of a tolerance, as
+    /// particles on the first rank remember it. Collective.
     #[must_use]
     pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
         let driven = Driven::start(stress, self.flow.shear_rate()).recalled(particles, comm);

@@ -16,8 +16,8 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
-/// that of attraction like that, and that of contacts like that of repulsion, its symmetric part, with friction; each sphere of a pair has a share in
-/// proportion to its radius.
+/// that of attraction like that, and that of contacts like that of repulsion, its symmetric part, with friction; each
+/// sphere of a pair has a share in proportion to its radius.
 ///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
 /// Stresslets have no trace: of the pressure of the particles only the part of repulsion is defined. Forces from
