@@ -1,0 +1,71 @@
+"""What a step of Brownian motion takes, over one solve for the motions of the same spheres under random forces that starts from
+nothing: in turns, medians."""
+
+import csv
+import pathlib
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+from support.page import table, write_section
+from support.program import mobility, run
+
+FULL = "--full" in sys.argv[1:]
+COUNT, FRACTIONS, ROUNDS, STEPS = 2000, (0.1, 0.3), 7 if FULL else 3, 12
+TOLERANCE = 1e-3
+
+
+def timed_steps(fraction, lubrication, place):
+    """Seconds of a step, the box's edge, and the places in the end."""
+    edge = (COUNT * 4 / 3 * np.pi / fraction) ** (1 / 3)
+    scene = f"""seed = 2
+box.edges = [{edge}, {edge}, {edge}]
+fluid = {{ viscosity = 1.0, thermal_energy = 1.0 }}
+particles.minimum_gap = 0.01
+repulsion = {{ strength = 60.0, range = 0.2 }}
+hydrodynamics = {{ lubrication = {str(lubrication).lower()}, tolerance = {TOLERANCE} }}
+time = {{ step = 0.01, steps = {STEPS} }}
+output = {{ trajectory_every = {STEPS}, observables_every = 1, checkpoint_every = 0 }}
+[[species]]
+radius = 1.0
+count = {COUNT}
+"""
+    out = pathlib.Path(place) / "out"
+    ended = run(scene, out)
+    if ended.returncode:
+        raise SystemExit(ended.stderr)
+    with open(out / "observables.csv") as file:
+        seconds = [float(row["seconds_per_step"]) for row in csv.DictReader(file)][2:]
+    with h5py.File(out / "trajectory.h5") as file:
+        return np.median(seconds), edge, file["particles/all/position/value"][-1]
+
+
+def row(fraction, lubrication):
+    forces = np.random.default_rng(1).normal(size=(COUNT, 3)).tolist()
+    ratios, steps = [], []
+    with tempfile.TemporaryDirectory() as place:
+        for _ in range(ROUNDS):
+            step, edge, places = timed_steps(fraction, lubrication, place)
+            case = {"box": [edge] * 3, "viscosity": 1.0, "radii": 1.0, "positions": places.tolist(), "lubrication": lubrication, "forces": forces}
+            solve = np.median([mobility(case, TOLERANCE)["seconds"] for _ in range(3)])
+            ratios.append(step / solve)
+            steps.append(1e3 * step)
+    cells = [f"{fraction:.0%}", "yes" if lubrication else "no", f"{np.median(steps):.0f}", f"{np.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})"]
+    print(*cells, flush=True)
+    return cells
+
+
+def main():
+    rows = [row(fraction, lubrication) for fraction in FRACTIONS for lubrication in (False, True)]
+    lines = [
+        f"{COUNT} spheres, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: a step by the frozen midpoint, with all that a run does in it, over a solve",
+        "for random forces that starts from nothing.",
+        "",
+        *table(["φ", "lubrication", "milliseconds", "over a solve"], rows),
+    ]
+    write_section("brownian.md", "brownian-cost", "Cost", lines)
+
+
+if __name__ == "__main__":
+    main()
