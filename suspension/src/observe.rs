@@ -4,6 +4,7 @@ use crate::gap::Gap;
 use crate::model::Model;
 use crate::rheology::Rheology;
 use crate::sampling::{columns, counted};
+use crate::stress::ParticleStress;
 use crate::suspension::{StepReport, Suspension};
 use domain::{Number, Vector};
 use simulation::Quantity;
@@ -19,6 +20,8 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
+    /// Thermal energy over the volume of the box, if there is heat.
+    heat: Option<f64>,
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts; and the largest seen.
     aim: Option<f64>,
     deepest: f64,
@@ -58,6 +61,7 @@ impl Observer {
             last,
             overlaps: Overlaps::default(),
             repels,
+            heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| contacts.overlap),
             deepest: 0.0,
             smallest_radius,
@@ -92,7 +96,7 @@ impl Observer {
         })
     }
 
-    /// What a row consists of. Velocities are relative to the background flow; their variance is component by
+    /// What a row consists of: the osmotic pressure is `n kT` and that of forces between particles. Velocities are relative to the background flow; their variance is component by
     /// component.
     pub fn quantities(&self) -> Vec<Quantity> {
         let mut quantities = vec![
@@ -100,6 +104,7 @@ impl Observer {
             Quantity::vectors("velocity_variance", "length^2/time^2", &self.species),
         ];
         quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
+        quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
         if self.aim.is_some() {
             quantities.extend(CONTACTS.map(|(name, unit)| Quantity::number(name, unit)));
@@ -123,8 +128,12 @@ impl Observer {
         let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
         self.overlaps.see(smallest_gap);
         let mut row = vec![components(&means), components(&variances)];
-        if let Some(rheology) = &self.rheology {
-            row.extend(rheology.row(&suspension.stress(self.species.len()), suspension.shear()));
+        let stress = (self.rheology.is_some() || self.heat.is_some()).then(|| suspension.stress(self.species.len()));
+        if let (Some(rheology), Some(stress)) = (&self.rheology, &stress) {
+            row.extend(rheology.row(stress, suspension.shear()));
+        }
+        if let (Some(heat), Some(stress)) = (self.heat, &stress) {
+            row.push(vec![heat * self.count(suspension) + pressure(stress)]);
         }
         if let Some(columns) = &self.columns {
             let mut counted = counted(columns, suspension.particles());
@@ -161,6 +170,13 @@ impl Observer {
         (means, variances)
     }
 
+    /// How many particles there are. Collective.
+    fn count(&self, suspension: &Suspension) -> f64 {
+        let mut count = [suspension.particles().len() as f64];
+        suspension.comm().sum(&mut count);
+        count[0]
+    }
+
     fn seconds_per_step(&mut self, step: u64) -> f64 {
         let (before, began) = std::mem::replace(&mut self.last, (step, Instant::now()));
         let steps = step.saturating_sub(before).max(1);
@@ -174,6 +190,15 @@ impl Overlaps {
         self.with_overlap += u64::from(smallest_gap < 0.0);
         self.largest = self.largest.max(-smallest_gap);
     }
+}
+
+/// The pressure of forces between particles. That of the fluid's stresses has none: they are traceless.
+fn pressure(stress: &[ParticleStress]) -> f64 {
+    let of_one = |stress: &ParticleStress| {
+        let total = stress.total();
+        -(total.x_axis.x + total.y_axis.y + total.z_axis.z) / 3.0
+    };
+    stress.iter().map(of_one).sum()
 }
 
 fn components(vectors: &[Vector]) -> Vec<f64> {

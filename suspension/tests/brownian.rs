@@ -6,8 +6,9 @@ mod support;
 
 use domain::{Comm, Particles, Vector};
 use ended::ended;
+use simulation::Simulation;
 use support::model_of;
-use suspension::{Model, Suspension};
+use suspension::{Model, Observed, Suspension};
 
 const ALONE: &str = r#"
 seed = 3
@@ -91,6 +92,20 @@ fn ranks_agree() {
         let error = distances.fold(0.0, f64::max);
         assert!(error < 1e-6, "{ranks} ranks: {error}");
     }
+}
+
+/// The osmotic pressure is that of an ideal gas and of what pushes spheres apart.
+#[test]
+fn the_osmotic_pressure_is_that_of_a_gas_and_of_forces() {
+    let model = model_of(SHEARED, &["flow={kind=\"none\"}", "time.steps=3", "repulsion.range=1.0"]);
+    let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+    (0..3).for_each(|step| observed.advance(step + 1).unwrap());
+    let place = observed.quantities().iter().position(|quantity| quantity.name == "osmotic_pressure").unwrap();
+    let found = observed.observe()[place][0];
+    let stress = observed.suspension().stress(2);
+    let pushed: f64 = stress.iter().map(|s| s.repulsion).map(|s| s.x_axis.x + s.y_axis.y + s.z_axis.z).sum();
+    let expected = 4.0 * 0.5 / (10.0 * 9.0 * 9.0) - pushed / 3.0;
+    assert!(pushed < 0.0 && (found / expected - 1.0).abs() < 1e-12, "{found} is not {expected}");
 }
 
 /// Another seed moves them elsewhere; forces alone are enough to move spheres, too.
