@@ -42,9 +42,9 @@ fn long_steps(model: &Model) -> Option<String> {
     })
 }
 
-/// Steps of Brownian motion up to which equilibrium is off by less than a hundredth, in the time in which the smallest sphere
-/// diffuses over its radius.
-const LONGEST_DIFFUSION: f64 = 0.01;
+/// Steps of Brownian motion up to which equilibrium is off by some hundredths at most where repulsion has a range of tenths of
+/// a radius, in the time in which the smallest sphere diffuses over its radius: errors are in proportion to the step.
+const LONGEST_DIFFUSION: f64 = 0.0025;
 
 /// The step in the time `a^2 / D_0` in which the smallest sphere diffuses over its radius; none without heat.
 pub fn diffusive_step(model: &Model, radii: &Radii) -> Option<f64> {
@@ -58,8 +58,8 @@ fn far_diffusion(model: &Model, radii: &Radii) -> Option<String> {
     let (longest, limit) = (Number(model.time_step * LONGEST_DIFFUSION / step), Number(LONGEST_DIFFUSION));
     let (now, step) = (Number(model.time_step), Number(step));
     Some(format!(
-        "time.step = {now} is {step:.3} of the time in which the smallest sphere diffuses over its radius, and places at \
-         equilibrium are off by more than a hundredth; take {longest:.3} or less, which is {limit} of it"
+        "time.step = {now} is {step:.3} of the time in which the smallest sphere diffuses over its radius; places at \
+         equilibrium are off in proportion to it, by many hundredths: take {longest:.3} or less, which is {limit} of it"
     ))
 }
 

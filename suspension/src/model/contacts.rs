@@ -34,6 +34,9 @@ const OVERLAP: f64 = 0.3;
 /// over the stiffness in units of `6 pi` times viscosity times rate of shear: measured with 100 spheres at 40 to 50%.
 const DEPTH: f64 = 2.0;
 
+/// Suspensions begin to thicken at this stress, over that of the critical load.
+const THICKENING: f64 = 0.5;
+
 /// The least distance from jamming that a stiffness is chosen for.
 const LEAST_ROOM: f64 = 0.07;
 
@@ -71,9 +74,15 @@ impl Contacts {
         let spheres: f64 = p.species.iter().map(|s| s.count.unwrap_or(1) as f64).sum();
         let radius = p.species.iter().map(|s| s.count.unwrap_or(1) as f64 * s.radius).sum::<f64>() / spheres;
         let filled = p.species.iter().map(|s| s.count.unwrap_or(0) as f64 * volume(s.radius)).sum::<f64>();
-        let room = 1.0 - filled / p.cell.volume() / jamming_fraction(self.friction);
-        let depth = DEPTH / room.max(LEAST_ROOM).powi(2);
+        let viscosity = |friction: f64| {
+            let room = 1.0 - filled / p.cell.volume() / jamming_fraction(friction);
+            room.max(LEAST_ROOM).powi(-2)
+        };
         let rate = p.shear_rates().largest();
+        // Below the stress at which suspensions thicken hardly a contact bears the critical load.
+        let pressed = 6.0 * PI * p.viscosity * rate * radius * radius * viscosity(0.0);
+        let friction = if pressed < THICKENING * self.critical_load { 0.0 } else { self.friction };
+        let depth = DEPTH * viscosity(friction);
         let weight = p.species.iter().map(|s| s.force_on(s.radius, p.gravity).length()).fold(0.0, f64::max);
         // A stress is what presses spheres together; a rate does so by the viscosity, which `depth` has.
         let (rate, stress) = p.shear_rates().stress().map_or((rate, 0.0), |stress| (0.0, stress));
