@@ -133,7 +133,7 @@ impl Observer {
             row.extend(rheology.row(stress, suspension.shear()));
         }
         if let (Some(heat), Some(stress)) = (self.heat, &stress) {
-            row.push(vec![heat * self.count(suspension) + pressure(stress)]);
+            row.push(vec![heat * count(suspension) + pressure(stress)]);
         }
         if let Some(columns) = &self.columns {
             let mut counted = counted(columns, suspension.particles());
@@ -170,13 +170,6 @@ impl Observer {
         (means, variances)
     }
 
-    /// How many particles there are. Collective.
-    fn count(&self, suspension: &Suspension) -> f64 {
-        let mut count = [suspension.particles().len() as f64];
-        suspension.comm().sum(&mut count);
-        count[0]
-    }
-
     fn seconds_per_step(&mut self, step: u64) -> f64 {
         let (before, began) = std::mem::replace(&mut self.last, (step, Instant::now()));
         let steps = step.saturating_sub(before).max(1);
@@ -190,6 +183,13 @@ impl Overlaps {
         self.with_overlap += u64::from(smallest_gap < 0.0);
         self.largest = self.largest.max(-smallest_gap);
     }
+}
+
+/// How many particles there are. Collective.
+fn count(suspension: &Suspension) -> f64 {
+    let mut count = [suspension.particles().len() as f64];
+    suspension.comm().sum(&mut count);
+    count[0]
 }
 
 /// The pressure of forces between particles. That of the fluid's stresses has none: they are traceless.
