@@ -61,7 +61,7 @@ def main():
     lines = [
         f"{COUNT} spheres, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: a step by the frozen midpoint, with all that a run does in it, over a solve",
         "for random forces that starts from nothing. Where half a step of noise presses spheres into each other, as steps too long for",
-        "their gaps do, the solve takes longer: up to twice that.",
+        "their gaps do, the solve takes longer.",
         "",
         *table(["φ", "lubrication", "milliseconds", "over a solve"], rows),
     ]

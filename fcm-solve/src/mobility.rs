@@ -5,7 +5,7 @@ use crate::number::tolerance;
 use crate::streams;
 use anyhow::{Context, ensure};
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Costs, Loads, Motion, Multipoles, Plan};
+use fcm::{Costs, Drawn, Loads, Motion, Multipoles, Plan};
 use io::{Answer, Case, NOISE_NUMBERS, Noise, Terms};
 use lubrication::Range;
 use solver::BackgroundFlow;
@@ -72,7 +72,7 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     let seconds = start.elapsed().as_secs_f64();
     let noise = case.noise.map(|Noise { draws, seed }| mobility.noise(seed, 0..draws)).transpose()?;
     if let Some(clipped) =
-        noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&clipped| clipped > 1e-3 && comm.is_first())
+        noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&c| c > Drawn::NEGLIGIBLE && comm.is_first())
     {
         streams::log(format_args!(
             "warning: {clipped:.1e} of the near field's weight is negative, which it is where spheres overlap; random motions \
@@ -102,8 +102,8 @@ fn cautions(overlaps: Option<Overlaps>, mobility: &Mobility) -> Vec<String> {
     overlaps.map(caution).into_iter().chain(mobility.burden()).collect()
 }
 
-/// Bytes of the numbers of the case and of the answer, 32 of a particle and those of random motions, as they are and as text of about 20 characters
-/// each.
+/// Bytes of the numbers of the case and of the answer, 32 of a particle and those of random motions, as they are and as
+/// text of about 20 characters each.
 fn text_bytes(case: &Case) -> Bytes {
     let noise = case.noise.map_or(0.0, |noise| noise.draws as f64) * NOISE_NUMBERS as f64;
     Bytes::keep((8.0 + 20.0) * (32.0 + 2.0 * noise) * case.positions.len() as f64)

@@ -140,13 +140,7 @@ impl Mobility {
         clock.stop(&mut self.work.seconds.exchange);
         if let Some(near) = &self.near {
             let gradients = wanted != Evaluation::Velocities || !dipoles.is_empty();
-            let loaded = Loaded {
-                cell: &arrangement.cell,
-                positions: &arrangement.positions,
-                classes: &arrangement.classes,
-                forces: &forces,
-                dipoles: &dipoles,
-            };
+            let loaded = arrangement.loaded(&forces, &dipoles);
             let neighbours = self.verlet_list.neighbours();
             near.add(&loaded, neighbours, gradients, &mut motions);
             self.work.neighbours += neighbours.count() as u64;
@@ -230,14 +224,7 @@ impl Mobility {
                 arrangement.halo.extend(&mut dipoles);
             }
             let mut motions = vec![(Vector::ZERO, Tensor::ZERO); ids.len()];
-            let loaded = Loaded {
-                cell: &arrangement.cell,
-                positions: &arrangement.positions,
-                classes: &arrangement.classes,
-                forces: &forces,
-                dipoles: &dipoles,
-            };
-            near.add(&loaded, neighbours, has_dipoles, &mut motions);
+            near.add(&arrangement.loaded(&forces, &dipoles), neighbours, has_dipoles, &mut motions);
             times(&motions.iter().map(components).collect::<Vec<_>>(), true)
         };
         let start: Vec<Components> = start.collect();
@@ -308,6 +295,11 @@ fn parts<T: Real>(
 }
 
 impl Arrangement {
+    /// The particles present with loads.
+    fn loaded<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> Loaded<'a> {
+        Loaded { cell: &self.cell, positions: &self.positions, classes: &self.classes, forces, dipoles }
+    }
+
     /// Brings what the ranks added up for each other's particles home.
     fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
         let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();

@@ -60,6 +60,11 @@ pub struct Drawn {
     pub clipped: f64,
 }
 
+impl Drawn {
+    /// A weight that may be left out without a word.
+    pub const NEGLIGIBLE: f64 = 1e-3;
+}
+
 /// The root of 1.5.
 const AXIAL: f64 = 1.224_744_871_391_589;
 

@@ -3,6 +3,7 @@
 use crate::Suspension;
 use crate::model::{Model, Statistics as Wanted};
 use crate::sampling::{COLUMNS, Sample, Statistics};
+use crate::stress::ParticleStress;
 use domain::Particles;
 use simulation::{Schedule, TableSet};
 use statistics::State;
@@ -31,8 +32,7 @@ impl Averages {
             let particles = suspension.gathered(Some(&COLUMNS));
             let [rate, _] = suspension.shear();
             let shear_stress = self.sheared.map(|(species, viscosity)| {
-                let of_particles: f64 = suspension.stress(species).iter().map(|stress| stress.total().y_axis.x).sum();
-                viscosity * rate + of_particles
+                viscosity * rate + ParticleStress::sum(&suspension.stress(species)).y_axis.x
             });
             if suspension.comm().is_first() {
                 let (time, cell, particles) = (clock.time(), suspension.cell(), &particles);

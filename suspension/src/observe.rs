@@ -96,8 +96,8 @@ impl Observer {
         })
     }
 
-    /// What a row consists of: the osmotic pressure is `n kT` and that of forces between particles. Velocities are relative to the background flow; their variance is component by
-    /// component.
+    /// What a row consists of. Velocities are relative to the background flow; their variance is component by component.
+    /// The osmotic pressure is `n kT` and that of forces between particles.
     pub fn quantities(&self) -> Vec<Quantity> {
         let mut quantities = vec![
             Quantity::vectors("mean_velocity", "length/time", &self.species),
@@ -133,7 +133,7 @@ impl Observer {
             row.extend(rheology.row(stress, suspension.shear()));
         }
         if let (Some(heat), Some(stress)) = (self.heat, &stress) {
-            row.push(vec![heat * count(suspension) + pressure(stress)]);
+            row.push(vec![heat * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
         }
         if let Some(columns) = &self.columns {
             let mut counted = counted(columns, suspension.particles());
@@ -190,15 +190,6 @@ fn count(suspension: &Suspension) -> f64 {
     let mut count = [suspension.particles().len() as f64];
     suspension.comm().sum(&mut count);
     count[0]
-}
-
-/// The pressure of forces between particles. That of the fluid's stresses has none: they are traceless.
-fn pressure(stress: &[ParticleStress]) -> f64 {
-    let of_one = |stress: &ParticleStress| {
-        let total = stress.total();
-        -(total.x_axis.x + total.y_axis.y + total.z_axis.z) / 3.0
-    };
-    stress.iter().map(of_one).sum()
 }
 
 fn components(vectors: &[Vector]) -> Vec<f64> {

@@ -11,6 +11,7 @@ use crate::plan::Radii;
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt};
+use fcm::Drawn;
 use simulation::{Clock, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField};
 
 /// A suspension and who observes it.
@@ -20,9 +21,6 @@ pub struct Observed {
     averages: Option<Averages>,
     cautions: Vec<String>,
 }
-
-/// The weight that may be left out of random motions without a word.
-const CLIPPED: f64 = 1e-3;
 
 /// The columns of a frame of the trajectory.
 const FRAME: [&str; 3] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET];
@@ -122,7 +120,7 @@ impl Simulation for Observed {
     fn warnings(&self) -> Vec<String> {
         let mut warnings = self.observer.warnings();
         let clipped = self.suspension.clipped();
-        if clipped > CLIPPED {
+        if clipped > Drawn::NEGLIGIBLE {
             warnings.push(format!(
                 "up to {clipped:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try a \
                  larger repulsion.strength or a shorter time.step"

@@ -65,14 +65,14 @@ impl Rheology {
     pub fn row(&self, stress: &[ParticleStress], [rate, strain]: [f64; 2]) -> Vec<Vec<f64>> {
         let of_all = |&(_, part): &Origin| stress.iter().flat_map(|s| components(&part(s))).collect();
         let mut row: Vec<Vec<f64>> = self.origins.iter().map(of_all).collect();
-        let total = stress.iter().fold(Tensor::ZERO, |sum, s| sum + s.total());
+        let total = ParticleStress::sum(stress);
         let [xx, xy, _, yy, _, zz] = components(&total);
         let fluid = self.viscosity * rate;
         if self.changes {
             row.extend([rate, strain, fluid + xy].map(|number| vec![number]));
         }
         let viscosity = if rate == 0.0 { f64::NAN } else { 1.0 + xy / fluid };
-        row.extend([viscosity, xx - yy, yy - zz, -(xx + yy + zz) / 3.0].map(|number| vec![number]));
+        row.extend([viscosity, xx - yy, yy - zz, ParticleStress::pressure(&total)].map(|number| vec![number]));
         row
     }
 }

@@ -42,6 +42,16 @@ impl ParticleStress {
         self.stresslet + self.lubrication + self.repulsion + self.attraction + self.contact
     }
 
+    /// That of all species together.
+    pub fn sum(of_each: &[Self]) -> Tensor {
+        of_each.iter().fold(Tensor::ZERO, |sum, stress| sum + stress.total())
+    }
+
+    /// The pressure `-tr(s) / 3` of a stress.
+    pub fn pressure(stress: &Tensor) -> f64 {
+        -(stress.x_axis.x + stress.y_axis.y + stress.z_axis.z) / 3.0
+    }
+
     /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume;
     /// `pairs` has each particle's shares of the first moments of repulsion, attraction and contacts, or nothing. Collective.
     pub fn by_species(
