@@ -77,8 +77,7 @@ impl Cells {
         let edges = cell.edges();
         let expected = positions.len() as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
         let fineness = if expected > CROWDED { 2.0 } else { 1.0 };
-        // Within a distance d, the first lattice coordinate differs by up to d sqrt(1 + s^2).
-        let widest = Vector::new(cutoff * (1.0 + cell.strain().powi(2)).sqrt(), cutoff, cutoff);
+        let widest = cell.slant() * cutoff;
         let most = (positions.len() as f64).cbrt().ceil().max(1.0);
         let counts = (edges / widest * fineness).floor().clamp(Vector::ONE, Vector::splat(2.0 * most));
         let reach = (widest / edges * counts).ceil().to_array().map(|r| r as i32);

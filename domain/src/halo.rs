@@ -5,7 +5,7 @@ use crate::{Partition, PeriodicBox, Vector};
 use bytemuck::Pod;
 use std::ops::AddAssign;
 
-/// How far a particle reaches beyond its own pencil, as lengths along y and along z.
+/// How far a particle reaches beyond its own pencil: distances from its faces along y and along z.
 pub type Reach = [f64; 2];
 
 /// The plan of the halo exchange: which particles each rank sends to which other rank. [`Halo::extend`] appends the
@@ -74,11 +74,14 @@ impl Halo {
     }
 }
 
-/// The pencil of a rank as intervals along y and z, with the periods.
-pub(crate) struct Pencil([Option<[f64; 2]>; 2], [f64; 2]);
+/// The pencil of a rank: intervals of the lattice coordinates along y and z.
+pub(crate) struct Pencil<'a> {
+    cell: &'a PeriodicBox,
+    intervals: [Option<[f64; 2]>; 2],
+}
 
-impl Pencil {
-    pub fn of(partition: &Partition, cell: &PeriodicBox, rank: usize) -> Self {
+impl<'a> Pencil<'a> {
+    pub fn of(partition: &Partition, cell: &'a PeriodicBox, rank: usize) -> Self {
         let lengths = [cell.edges().y, cell.edges().z];
         let owned = partition.owned_by(rank);
         let interval = |d: usize| {
@@ -86,14 +89,16 @@ impl Pencil {
             let range = &owned[d];
             (!range.is_empty()).then_some([range.start as f64 * line, range.end as f64 * line])
         };
-        Self([interval(0), interval(1)], lengths)
+        Self { cell, intervals: [interval(0), interval(1)] }
     }
 
     pub fn is_within(&self, reach: Reach, position: Vector) -> bool {
-        (0..2).all(|d| {
-            let coordinate = [position.y, position.z][d];
-            self.0[d].is_some_and(|interval| distance(interval, coordinate, self.1[d]) <= reach[d])
-        })
+        let (coordinates, slant) = (self.cell.lattice_coordinates(position), self.cell.slant());
+        let is_near = |d: usize| {
+            let (coordinate, period) = (coordinates[d + 1], self.cell.edges()[d + 1]);
+            self.intervals[d].is_some_and(|i| distance(i, coordinate, period) <= reach[d] * slant[d + 1])
+        };
+        is_near(0) && is_near(1)
     }
 }
 

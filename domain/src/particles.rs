@@ -109,11 +109,12 @@ impl Particles {
         }
     }
 
-    /// Updates the lattice steps after the box's strain was reduced by `turns` whole periods: the lattice is the same,
-    /// but its former second vector is now the second and `turns` times the first.
-    pub fn relabel(&mut self, turns: i32) {
+    /// Updates the lattice steps after the lattice's vectors were replaced by others of the same lattice: `steps` now are
+    /// a matrix of whole numbers, row by row, times those before.
+    pub fn relabel(&mut self, matrix: &[[i32; 3]; 3]) {
         for steps in &mut self.steps {
-            steps[0] += turns * steps[1];
+            let before = *steps;
+            *steps = matrix.map(|row| row.iter().zip(before).map(|(m, s)| m * s).sum());
         }
     }
 
@@ -138,7 +139,7 @@ impl Particles {
         }
         let lines = partition.lines();
         let place = |row: &usize| {
-            let p = self.positions[*row] / cell.edges();
+            let p = cell.lattice_coordinates(self.positions[*row]) / cell.edges();
             ((p.z * lines[1] as f64) as i64, (p.y * lines[0] as f64) as i64, self.ids[*row])
         };
         if !(0..self.len()).map(|r| place(&r)).is_sorted() {
@@ -283,7 +284,7 @@ mod tests {
         let unwrapped = particles.positions[0] + before.lattice(particles.steps[0]);
         assert!((unwrapped - start).length() < 1e-12);
         let rows = f64::from(particles.steps[0][1]);
-        particles.relabel(1);
+        particles.relabel(&[[1, 1, 0], [0, 1, 0], [0, 0, 1]]);
         let carried = particles.positions[0] + after.lattice(particles.steps[0]);
         assert!((carried - start - Vector::X * rows * 2.0 * 0.02).length() < 1e-12, "the lattice has sheared by 0.02");
     }

@@ -134,8 +134,9 @@ impl Partition {
     pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
         let Place { table, lines, .. } = self.place;
         let line = |d: usize, fraction: f64| ((fraction * lines[d] as f64) as usize).min(lines[d] - 1);
-        let row = block_of(lines[0], table[0], line(0, position.y / cell.edges().y));
-        let column = block_of(lines[1], table[1], line(1, position.z / cell.edges().z));
+        let fractions = cell.lattice_coordinates(position) / cell.edges();
+        let row = block_of(lines[0], table[0], line(0, fractions.y));
+        let column = block_of(lines[1], table[1], line(1, fractions.z));
         row * table[1] + column
     }
 }

@@ -1,6 +1,6 @@
 //! The periodic, possibly sheared box.
 
-use crate::{Number, Vector};
+use crate::{Number, Tensor, Vector};
 
 /// Why a box is refused.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -16,18 +16,33 @@ pub enum BoxError {
     /// A strain that is not a number.
     #[error("the box's strain is {}; it needs to be a finite number", Number(*.0))]
     Strain(f64),
+    /// Lattice vectors that span no volume, or are in left-handed order.
+    #[error(
+        "the box's lattice vectors span a volume of {}; they need to be finite and in right-handed order, so that it is \
+         positive",
+        Number(*.0)
+    )]
+    Lattice(f64),
 }
 
-/// A periodic box, with Lees-Edwards boundary conditions if it is sheared. Its lattice vectors are `(Lx, 0, 0)`, `(s
-/// Ly, Ly, 0)` and `(0, 0, Lz)`: flow along x, gradient along y, vorticity along z, strain `s`. The lattices of `s` and
-/// of `s + Lx/Ly` are the same, and `s` is kept in `[-Lx/(2 Ly), Lx/(2 Ly))`.
+/// A periodic box. With Lees-Edwards boundary conditions its lattice vectors are `(Lx, 0, 0)`, `(s Ly, Ly, 0)` and
+/// `(0, 0, Lz)`: flow along x, gradient along y, vorticity along z, strain `s`. The lattices of `s` and of `s + Lx/Ly`
+/// are the same, and `s` is kept in `[-Lx/(2 Ly), Lx/(2 Ly))`.
 ///
 /// Positions in the box are named by lattice coordinates `(xi, eta, zeta) = (x - s y, y, z)`, each in `[0, L)` of its
 /// axis, which are periodic one by one.
+///
+/// Any other lattice, as extensional flows need, is such a box in axes of its own: the first axis is along the first
+/// lattice vector and the second in the plane of the first two. In these axes the lattice vectors are `(Lx, 0, 0)`,
+/// `Ly (s, 1, 0)` and `Lz (t, r, 1)`, and `y = eta + r zeta`, `x = xi + s eta + t zeta`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PeriodicBox {
     edges: Vector,
     strain: f64,
+    /// `t` and `r`.
+    tilts: [f64; 2],
+    /// The axes as columns, where they are not x, y and z.
+    axes: Option<Tensor>,
 }
 
 impl PeriodicBox {
@@ -48,16 +63,31 @@ impl PeriodicBox {
         }
         let period = edges.x / edges.y;
         let turns = (strain / period + 0.5).floor();
-        Ok(Self { edges, strain: strain - turns * period })
+        Ok(Self { edges, strain: strain - turns * period, tilts: [0.0; 2], axes: None })
+    }
+
+    /// The box of any three lattice vectors in right-handed order, which are kept as they are.
+    pub fn of_lattice(vectors: [Vector; 3]) -> Result<Self, BoxError> {
+        let [a, b, c] = vectors;
+        let volume = a.cross(b).dot(c);
+        if !(volume.is_finite() && volume > 0.0) {
+            return Err(BoxError::Lattice(volume));
+        }
+        let z = a.cross(b).normalize();
+        let x = a.normalize();
+        let y = z.cross(x);
+        let edges = Vector::new(a.length(), b.dot(y), c.dot(z));
+        let tilts = [c.dot(x) / edges.z, c.dot(y) / edges.z];
+        Ok(Self { edges, strain: b.dot(x) / edges.y, tilts, axes: Some(Tensor::from_cols(x, y, z)) })
     }
 
     /// The same box in other units of length: all lengths times `factor`, a power of two, so that nothing is rounded.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        Self { edges: self.edges * factor, strain: self.strain }
+        Self { edges: self.edges * factor, ..*self }
     }
 
-    /// Edge lengths.
+    /// Edge lengths: the periods of the lattice coordinates.
     pub fn edges(&self) -> Vector {
         self.edges
     }
@@ -72,16 +102,52 @@ impl PeriodicBox {
         self.edges.x * self.edges.y * self.edges.z
     }
 
+    /// `t` and `r`, by which the third lattice vector leans along the box's first and second axis; zero in a sheared box.
+    pub fn tilts(&self) -> [f64; 2] {
+        self.tilts
+    }
+
+    /// The box's axes as columns, unless they are x, y and z.
+    pub fn axes(&self) -> Option<&Tensor> {
+        self.axes.as_ref()
+    }
+
+    /// The three lattice vectors.
+    pub fn lattice_vectors(&self) -> [Vector; 3] {
+        [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| self.lattice(steps))
+    }
+
     /// The lattice vector of a whole number of steps along each edge.
     pub fn lattice(&self, steps: [i32; 3]) -> Vector {
-        let y = f64::from(steps[1]) * self.edges.y;
-        let x = f64::from(steps[0]) * self.edges.x;
-        Vector::new(x + self.strain * y, y, f64::from(steps[2]) * self.edges.z)
+        self.at(Vector::from_array(steps.map(f64::from)) * self.edges)
     }
 
     /// Lattice coordinates of a position as lengths along each axis, not wrapped.
     pub fn lattice_coordinates(&self, position: Vector) -> Vector {
-        Vector::new(position.x - self.strain * position.y, position.y, position.z)
+        let Some(axes) = &self.axes else {
+            return Vector::new(position.x - self.strain * position.y, position.y, position.z);
+        };
+        let [t, r] = self.tilts;
+        let Vector { x, y, z } = axes.transpose() * position;
+        let y = y - r * z;
+        Vector::new(x - self.strain * y - t * z, y, z)
+    }
+
+    /// The position that has these lattice coordinates.
+    pub fn at(&self, coordinates: Vector) -> Vector {
+        let Vector { x, y, z } = coordinates;
+        let Some(axes) = &self.axes else {
+            return Vector::new(x + self.strain * y, y, z);
+        };
+        let [t, r] = self.tilts;
+        *axes * Vector::new(x + self.strain * y + t * z, y + r * z, z)
+    }
+
+    /// The largest difference of each lattice coordinate between places a unit of length apart.
+    pub fn slant(&self) -> Vector {
+        let [t, r] = self.tilts;
+        let first = t - self.strain * r;
+        Vector::new((1.0 + self.strain.powi(2) + first * first).sqrt(), (1.0 + r * r).sqrt(), 1.0)
     }
 
     /// The position inside the box that is an image of the given one, and the lattice steps that were taken out of it:
@@ -96,13 +162,16 @@ impl PeriodicBox {
             steps += again;
             wrapped = position - self.lattice(whole(steps));
             let inside = self.lattice_coordinates(wrapped).clamp(Vector::ZERO, self.edges * (1.0 - f64::EPSILON));
-            wrapped = Vector::new(inside.x + self.strain * inside.y, inside.y, inside.z);
+            wrapped = self.at(inside);
         }
         (wrapped, whole(steps))
     }
 
     /// The shortest of the images of a separation, in a box whose strain is in its range.
     pub fn nearest_image(&self, separation: Vector) -> Vector {
+        if self.axes.is_some() {
+            return self.nearest_of_any(separation);
+        }
         let mut d = separation;
         d.z -= (d.z / self.edges.z).round() * self.edges.z;
         let steps = (d.y / self.edges.y).round();
@@ -124,6 +193,15 @@ impl PeriodicBox {
             }
         }
         nearest
+    }
+
+    /// The shortest of the images of a separation, in a lattice of vectors of which none is much shorter for a multiple of
+    /// another.
+    fn nearest_of_any(&self, separation: Vector) -> Vector {
+        let steps = whole((self.lattice_coordinates(separation) / self.edges).round());
+        let around = || (-1..=1).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| [x, y, z])));
+        let images = around().map(|by| separation - self.lattice(std::array::from_fn(|d| steps[d] + by[d])));
+        images.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).expect("there are 27")
     }
 }
 
@@ -170,6 +248,43 @@ mod tests {
             let nearest = cell.nearest_image(separation).length();
             prop_assert!((nearest - brute_force(&cell, separation)).abs() < 1e-12);
         }
+    }
+
+    /// A lattice of planar and one of uniaxial extension.
+    fn any(strain: f64) -> PeriodicBox {
+        let stretched = Tensor::from_diagonal(Vector::new(strain.exp(), (-strain).exp(), 1.0));
+        let vectors = [Vector::new(1.7, 0.9, 0.3), Vector::new(-0.9, 1.7, 0.1), Vector::new(0.2, -0.3, 2.1)];
+        PeriodicBox::of_lattice(vectors.map(|vector| stretched * vector)).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn any_lattice_is_a_box(
+            x in -9.0..9.0, y in -9.0..9.0, z in -9.0..9.0, strain in -0.4..0.4,
+        ) {
+            let (cell, position) = (any(strain), Vector::new(x, y, z));
+            let (wrapped, steps) = cell.wrap(position);
+            let c = cell.lattice_coordinates(wrapped);
+            prop_assert!(c.cmpge(Vector::splat(-1e-15)).all() && c.cmplt(cell.edges()).all());
+            prop_assert!((wrapped + cell.lattice(steps) - position).length() < 1e-12);
+            prop_assert!((cell.at(c) - wrapped).length() < 1e-13);
+            let nearest = cell.nearest_image(wrapped);
+            prop_assert!((nearest.length() - brute_force(&cell, wrapped)).abs() < 1e-12);
+            let change = (cell.lattice_coordinates(position).abs() / position.length()).max(Vector::ZERO);
+            prop_assert!(change.cmple(cell.slant() * (1.0 + 1e-12)).all());
+        }
+    }
+
+    #[test]
+    fn a_lattice_is_kept_as_it_is() {
+        let vectors = [Vector::new(1.0, 2.0, 0.5), Vector::new(-2.0, 1.0, 0.0), Vector::new(0.3, 0.1, 1.0)];
+        let cell = PeriodicBox::of_lattice(vectors).unwrap();
+        for (found, given) in cell.lattice_vectors().into_iter().zip(vectors) {
+            assert!((found - given).length() < 1e-15, "{found} is not {given}");
+        }
+        assert!((cell.volume() - vectors[0].cross(vectors[1]).dot(vectors[2])).abs() < 1e-14);
+        let left = PeriodicBox::of_lattice([vectors[1], vectors[0], vectors[2]]).unwrap_err();
+        assert!(left.to_string().contains("right-handed"), "{left}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::halo::Pencil;
 use crate::neighbours::Batch;
-use crate::{Halo, Neighbour, Neighbours, Partition, PeriodicBox, Vector};
+use crate::{Halo, Neighbour, Neighbours, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 
 /// The neighbours of each particle within a cutoff. The lists extend beyond the cutoff by a skin and are rebuilt only
@@ -165,25 +165,30 @@ struct Now<'a> {
 impl Found {
     /// The present state of the listed particles; `None` if a pair within the cutoff may be missing in the lists.
     ///
-    /// In lattice coordinates simple shear moves no particle. It reduces distances at most by the factor `sqrt(1 +
-    /// g^2/4) - g/2` at the strain `g` since the rebuild.
+    /// A deformation of the box moves no particle in fractions of the lattice vectors. It reduces distances at most by its
+    /// least stretch, which in simple shear is `sqrt(1 + g^2/4) - g/2` at the strain `g` since the rebuild.
     fn follow<'a>(&self, cell: &'a PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now<'a>> {
-        if cell.edges() != self.cell.edges() {
-            return None;
-        }
-        let rows = self.rows_now(present)?;
-        let half = 0.5 * (cell.strain() - self.cell.strain()).abs();
-        let spare = self.reach * ((1.0 + half * half).sqrt() - half) - cutoff;
         let edges = cell.edges();
+        let least_stretch = match (cell.axes(), self.cell.axes()) {
+            (None, None) if edges == self.cell.edges() => {
+                let half = 0.5 * (cell.strain() - self.cell.strain()).abs();
+                (1.0 + half * half).sqrt() - half
+            }
+            (None, None) => return None,
+            _ => least_stretch(&self.cell, cell),
+        };
+        let rows = self.rows_now(present)?;
+        let spare = self.reach * least_stretch - cutoff;
+        let before_to_now = edges / self.cell.edges();
         let follow = |before: usize| {
             let row = rows[before] as usize;
             let Some(&now) = present.positions.get(row) else {
                 return Some((Vector::NAN, [0; 3]));
             };
-            let moved = cell.lattice_coordinates(now) - self.cell.lattice_coordinates(self.positions[before]);
+            let past = self.cell.lattice_coordinates(self.positions[before]) * before_to_now;
+            let moved = cell.lattice_coordinates(now) - past;
             let steps = (moved / edges).round();
-            let moved = moved - steps * edges;
-            let moved = Vector::new(moved.x + cell.strain() * moved.y, moved.y, moved.z);
+            let moved = cell.at(moved - steps * edges);
             // Both of a pair may have come nearer. Images are looked after by their owners.
             let is_near = 4.0 * moved.length_squared() <= spare * spare && spare >= 0.0;
             let is_followed = row >= present.owned || (is_near && self.listed[before]);
@@ -246,6 +251,16 @@ impl Now<'_> {
         }
         picked.truncate(found);
     }
+}
+
+/// A bound from below of the factors by which distances change when a box is deformed into another: one over the
+/// Frobenius norm of the inverse deformation beyond that of none.
+fn least_stretch(before: &PeriodicBox, now: &PeriodicBox) -> f64 {
+    let vectors = |cell: &PeriodicBox| Tensor::from_cols_array_2d(&cell.lattice_vectors().map(|v| v.to_array()));
+    let back = vectors(before) * vectors(now).inverse();
+    let change = back - Tensor::IDENTITY;
+    let norm = change.to_cols_array().into_iter().map(|x| x * x).sum::<f64>().sqrt();
+    1.0 / (1.0 + norm)
 }
 
 #[cfg(test)]

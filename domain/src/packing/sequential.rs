@@ -97,7 +97,7 @@ impl Level {
     /// For `count` spheres up to a size; `None` if there are none.
     fn new(cell: &PeriodicBox, largest: f64, number: usize) -> Self {
         let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
-        let counts = (cell.edges() / (slant(cell) * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
+        let counts = (cell.edges() / (cell.slant() * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
         let counts = counts.to_array().map(|c| c as usize);
         let first = vec![NONE; if number > 0 { counts.iter().product() } else { 0 }];
         Self { largest, counts, first }
@@ -115,18 +115,13 @@ impl Level {
     /// The cells along each axis that may hold what is within a distance of a position: from which on, and how many.
     fn around(&self, cell: &PeriodicBox, position: Vector, distance: f64) -> [[usize; 2]; 3] {
         let home = self.coordinates(cell, position);
-        let reach = (slant(cell) * distance / cell.edges()).to_array();
+        let reach = (cell.slant() * distance / cell.edges()).to_array();
         std::array::from_fn(|d| {
             let count = self.counts[d];
             let cells = ((reach[d] * count as f64).ceil() as usize).min(count);
             [home[d] + count - cells, (2 * cells + 1).min(count)]
         })
     }
-}
-
-/// The factor by which lattice coordinates along x can differ more than positions do, in a sheared box.
-fn slant(cell: &PeriodicBox) -> Vector {
-    Vector::new((1.0 + cell.strain().powi(2)).sqrt(), 1.0, 1.0)
 }
 
 /// Puts every sphere, the largest first, at the first of its random positions that is free. Returns whether all were.
