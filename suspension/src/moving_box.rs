@@ -165,7 +165,7 @@ impl MovingBox {
         self.time = time;
         let (cell, turns) = self.shape_at(time);
         if turns != self.turns {
-            particles.relabel(turns - self.turns);
+            particles.relabel(&[[1, turns - self.turns, 0], [0, 1, 0], [0, 0, 1]]);
         }
         (self.cell, self.turns) = (cell, turns);
         if self.carries() || self.flow == BackgroundFlow::NONE {
