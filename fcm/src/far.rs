@@ -51,7 +51,8 @@ pub(crate) trait FarField {
     fn divergence(&mut self) -> f64;
 }
 
-/// A grid of values of one precision.
+/// A grid of values of one precision. Vectors and tensors on it have components along the box's axes, see
+/// [`PeriodicBox`]; loads come and motions go in those of space.
 pub(crate) struct Far<T: Real> {
     plan: Plan,
     partition: Partition,
@@ -89,7 +90,14 @@ impl<T: Real> Far<T> {
     fn spread(&mut self, loads: &FarLoads, work: &mut Work) {
         let (force, dipole) = (|r: usize| loads.forces.get(r), |r: usize| loads.dipoles.get(r));
         let (no_force, no_dipole) = (Vector::ZERO, Tensor::ZERO);
-        let load = |r: usize| Load::new(*force(r).unwrap_or(&no_force), dipole(r).unwrap_or(&no_dipole));
+        let axes = self.grid.cell().axes();
+        let load = |r: usize| {
+            let (force, dipole) = (*force(r).unwrap_or(&no_force), dipole(r).unwrap_or(&no_dipole));
+            axes.map_or_else(
+                || Load::new(force, dipole),
+                |axes| Load::new(axes.transpose() * force, &(axes.transpose() * *dipole * *axes)),
+            )
+        };
         let all: Vec<Load<T>> = (0..loads.classes.len()).into_par_iter().map(load).collect();
         let is_loaded = |place: &Place| {
             let row = place.row as usize;
@@ -110,7 +118,15 @@ impl<T: Real> Far<T> {
     fn interpolate(&self, classes: &[u32], wanted: Wanted) -> Vec<(Vector, Tensor)> {
         let to = Interpolation { places: &self.places, classes, volume: self.interpolated_volume() };
         let terms = [wanted != Wanted::Gradients, wanted != Wanted::Velocities];
-        self.stencils.with(terms, From { to, field: &self.field })
+        let mut motions = self.stencils.with(terms, From { to, field: &self.field });
+        if let Some(axes) = self.grid.cell().axes() {
+            let out = |(velocity, gradient): &mut (Vector, Tensor)| {
+                *velocity = *axes * *velocity;
+                *gradient = *axes * *gradient * axes.transpose();
+            };
+            motions.par_iter_mut().for_each(out);
+        }
+        motions
     }
 
     /// The volume of a point by which interpolation multiplies.
@@ -275,7 +291,16 @@ impl<T: Real> FarField for Far<T> {
 
     fn velocity_field(&self) -> Vec<f64> {
         let over = 1.0 / unit_volume(&self.plan, &self.grid).powi(2);
-        self.field.to_vec().into_iter().map(|value| value.to_f64() * over).collect()
+        let mut values: Vec<f64> = self.field.to_vec().into_iter().map(|value| value.to_f64() * over).collect();
+        if let Some(axes) = self.grid.cell().axes() {
+            let points = values.len() / 3;
+            for point in 0..points {
+                let place = [0, 1, 2].map(|component| component * points + point);
+                let out = *axes * Vector::from_array(place.map(|at| values[at]));
+                place.into_iter().zip(out.to_array()).for_each(|(at, value)| values[at] = value);
+            }
+        }
+        values
     }
 
     fn divergence(&mut self) -> f64 {

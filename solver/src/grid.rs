@@ -28,11 +28,18 @@ pub enum GridError {
     /// More points in all than are counted.
     #[error("the grid has {0:.1e} points in all; the most that are counted are {most:.1e}", most = Grid::MOST_IN_ALL)]
     InAll(f64),
+    /// A lattice whose wavevectors along the third axis depend on the others.
+    #[error(
+        "the box's third lattice vector leans by {0:?} of its length along the other two; it needs to be at right angles \
+         to them"
+    )]
+    Leaning([f64; 2]),
 }
 
 /// `nx x ny x nz` points of a periodic, possibly sheared box: the point `(i, j, k)` lies at
 /// `x = xi + s eta, y = eta, z = zeta` with `(xi, eta, zeta) = (i Lx/nx, j Ly/ny, k Lz/nz)`, and its wavevectors are
-/// `k = (k1, k2 - s k1, k3)` with `k1 = 2 pi m1 / Lx` and so on, `-n/2 <= m < n/2`.
+/// `k = (k1, k2 - s k1, k3)` with `k1 = 2 pi m1 / Lx` and so on, `-n/2 <= m < n/2`, along the box's axes. The third
+/// lattice vector is at right angles to the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     points: [usize; 3],
@@ -42,6 +49,9 @@ pub struct Grid {
 impl Grid {
     /// Most points along an axis.
     pub const MOST: usize = 1 << 30;
+
+    /// The lean of a lattice vector that is round-off.
+    const UPRIGHT: f64 = 1e-12;
 
     /// Most points in all: thousands of terabytes.
     pub const MOST_IN_ALL: f64 = 1e15;
@@ -55,6 +65,9 @@ impl Grid {
             if points == 0 || !points.is_multiple_of(2) {
                 return Err(GridError::Points { axis, points, next: points.next_multiple_of(2).max(2) });
             }
+        }
+        if cell.tilts().iter().any(|tilt| tilt.abs() > Self::UPRIGHT) {
+            return Err(GridError::Leaning(cell.tilts()));
         }
         let all = points.iter().map(|&n| n as f64).product();
         if all > Self::MOST_IN_ALL { Err(GridError::InAll(all)) } else { Ok(Self { points, cell }) }
@@ -102,8 +115,7 @@ impl Grid {
 
     /// Where a point lies.
     pub fn position(&self, point: [usize; 3]) -> Vector {
-        let lattice = Vector::from_array(point.map(|i| i as f64)) * self.spacing();
-        Vector::new(lattice.x + self.cell.strain() * lattice.y, lattice.y, lattice.z)
+        self.cell.at(Vector::from_array(point.map(|i| i as f64)) * self.spacing())
     }
 
     /// The lattice wavenumber `2 pi m / L` along an axis, `m = mode` below half the points and `mode - n` from there.
@@ -113,7 +125,7 @@ impl Grid {
         std::f64::consts::TAU * order / self.cell.edges()[axis]
     }
 
-    /// The wavevector `(k1, k2 - s k1, k3)` of a mode.
+    /// The wavevector `(k1, k2 - s k1, k3)` of a mode, along the box's axes.
     pub fn wavevector(&self, mode: [usize; 3]) -> Vector {
         let [k1, k2, k3] = std::array::from_fn(|axis| self.wavenumber(axis, mode[axis]));
         Vector::new(k1, k2 - self.cell.strain() * k1, k3)
@@ -173,6 +185,13 @@ mod tests {
         assert!(error([16, 16, usize::MAX]).contains("points along z; the most that are counted are 1073741824"));
         assert!(error([1 << 20; 3]).contains("1.2e18 points in all; the most that are counted are 1.0e15"));
         assert!(error([(1 << 29) + 1, 16, 16]).contains("the next one is 536870914"));
+    }
+
+    #[test]
+    fn a_leaning_lattice_is_refused() {
+        let vectors = [Vector::X, Vector::Y, Vector::new(0.25, 0.0, 2.0)];
+        let error = Grid::new([8; 3], PeriodicBox::of_lattice(vectors).unwrap()).unwrap_err();
+        assert_eq!(error, GridError::Leaning([0.125, 0.0]));
     }
 
     #[test]
