@@ -107,6 +107,11 @@ impl PeriodicBox {
         self.tilts
     }
 
+    /// Whether the third lattice vector is at right angles to the others but for round-off.
+    pub fn is_upright(&self) -> bool {
+        self.tilts.iter().all(|tilt| tilt.abs() < 1e-12)
+    }
+
     /// The box's axes as columns, unless they are x, y and z.
     pub fn axes(&self) -> Option<&Tensor> {
         self.axes.as_ref()

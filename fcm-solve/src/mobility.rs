@@ -4,7 +4,7 @@ use crate::causes::in_full;
 use crate::number::tolerance;
 use crate::streams;
 use anyhow::{Context, ensure};
-use domain::{Bytes, Comm, PeriodicBox, Tensor, Traceless, Vector};
+use domain::{Bytes, Comm, Tensor, Traceless, Vector};
 use fcm::{Costs, Drawn, Loads, Motion, Multipoles, Plan};
 use io::{Answer, Case, NOISE_NUMBERS, Noise, Terms};
 use lubrication::Range;
@@ -29,7 +29,8 @@ pub struct Args {
 
 const NAMES: &str = "\
 A case for N particles:
-  box         [Lx, Ly, Lz]         viscosity    a number
+  box         [Lx, Ly, Lz], or three lattice vectors, one at right angles to the other two
+  viscosity   a number
   positions   N x 3                radii        N numbers, or one for all
   forces      N x 3                torques      N x 3
   stresslets  N x 5: xx, xy, xz, yy, yz, of particles that are not rigid
@@ -112,7 +113,7 @@ fn text_bytes(case: &Case) -> Bytes {
 fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<MobilityParameters> {
     let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
     Ok(MobilityParameters {
-        cell: PeriodicBox::sheared(Vector::from_array(case.edges), case.strain)?,
+        cell: case.cell.cell(case.strain)?,
         radii: case.radii(),
         viscosity: case.viscosity,
         multipoles: match case.multipoles {

@@ -1,6 +1,6 @@
 //! A single configuration given by the user, and its answer: JSON, or HDF5 with the same names.
 
-use crate::{FileError, atomic_file, atomic_hdf5, claimed_size};
+use crate::{CaseBox, FileError, atomic_file, atomic_hdf5, claimed_size};
 use domain::Number;
 use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, Group};
@@ -12,9 +12,9 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Edges of the box.
+    /// Edges of the box, or its lattice vectors.
     #[serde(rename = "box")]
-    pub edges: [f64; 3],
+    pub cell: CaseBox,
     /// Lees-Edwards strain of the box.
     #[serde(default)]
     pub strain: f64,
@@ -408,6 +408,9 @@ mod tests {
         assert!(message(r#", "noise": {"draws": 2}"#).contains("missing field `seed`"));
         assert!(message(r#", "multipoles": "quadrupole""#).contains("unknown variant"));
         assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `box`"));
+        assert!(
+            read(r#"{"box": [1, 2]}"#).unwrap_err().contains("box needs to be three edges, or three lattice vectors")
+        );
     }
 
     #[test]
@@ -428,7 +431,7 @@ mod tests {
         group.new_dataset_builder().with_data(&gradient).create("velocity_gradient").unwrap();
         drop(file);
         let case = Case::read(&path).unwrap();
-        assert_eq!((case.edges, case.viscosity, case.rigid), ([4.0, 5.0, 6.0], 2.0, false));
+        assert_eq!((case.cell, case.viscosity, case.rigid), (CaseBox::Edges([4.0, 5.0, 6.0]), 2.0, false));
         assert_eq!(case.forces, vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
         assert!((case.background.velocity_gradient[0][1] - 1.0).abs() < 1e-15);
         let noise_velocities = Some(vec![vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]; 4]);

@@ -99,7 +99,7 @@ class Plan:
 class Mobility:
     """The mobility of N spheres in a periodic box: loads to motions. Planned once, for any positions.
 
-    box         edges (Lx, Ly, Lz); length
+    box         edges (Lx, Ly, Lz), or three lattice vectors as rows, one at right angles to the other two; length
     radii       (N,), or a number for all of `count` spheres; length
     viscosity   of the fluid; force*time/length^2
     tolerance   relative error allowed, from 1e-12 to 0.5
@@ -133,8 +133,9 @@ class Mobility:
         if lubrication and not (self._rigid and self._dipoles):
             raise ValueError(_LUBRICATED)
         _core.start_threads(threads)
-        edges = _arrays.exactly("box", box, (3,)).tolist()
-        spheres = (edges, float(strain), self._radii.tolist(), self._rigid)
+        shape = (3, 3) if np.ndim(box) == 2 else (3,)
+        rows = np.atleast_2d(_arrays.exactly("box", box, shape)).tolist()
+        spheres = (rows, float(strain), self._radii.tolist(), self._rigid)
         fluid = (float(viscosity), float(tolerance))
         self._core = _core.Mobility(spheres, fluid, (self._dipoles, _cutoff(lubrication)), handle(comm))
         self._positions: np.ndarray | None = None

@@ -5,8 +5,9 @@ use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
 use crate::error::{explained, refused};
 use crate::signals::Signals;
-use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
+use domain::{Bytes, Comm, Tensor, Vector};
 use fcm::{Loads, Motion, Multipoles};
+use io::CaseBox;
 use lubrication::Range;
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -32,23 +33,23 @@ type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
 #[pymethods]
 impl Mobility {
-    /// Plans the mobility; `spheres` is the box with its strain, the radii and whether they are rigid, `fluid` the
+    /// Plans the mobility; `spheres` is the box, edges in one row or lattice vectors in three, with its strain, the radii and whether they are rigid, `fluid` the
     /// viscosity and the relative error, `terms` whether there are dipoles, and the gap where lubrication ends.
     #[new]
     #[pyo3(signature = (spheres, fluid, terms, comm))]
     fn new(
         py: Python<'_>,
-        spheres: ([f64; 3], f64, Vec<f64>, bool),
+        spheres: (Vec<[f64; 3]>, f64, Vec<f64>, bool),
         fluid: (f64, f64),
         terms: (bool, Option<f64>),
         comm: Option<(i32, String)>,
     ) -> PyResult<Self> {
-        let ((edges, strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication)) = (spheres, fluid, terms);
+        let ((cell, strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication)) = (spheres, fluid, terms);
         let comm = ranks(comm)?;
         let lubrication = lubrication.map(|cutoff| Range::new(cutoff, Range::CLOSEST)).transpose();
         let count = radii.len();
         let parameters = MobilityParameters {
-            cell: PeriodicBox::sheared(Vector::from_array(edges), strain).map_err(|cause| refused(&cause))?,
+            cell: given_box(&cell).cell(strain).map_err(|cause| refused(&cause))?,
             radii,
             viscosity,
             multipoles: if dipoles { Multipoles::Dipole } else { Multipoles::Monopole },
@@ -162,4 +163,12 @@ fn answer(py: Python<'_>, motions: Motions) -> PyResult<Answer<'_>> {
         iterations,
         residual,
     ))
+}
+
+/// The box of edges in one row, or of lattice vectors in three.
+fn given_box(rows: &[[f64; 3]]) -> CaseBox {
+    match rows {
+        &[a, b, c] => CaseBox::Vectors([a, b, c]),
+        rows => CaseBox::Edges(rows.first().copied().unwrap_or_default()),
+    }
 }

@@ -37,6 +37,17 @@ def test_rigid_spheres_are_those_of_the_program(program, tmp_path, more):
     assert (motion.iterations, motion.residual) == (answer["iterations"], answer["residual"])
 
 
+def test_lattice_vectors_are_a_box(program, tmp_path):
+    x, y, z = np.diag(BOX)
+    vectors = [y, z + y, x]
+    answer = asked(program, tmp_path, 1e-4, box=np.array(vectors).tolist(), forces=FORCES.tolist())
+    made = fcm.Mobility(box=vectors, radii=RADII, viscosity=2.0, tolerance=1e-4)
+    made.positions = POSITIONS
+    assert np.array_equal(made(FORCES).velocities, answer["velocities"])
+    upright = mobility(tolerance=1e-4)(FORCES).velocities
+    assert np.linalg.norm(answer["velocities"] - upright) < 1e-4 * np.linalg.norm(upright)
+
+
 def test_noise_is_that_of_the_program_and_has_the_covariance_of_the_mobility(program, tmp_path):
     answer = asked(program, tmp_path, 1e-3, noise={"draws": 3, "seed": 8}, lubrication=True)
     made = mobility(lubrication=True)
@@ -100,6 +111,8 @@ def test_bad_loads_are_refused(arguments, message):
         ({"tolerance": 2.0}, "tolerance"),
         ({"box": (1.0, 2.0)}, r"box has the shape \(2,\); it needs to be \(3,\)"),
         ({"box": (1.0, 2.0, -3.0)}, "box edge z is -3"),
+        ({"box": np.eye(3), "strain": 0.1}, "strain is for a box of three edges"),
+        ({"box": [[9, 0, 0], [1, 9, 0], [1, 1, 9]]}, "right angles"),
         ({"radii": 1.0}, "a number with count=N"),
         ({"radii": [1.0, -1.0]}, "radius|radii"),
         ({"multipoles": "quadrupole"}, "monopole"),

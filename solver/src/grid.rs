@@ -50,9 +50,6 @@ impl Grid {
     /// Most points along an axis.
     pub const MOST: usize = 1 << 30;
 
-    /// The lean of a lattice vector that is round-off.
-    const UPRIGHT: f64 = 1e-12;
-
     /// Most points in all: thousands of terabytes.
     pub const MOST_IN_ALL: f64 = 1e15;
 
@@ -66,7 +63,7 @@ impl Grid {
                 return Err(GridError::Points { axis, points, next: points.next_multiple_of(2).max(2) });
             }
         }
-        if cell.tilts().iter().any(|tilt| tilt.abs() > Self::UPRIGHT) {
+        if !cell.is_upright() {
             return Err(GridError::Leaning(cell.tilts()));
         }
         let all = points.iter().map(|&n| n as f64).product();
@@ -83,8 +80,12 @@ impl Grid {
     }
 
     /// The same points in another box: one step of a shear later.
+    ///
+    /// # Panics
+    /// If the third lattice vector is not at right angles to the others.
     #[must_use]
     pub fn in_cell(&self, cell: PeriodicBox) -> Self {
+        assert!(cell.is_upright(), "{}", GridError::Leaning(cell.tilts()));
         Self { cell, ..*self }
     }
 
