@@ -26,7 +26,19 @@ pub struct PairForce {
     viscosity: f64,
     range: Range,
     /// Row by row for species `i <= j`.
-    tables: Vec<Arc<RootTable>>,
+    tables: Vec<Table>,
+}
+
+/// The table of two species, with their sizes.
+#[derive(Debug, Clone)]
+struct Table {
+    roots: Arc<RootTable>,
+    sum: f64,
+    small: f64,
+    over_small: f64,
+    over_large: f64,
+    /// The gap below which lubrication grows no more.
+    closest: f64,
 }
 
 /// Species between which lubrication cannot be computed.
@@ -56,9 +68,10 @@ impl PairForce {
         let mut tables = Vec::new();
         for (i, &a) in radii.iter().enumerate() {
             for &b in &radii[i..] {
-                let table =
+                let roots =
                     RootTable::with_ratio(a.max(b) / a.min(b)).map_err(|error| PairForceError::Radii(a, b, error))?;
-                tables.push(table);
+                let (small, sum, closest) = (a.min(b), a + b, range.closest() * 0.5 * (a + b));
+                tables.push(Table { roots, sum, small, over_small: 1.0 / small, over_large: 1.0 / a.max(b), closest });
             }
         }
         Ok(Self { radii: radii.to_vec(), viscosity, range, tables })
@@ -81,9 +94,9 @@ impl PairForce {
 
     /// The gap of a pair of species whose centres are so far apart; none beyond the cutoff.
     pub fn gap(&self, distance: f64, species: [u32; 2]) -> Option<f64> {
-        let [first, second] = species.map(|s| self.radii[s as usize]);
-        let gap = distance - first - second;
-        (gap < self.range.cutoff() * first.max(second) && distance > 0.0).then_some(gap)
+        let table = self.table(species);
+        let gap = distance - table.sum;
+        (gap * table.over_large < self.range.cutoff() && distance > 0.0).then_some(gap)
     }
 
     /// The factor of a pair, for `separation` from the first centre to the second; none beyond the cutoff.
@@ -95,28 +108,24 @@ impl PairForce {
     #[inline(always)]
     pub fn factor_by<X: Arithmetic>(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
         let [first, second] = species.map(|s| self.radii[s as usize]);
-        let (small, large) = (first.min(second), first.max(second));
+        let table = self.table(species);
         let distance = separation.length();
         let gap = self.gap(distance, species)?;
         let (order, axis) =
             if first <= second { ([0, 1], separation / distance) } else { ([1, 0], -separation / distance) };
-        let factor = (self.viscosity * small).sqrt() * self.range.taper(gap / large);
-        let closest = self.range.closest() * 0.5 * (small + large);
-        let roots = self.table(species).at::<X>(gap.max(closest) / small, factor);
-        Some(PairFactor::new(&roots, axis, order, [small, large / small]))
+        let factor = (self.viscosity * table.small).sqrt() * self.range.taper(gap * table.over_large);
+        let roots = table.roots.at::<X>(gap.max(table.closest) * table.over_small, factor);
+        Some(PairFactor::new(&roots, axis, order, [table.small, first.max(second) / table.small]))
     }
 
     /// Writes what the [`Coefficients`] of a pair are computed from, at a distance of the centres within the cutoff, by
     /// numbers of any width.
     #[inline(always)]
     pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
-        let [first, second] = [self.radii[species[0] as usize], self.radii[species[1] as usize]];
-        let (small, large) = (first.min(second), first.max(second));
-        let gap = distance - first - second;
-        let taper = self.range.taper(gap / large);
-        let closest = self.range.closest() * 0.5 * (small + large);
-        let factor = self.viscosity * small * taper * taper;
-        self.table(species).record::<X>(gap.max(closest) / small, [factor, small], record);
+        let table = self.table(species);
+        let gap = distance - table.sum;
+        let factor = self.viscosity * table.small * self.range.share(gap * table.over_large);
+        table.roots.record::<X>(gap.max(table.closest) * table.over_small, [factor, table.small], record);
     }
 
     /// The coefficients at a distance of the centres; none beyond the cutoff.
@@ -132,7 +141,8 @@ impl PairForce {
         Some(self.factor(separation, species)?.resistance(motion))
     }
 
-    fn table(&self, species: [u32; 2]) -> &RootTable {
+    #[inline(always)]
+    fn table(&self, species: [u32; 2]) -> &Table {
         let (low, high) = (species[0].min(species[1]) as usize, species[0].max(species[1]) as usize);
         let before = low * self.radii.len() - low * low.saturating_sub(1) / 2;
         &self.tables[before + high - low]

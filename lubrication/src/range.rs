@@ -64,8 +64,14 @@ impl Range {
     /// Factor of the root of the correction at a gap over the larger radius, the square root of a quintic step from 1
     /// to 0.
     pub(crate) fn taper(&self, gap: f64) -> f64 {
+        self.share(gap).sqrt()
+    }
+
+    /// Factor of the correction itself.
+    #[inline(always)]
+    pub(crate) fn share(&self, gap: f64) -> f64 {
         let x = ((1.0 - gap / self.cutoff) / (1.0 - Self::TAPER)).clamp(0.0, 1.0);
-        (x * x * x * (10.0 - x * (15.0 - 6.0 * x))).sqrt()
+        x * x * x * (10.0 - x * (15.0 - 6.0 * x))
     }
 }
 

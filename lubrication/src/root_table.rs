@@ -20,13 +20,27 @@ const GROWTH: f64 = std::f64::consts::SQRT_2;
 /// Points of interpolation in each.
 const NODES: usize = 8;
 
-/// Roots of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1, interpolated in the logarithm of the gap.
+/// Roots of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1, interpolated piece by piece in the gap `h` relative
+/// to the piece's geometric mean `m`, as functions of `(h - m) / (h + m)`: half the logarithm of `h / m`, nearly, and as
+/// smooth, but computed without one.
 #[derive(Debug)]
 pub struct RootTable {
-    pieces: Vec<Powers<LANES, NODES>>,
+    pieces: Vec<Piece>,
     scales: Scales,
     sizes: [f64; 4],
 }
+
+/// A table between two gaps.
+#[derive(Debug)]
+struct Piece {
+    /// The geometric mean of the two.
+    mean: f64,
+    powers: Powers<LANES, NODES>,
+}
+
+/// Pieces begin at the gaps `2^(FIRST + k/2)`: which one a gap is in can be read from its bits.
+const FIRST: i32 = -24;
+const _: () = assert!(CLOSEST > 1.0 / (1_u64 << -FIRST) as f64, "the closest gap is in a piece");
 
 /// The table of one ratio, computed by whoever asks first while others wait.
 type Entry = Arc<OnceLock<Arc<RootTable>>>;
@@ -62,34 +76,43 @@ impl RootTable {
 
     #[inline(always)]
     fn write<X: Arithmetic>(&self, gap: f64, lanes: &mut [f64; LANES]) {
-        let log = gap.ln();
-        let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
-        self.pieces[piece.min(self.pieces.len() - 1)].write::<X>(log, lanes);
+        let piece = &self.pieces[piece_of(gap).min(self.pieces.len() - 1)];
+        piece.powers.write::<X>((gap - piece.mean) / (gap + piece.mean), lanes);
     }
 
     /// Bytes of the table of a ratio.
     pub fn bytes(ratio: f64) -> f64 {
-        f64::from(Self::pieces_of(ratio))
-            * (size_of::<Powers<LANES, NODES>>() + size_of::<Samples<LANES, NODES>>()) as f64
+        Self::pieces_of(ratio) as f64 * (size_of::<Piece>() + size_of::<Samples<LANES, NODES>>()) as f64
     }
 
-    fn pieces_of(ratio: f64) -> i32 {
-        (FARTHEST * ratio / CLOSEST).log(GROWTH).ceil() as i32
+    fn pieces_of(ratio: f64) -> usize {
+        piece_of(FARTHEST * ratio) + 1
     }
 
     fn compute(exact: &TwoSphere) -> Self {
-        let count = Self::pieces_of(exact.ratio());
-        let edge = |k: i32| (CLOSEST * GROWTH.powi(k)).ln();
-        let piece = |k: i32| {
-            let values = Chebyshev::<LANES, NODES>::nodes(edge(k), edge(k + 1)).map(|log| roots(exact, log.exp()));
-            Powers::from(&Chebyshev::through(edge(k), edge(k + 1), &values))
+        let edge = (GROWTH.sqrt() - 1.0) / (GROWTH.sqrt() + 1.0);
+        let piece = |k: usize| {
+            let mean = 2.0_f64.powi(FIRST) * GROWTH.powi(k as i32) * GROWTH.sqrt();
+            let at = |u: f64| roots(exact, mean * (1.0 + u) / (1.0 - u));
+            let values = Chebyshev::<LANES, NODES>::nodes(-edge, edge).map(at);
+            Piece { mean, powers: Powers::from(&Chebyshev::through(-edge, edge, &values)) }
         };
         Self {
-            pieces: (0..count).map(piece).collect(),
+            pieces: (0..Self::pieces_of(exact.ratio())).map(piece).collect(),
             scales: Scales::new(exact.ratio()),
             sizes: sizes(exact.ratio()),
         }
     }
+}
+
+/// The piece that a gap is in: twice its binary exponent, and one more in the upper half of an octave.
+#[inline(always)]
+fn piece_of(gap: f64) -> usize {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    let bits = gap.to_bits();
+    let exponent = (bits >> 52) as i32 - 1023;
+    let is_upper = bits & MANTISSA >= GROWTH.to_bits() & MANTISSA;
+    (2 * (exponent - FIRST) + i32::from(is_upper)).max(0) as usize
 }
 
 /// Roots at one gap, without interpolation.

@@ -8,17 +8,6 @@ use std::ops::{Add, Mul, Sub};
 #[derive(Clone, Copy)]
 pub struct Lanes<V>(pub V);
 
-impl<V: Vector<f64>> Lanes<V> {
-    /// Adds them up, always in the same order.
-    #[inline(always)]
-    pub fn sum(self) -> f64 {
-        let mut lanes = [0.0; LANES];
-        self.write(&mut lanes);
-        let [a, b, c, d, e, f, g, h] = lanes;
-        ((a + b) + (c + d)) + ((e + f) + (g + h))
-    }
-}
-
 /// Pairs that are worked on at once.
 pub const LANES: usize = 8;
 

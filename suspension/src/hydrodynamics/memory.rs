@@ -4,12 +4,15 @@ use super::block::Block;
 use super::lanes::LANES;
 use super::pair_matrix::{Group, MomentGroup, Own};
 use super::screw::Screw;
-use domain::{Bytes, ExpectedCounts, GROWING, Halo, Traceless, Vector, VerletList};
+use domain::{Bytes, ExpectedCounts, Halo, Traceless, Vector, VerletList};
 use fcm::Footprint;
 use lubrication::{PairForce, Range};
 
 /// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::Stiffness`] finds, about.
 const STIFF: f64 = 0.5;
+
+/// How far the most pairs of a slice of rows are above the mean, in standard deviations, the rows of a part being sorted.
+const SPREAD: f64 = 0.28;
 
 /// Numbers of a particle in the unknowns and in a residual.
 type UnknownsOfOne = ([Screw; 4], Traceless);
@@ -50,15 +53,16 @@ fn near_pairs(expected: &ExpectedCounts, range: Range) -> (Bytes, Bytes) {
     let numbers = [reach, reach * VerletList::REACH].map(|reach| expected.neighbours(reach));
     let lists = VerletList::bytes([owned, present, expected.total()], numbers);
     let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
-    // There is room for all who are near in the soft ones.
-    let groups = GROWING * groups(stiff) + groups(numbers[0]);
+    let groups = groups(stiff) + groups(numbers[0] - stiff);
     let rows = Bytes::list::<([Own; 2], [u32; 2], Screw, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
     let pairs = Bytes::list::<(Group, MomentGroup)>(groups * owned);
     (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
 }
 
-/// Groups of a row with so many pairs in the mean, the last of which is half full.
+/// Groups of a row with so many pairs in the mean: of the rows that are worked out at once, some have more pairs than others,
+/// by a part of the standard deviation of a Poisson distribution.
 fn groups(pairs: f64) -> f64 {
-    pairs / LANES as f64 + 0.5 * (1.0 - (-pairs).exp()) + 0.5 * (-pairs).exp() * pairs
+    let pairs = pairs.max(0.0);
+    (pairs + SPREAD * pairs.sqrt()) / LANES as f64
 }

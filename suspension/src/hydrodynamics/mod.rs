@@ -9,10 +9,13 @@ mod near_pairs;
 mod pair_matrix;
 mod pair_noise;
 mod particle_matrix;
+mod row_sums;
+mod row_view;
 mod scaled;
 mod screw;
 mod springs;
 mod stiffness;
+mod touching;
 
 use coupled::{Coupled, Unknowns, resisted};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};

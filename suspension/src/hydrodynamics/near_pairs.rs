@@ -1,7 +1,7 @@
 //! The pairs that feel lubrication, and their resistance.
 
 use super::assembly::{Arrangement, Assembled, Assembly};
-use super::pair_matrix::{PairMatrix, ROWS};
+use super::pair_matrix::{Padded, PairMatrix, ROWS};
 use super::screw::Screws;
 use super::springs::Springs;
 use super::stiffness::Stiffness;
@@ -20,6 +20,9 @@ pub struct NearField {
     /// Largest distance of the centres of a near pair.
     pub reach: f64,
 }
+
+/// Motions that one thread copies at a time.
+const BATCH: usize = 1024;
 
 /// Particles of a rank and those of others that are near, in place.
 pub struct Present {
@@ -109,7 +112,7 @@ impl NearPairs {
         let present = self.present(motions);
         let mut loads = Screws::zero(motions.0.len());
         for matrix in pairs {
-            loads.add(1.0, &Screws(matrix.times(&present.0)));
+            loads.add(1.0, &Screws(matrix.times(&present)));
         }
         loads
     }
@@ -124,14 +127,14 @@ impl NearPairs {
     pub fn stresslets(&self, motions: &Screws) -> Vec<Traceless> {
         let present = self.present(motions);
         let mut by_motions = vec![Traceless::ZERO; self.moments.len()];
-        self.stiff.add_moments(&present.0, &mut by_motions);
-        self.soft.add_moments(&present.0, &mut by_motions);
+        self.stiff.add_moments(&present, &mut by_motions);
+        self.soft.add_moments(&present, &mut by_motions);
         self.moments.iter().zip(by_motions).map(|(&by_strain, by_motion)| by_strain - by_motion).collect()
     }
 
-    fn present(&self, motions: &Screws) -> Screws {
-        let mut present = motions.clone();
-        self.halo.extend(&mut present.0);
-        present
+    fn present(&self, motions: &Screws) -> Vec<Padded> {
+        let mut present = motions.0.clone();
+        self.halo.extend(&mut present);
+        present.par_iter().with_min_len(BATCH).map(Padded::from).collect()
     }
 }

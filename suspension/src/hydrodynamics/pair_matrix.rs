@@ -15,7 +15,10 @@ pub const ROWS: usize = 64;
 
 /// What particles resist to their rigid motions by some of their near pairs: with the unit vector `z` along each pair,
 /// the loads of [`lubrication::Coefficients`]. Each row of a particle that the rank owns has all of its pairs, so that a
-/// pair stands in the rows of both and rows are worked out one by one, a pair a lane.
+/// pair stands in the rows of both.
+///
+/// Rows are worked out several at once, a lane each, pair by pair: the rows with the most pairs of a part together, so
+/// that few lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352).
 #[derive(Default)]
 pub struct PairMatrix {
     parts: Vec<Part>,
@@ -26,10 +29,19 @@ pub struct PairMatrix {
 pub struct Part {
     /// What is on the diagonal.
     own: Vec<Own>,
-    /// Where the groups of each row end.
-    ends: Vec<u32>,
+    slices: Vec<Slice>,
     groups: Vec<Group>,
     moments: Vec<MomentGroup>,
+}
+
+/// Rows that are worked out at once; those without pairs are in none.
+#[derive(Debug, Clone, Copy)]
+pub struct Slice {
+    /// Rows within the part, the first `count` of these.
+    rows: [u32; LANES],
+    count: usize,
+    /// Where the groups of the slice end.
+    end: usize,
 }
 
 /// The block on the diagonal: forces by velocities, torques by angular velocities, each a symmetric matrix by its
@@ -41,7 +53,7 @@ pub struct Own {
     pub coupling: [f64; 3],
 }
 
-/// Pairs of one row, a lane each, by what the motion of the other particle makes of loads; empty lanes have zeros.
+/// A pair of each row of a slice, by what the motion of the other particle makes of loads; empty lanes have zeros.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub struct Group {
@@ -58,7 +70,7 @@ pub struct Group {
     pub others: [u32; LANES],
 }
 
-/// First moments of a row's particle by motions, of itself and of the other.
+/// First moments of the rows' particles by motions, of themselves and of the others.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub struct MomentGroup {
@@ -67,14 +79,28 @@ pub struct MomentGroup {
     pub turn: [[f64; LANES]; 2],
 }
 
-impl Part {
-    /// No rows yet, and room for so many groups of theirs.
-    pub fn with_room(groups: usize) -> Self {
-        let (groups, moments) = (Vec::with_capacity(groups), Vec::with_capacity(groups));
-        Self { own: Vec::with_capacity(ROWS), ends: Vec::with_capacity(ROWS), groups, moments }
+impl Slice {
+    /// Some rows of a part, at most as many as there are lanes.
+    pub fn new(rows: &[u32]) -> Self {
+        let mut slice = Self { rows: [0; LANES], count: rows.len(), end: 0 };
+        slice.rows[..rows.len()].copy_from_slice(rows);
+        slice
     }
 
-    /// Appends an empty group to the row that is being made.
+    /// Its rows, lane by lane.
+    pub fn rows(&self) -> &[u32] {
+        &self.rows[..self.count]
+    }
+}
+
+impl Part {
+    /// So many rows without pairs, and room for so many groups.
+    pub fn with_room(rows: usize, groups: usize) -> Self {
+        let (groups, moments) = (Vec::with_capacity(groups), Vec::with_capacity(groups));
+        Self { own: vec![Own::default(); rows], slices: Vec::with_capacity(rows.div_ceil(LANES)), groups, moments }
+    }
+
+    /// Appends an empty group to the slice that is being made.
     #[inline(always)]
     pub fn group(&mut self) -> (&mut Group, &mut MomentGroup) {
         self.groups.push(Group::zeroed());
@@ -83,15 +109,18 @@ impl Part {
         (&mut self.groups[last], &mut self.moments[last])
     }
 
-    /// Ends a row.
-    pub fn end_row(&mut self, own: Own) {
-        self.own.push(own);
-        self.ends.push(self.groups.len() as u32);
+    /// Ends a slice, whose rows have these blocks on the diagonal, lane by lane.
+    pub fn end_slice(&mut self, slice: Slice, own: &[Own; LANES]) {
+        for (&row, own) in slice.rows().iter().zip(own) {
+            self.own[row as usize] = *own;
+        }
+        self.slices.push(Slice { end: self.groups.len(), ..slice });
     }
 
-    fn groups_of(&self, row: usize) -> std::ops::Range<usize> {
-        let start = if row == 0 { 0 } else { self.ends[row - 1] };
-        start as usize..self.ends[row] as usize
+    /// The slices with their groups.
+    fn slices(&self) -> impl Iterator<Item = (&Slice, std::ops::Range<usize>)> {
+        let starts = std::iter::once(0).chain(self.slices.iter().map(|slice| slice.end));
+        self.slices.iter().zip(starts).map(|(slice, start)| (slice, start..slice.end))
     }
 }
 
@@ -112,7 +141,7 @@ impl PairMatrix {
     }
 
     /// The matrix times the motions of all particles present: the loads of those that the rank owns.
-    pub fn times(&self, present: &[Screw]) -> Vec<Screw> {
+    pub fn times(&self, present: &[Padded]) -> Vec<Screw> {
         let mut loads = vec![Screw::default(); self.parts.iter().map(|part| part.own.len()).sum()];
         loads.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (loads, part))| {
             f64::dispatch(Product { part, first: k * ROWS, present, loads });
@@ -121,7 +150,7 @@ impl PairMatrix {
     }
 
     /// Adds the first moments by the motions of all particles present to those of the particles that the rank owns.
-    pub fn add_moments(&self, present: &[Screw], moments: &mut [Traceless]) {
+    pub fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]) {
         moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (moments, part))| {
             f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
         });
@@ -148,8 +177,8 @@ impl Own {
     }
 
     #[inline(always)]
-    fn times(&self, motion: &Screw) -> [f64; 6] {
-        let [ux, uy, uz, ox, oy, oz] = motion.0;
+    fn times(&self, motion: &Padded) -> [f64; 6] {
+        let [ux, uy, uz, ox, oy, oz, ..] = motion.0;
         let ([a, b, c, d, e, f], [p, q, r, s, t, u]) = (self.force, self.torque);
         let [x, y, z] = self.coupling;
         [
@@ -163,12 +192,24 @@ impl Own {
     }
 }
 
-/// Velocities and angular velocities of the others of a group, lane by lane.
+/// A motion that fills a vector, to be read at once.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub struct Padded([f64; LANES]);
+
+impl From<&Screw> for Padded {
+    fn from(screw: &Screw) -> Self {
+        let [ux, uy, uz, ox, oy, oz] = screw.0;
+        Self([ux, uy, uz, ox, oy, oz, 0.0, 0.0])
+    }
+}
+
+/// Velocities and angular velocities of some particles, lane by lane.
 #[inline(always)]
-fn gathered<V: Width<f64>>(present: &[Screw], others: &[u32; LANES]) -> [[Lanes<V>; 3]; 2] {
+fn gathered<V: Width<f64>>(present: &[Padded], rows: &[u32; LANES]) -> [[Lanes<V>; 3]; 2] {
     let mut records = [[0.0; LANES]; LANES];
     for lane in 0..LANES {
-        records[lane][..6].copy_from_slice(&present[others[lane] as usize].0);
+        records[lane] = present[rows[lane] as usize].0;
     }
     let mut lanes = [[0.0; LANES]; LANES];
     turn::<V, LANES>(&records, 0, &mut lanes);
@@ -178,6 +219,18 @@ fn gathered<V: Width<f64>>(present: &[Screw], others: &[u32; LANES]) -> [[Lanes<
         motions[1][k] = Lanes::read(&lanes[3 + k]);
     }
     motions
+}
+
+/// Numbers of rows, as many of each, from lanes of numbers; numbers that are not given are zeros.
+#[inline(always)]
+pub fn scattered<V: Width<f64>>(sums: &[Lanes<V>]) -> [[f64; LANES]; LANES] {
+    let mut lanes = [[0.0; LANES]; LANES];
+    for k in 0..sums.len() {
+        sums[k].write(&mut lanes[k]);
+    }
+    let mut records = [[0.0; LANES]; LANES];
+    turn::<V, LANES>(&lanes, 0, &mut records);
+    records
 }
 
 #[inline(always)]
@@ -199,7 +252,7 @@ fn axis<V: Width<f64>>(group: &Group) -> [Lanes<V>; 3] {
 struct Product<'a> {
     part: &'a Part,
     first: usize,
-    present: &'a [Screw],
+    present: &'a [Padded],
     loads: &'a mut [Screw],
 }
 
@@ -209,18 +262,20 @@ impl Work<f64> for Product<'_> {
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
         for row in 0..self.loads.len() {
-            let mut load = self.part.own[row].times(&self.present[self.first + row]);
-            let groups = &self.part.groups[self.part.groups_of(row)];
-            if !groups.is_empty() {
-                let mut sums = [Lanes::<V>::constant(0.0); 6];
-                for group in groups {
-                    group.add(self.present, &mut sums);
-                }
+            self.loads[row] = Screw(self.part.own[row].times(&self.present[self.first + row]));
+        }
+        for (slice, groups) in self.part.slices() {
+            let mut sums = [Lanes::<V>::constant(0.0); 6];
+            for group in &self.part.groups[groups] {
+                group.add(self.present, &mut sums);
+            }
+            let records = scattered(&sums);
+            for (&row, record) in slice.rows().iter().zip(&records) {
+                let load = &mut self.loads[row as usize].0;
                 for k in 0..6 {
-                    load[k] += sums[k].sum();
+                    load[k] += record[k];
                 }
             }
-            self.loads[row] = Screw(load);
         }
     }
 }
@@ -228,7 +283,7 @@ impl Work<f64> for Product<'_> {
 impl Group {
     /// Adds the loads by the motions of the others.
     #[inline(always)]
-    fn add<V: Width<f64>>(&self, present: &[Screw], sums: &mut [Lanes<V>; 6]) {
+    fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [Lanes<V>; 6]) {
         let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<V>(self));
         let along = dot(z, u) * Lanes::read(&self.along);
         let spin = dot(z, o) * Lanes::read(&self.spin);
@@ -246,7 +301,7 @@ impl Group {
 struct MomentRows<'a> {
     part: &'a Part,
     first: usize,
-    present: &'a [Screw],
+    present: &'a [Padded],
     sums: &'a mut [Traceless],
 }
 
@@ -255,30 +310,38 @@ impl Work<f64> for MomentRows<'_> {
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
-        for row in 0..self.sums.len() {
-            let own = self.present[self.first + row].0;
-            let mut sums = [Lanes::<V>::constant(0.0); 5];
-            for k in self.part.groups_of(row) {
-                self.part.moments[k].add(&self.part.groups[k], (self.present, &own), &mut sums);
+        for (slice, groups) in self.part.slices() {
+            let mut rows = [self.first as u32; LANES];
+            for (lane, row) in slice.rows().iter().enumerate() {
+                rows[lane] += row;
             }
-            for k in 0..5 {
-                self.sums[row].0[k] += sums[k].sum();
+            let own = gathered::<V>(self.present, &rows);
+            let mut sums = [Lanes::<V>::constant(0.0); 5];
+            for k in groups {
+                self.part.moments[k].add(&self.part.groups[k], (self.present, own), &mut sums);
+            }
+            let records = scattered(&sums);
+            for (&row, record) in slice.rows().iter().zip(&records) {
+                let moment = &mut self.sums[row as usize].0;
+                for k in 0..5 {
+                    moment[k] += record[k];
+                }
             }
         }
     }
 }
 
 impl MomentGroup {
-    /// Adds the moments by the motions of one's own and of the others.
+    /// Adds the moments by the motions of the rows' particles and of the others.
     #[inline(always)]
-    fn add<V: Width<f64>>(&self, group: &Group, (present, own): (&[Screw], &[f64; 6]), sums: &mut [Lanes<V>; 5]) {
+    fn add<V: Width<f64>>(
+        &self,
+        group: &Group,
+        (present, of_own): (&[Padded], [[Lanes<V>; 3]; 2]),
+        sums: &mut [Lanes<V>; 5],
+    ) {
         let z = axis::<V>(group);
         let of_others = gathered::<V>(present, &group.others);
-        let mut of_own = [[Lanes::constant(0.0); 3]; 2];
-        for k in 0..3 {
-            of_own[0][k] = Lanes::constant(own[k]);
-            of_own[1][k] = Lanes::constant(own[3 + k]);
-        }
         let mut stretch = Lanes::constant(0.0);
         let mut shear = [Lanes::constant(0.0); 3];
         for (k, [u, o]) in [of_own, of_others].into_iter().enumerate() {
