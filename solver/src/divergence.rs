@@ -1,15 +1,20 @@
 //! Relative divergence of a velocity field.
 
-use crate::{Field, Grid, Real, Spectral};
+use crate::{Field, Grid, Physical, Real, Transform};
 use domain::{Comm, Vector};
 use num_complex::Complex;
 
 /// The largest `|k.u_hat|` of all modes over the largest `|k| |u_hat|`, on every rank the same: 0 for a solenoidal
 /// field, 1 for a gradient, and 0 for no field at all. The highest modes of each axis, which have no derivative, do not
-/// count.
-pub fn divergence<T: Real>(grid: &Grid, velocity: &Field<T, Spectral>, comm: &Comm) -> f64 {
+/// count. The values of the field, whose halos are to be clear, are lost.
+pub fn divergence<T: Real>(
+    grid: &Grid,
+    transform: &mut Transform<T>,
+    velocity: &mut Field<T, Physical>,
+    comm: &Comm,
+) -> f64 {
     let mut largest = [0.0_f64; 2];
-    velocity.for_each_mode(|mode, values| {
+    transform.for_each_mode(velocity, |mode, values| {
         if (0..3).any(|axis| grid.is_nyquist(axis, mode[axis])) {
             return;
         }

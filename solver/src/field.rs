@@ -212,15 +212,8 @@ impl<T: Real> Field<T, Spectral> {
     /// Calls `visit(mode, values)` for each mode `[m1, m2, m3]` that this rank owns, `m1 < nx/2`. Over all ranks these
     /// are all modes; those with `m1 > nx/2` are the complex conjugates, and `m1 = nx/2` is taken as zero.
     pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
-        let [nx, _, nz] = self.layout.points;
-        let columns = self.layout.blocks.start * T::LANES..(self.layout.blocks.end * T::LANES).min(nx / 2);
-        for m3 in 0..nz {
-            for m2 in self.layout.modes.clone() {
-                for m1 in columns.clone() {
-                    visit([m1, m2, m3], std::array::from_fn(|c| self.value(c, [m1, m2, m3])));
-                }
-            }
-        }
+        let (layout, values) = (&self.layout, self.memory.values());
+        layout.for_each_mode((&layout.spectral, &layout.modes), |place| values[place], &mut visit);
     }
 
     /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.
@@ -241,15 +234,9 @@ impl<T: Real> Field<T, Spectral> {
         }
     }
 
-    fn value(&self, component: usize, mode: [usize; 3]) -> Complex<T> {
-        let real = self.place_of(component, mode);
-        Complex::new(self.memory.values()[real], self.memory.values()[real + T::LANES])
-    }
-
     /// Where the real part of a mode stands; the imaginary part follows by a vector's lanes.
     fn place_of(&self, component: usize, mode: [usize; 3]) -> usize {
-        let (layout, lanes) = (&self.layout, T::LANES);
-        let row = layout.spectral.at(component, mode[1] - layout.modes.start, mode[2]);
-        row + (mode[0] / lanes - layout.blocks.start) * 2 * lanes + mode[0] % lanes
+        let layout = &self.layout;
+        layout.spectral.at(component, mode[1] - layout.modes.start, mode[2]) + layout.in_row::<T>(mode[0])
     }
 }

@@ -82,7 +82,8 @@ impl Suspension {
         })
     }
 
-    /// A model in a state, which the first rank brings. Collective.
+    /// A model in a state, of which each rank brings some particles; the first brings the state in any case, and with none
+    /// of its own a rank may bring nothing. Collective.
     pub fn resume(model: &Model, state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let mut step = state.iter().map(|state| state.step).collect();
         comm.broadcast(&mut step);
@@ -234,10 +235,10 @@ impl Suspension {
         self.particles.gathered_with(self.dynamics.partition(), wanted)
     }
 
-    /// The state, on the first rank. Collective.
+    /// The state, with the particles of this rank.
     pub fn state(&mut self) -> State {
         let plan = self.plan();
-        let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.gathered(None));
+        let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.particles.clone());
         State { step, strain, plan, particles, statistics: Vec::new() }
     }
 
