@@ -4,9 +4,6 @@ use crate::rows::{Picked, Way};
 use crate::{Comm, Particles, Vector};
 use bytemuck::Pod;
 
-/// Ids of a block.
-const BLOCK: u64 = 1 << 16;
-
 /// The particles of all ranks as the first rank reads them: property by property, in the order of the ids, with no more
 /// than a block of 65,536 of them in memory at a time. Made by [`Particles::by_id`].
 pub struct ById<'a> {
@@ -60,11 +57,14 @@ impl Particles {
     /// What `read` makes of all particles on the first rank, which the others send it; nothing on those. All ranks have the
     /// same columns, and no two particles the same id. Collective.
     pub fn by_id<R>(&self, comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
-        ById::new(self, comm, BLOCK).read(read)
+        ById::new(self, comm, ById::BLOCK).read(read)
     }
 }
 
 impl<'a> ById<'a> {
+    /// Ids of a block.
+    pub(crate) const BLOCK: u64 = 1 << 16;
+
     fn new(particles: &'a Particles, comm: &'a Comm, block: u64) -> Self {
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_unstable_by_key(|&row| particles.ids[row]);
@@ -234,7 +234,7 @@ mod tests {
     fn the_first_rank_reads_all_in_blocks() {
         let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
         let alone = scattered(60);
-        for (ranks, block) in [(1, 7), (1, BLOCK), (2, 1), (3, 7), (7, 50), (13, BLOCK)] {
+        for (ranks, block) in [(1, 7), (1, ById::BLOCK), (2, 1), (3, 7), (7, 50), (13, ById::BLOCK)] {
             let found = Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [8, 8]);
                 let rows: Vec<usize> = (0..60).rev().filter(|r| r % ranks == comm.rank()).collect();

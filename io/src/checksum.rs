@@ -13,13 +13,6 @@ pub(crate) fn of<T: NoUninit>(values: &[T]) -> u64 {
     xxh3_64(bytemuck::cast_slice(values))
 }
 
-/// Stores a list of numbers with its checksum.
-pub(crate) fn write<T: H5Type + NoUninit>(group: &Group, name: &str, values: &[T]) -> hdf5::Result<Dataset> {
-    let dataset = group.new_dataset_builder().with_data(values).create(name)?;
-    attach(&dataset, of(values))?;
-    Ok(dataset)
-}
-
 /// Stores a list of so many numbers, of which `each` brings a block after the other, with its checksum.
 pub(crate) fn write_blocks<T: H5Type + NoUninit>(
     group: &Group,

@@ -149,3 +149,63 @@ fn write_fixed(file: &hdf5::File, (rows, periodic): (&ById, [bool; 3])) -> hdf5:
     let boundary = boundary.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
     cell.new_attr::<FixedAscii<64>>().shape(3).create("boundary")?.write(&boundary)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Vector;
+
+    /// Whoever has the particles, in whatever order, files have the same content.
+    #[test]
+    fn ranks_write_one_file() {
+        let cell = PeriodicBox::sheared(Vector::splat(4.0), 0.2).unwrap();
+        let mut all = Particles::default();
+        (0..23).for_each(|id| all.push(id, Vector::splat(0.1 * id as f64), 1.0 + id as f64, (id % 2) as u32));
+        all.steps[3] = [1, -2, 3];
+        all.column("stresslet", 5).values.iter_mut().enumerate().for_each(|(k, value)| *value = k as f64);
+        all.vectors("another").fill(Vector::ONE);
+        all.vectors("velocity")[22] = Vector::new(-0.0, 1e-300, 1.0 / 3.0);
+        let folder = tempfile::tempdir().unwrap();
+        let provenance = Provenance {
+            scene: "none".to_owned(),
+            program: "a test".to_owned(),
+            plan: "none".to_owned(),
+            ranks: 1,
+            seed: 1,
+        };
+        let files = [1, 2, 3, 7].map(|ranks| {
+            let path = folder.path().join(format!("{ranks}.h5"));
+            Comm::threads(ranks, |comm| {
+                let rows: Vec<usize> = (0..23).rev().filter(|row| row % ranks == comm.rank()).collect();
+                let own = all.selected(&rows);
+                let axes = [true, true, false];
+                let opened = own.by_id(&comm, |rows| Trajectory::create_for(&path, &provenance, (rows, axes), 2));
+                let mut trajectory = opened.transpose().unwrap();
+                for step in 0..2 {
+                    let mut append = |rows: &ById| {
+                        trajectory.as_mut().expect("on the first rank").append_for((step, 0.5), rows, &cell)
+                    };
+                    own.by_id(&comm, &mut append).transpose().unwrap();
+                }
+            });
+            content(&path)
+        });
+        assert!(files[1..].iter().all(|file| *file == files[0]));
+        let path = folder.path().join("whole.h5");
+        let frame = Frame { particles: all.clone(), cell, periodic: [true, true, false] };
+        let mut whole = Trajectory::create(&path, &provenance, &frame, 2).unwrap();
+        (0..2).for_each(|step| whole.append((step, 0.5), &frame).unwrap());
+        assert!(content(&path) == files[0]);
+        let (_, read) = crate::TrajectoryReader::open(&path).unwrap().frame(1).unwrap();
+        assert_eq!((read.ids, read.positions, read.steps), (all.ids, all.positions, all.steps));
+    }
+
+    /// What does not change and the checksums of all frames, which their values fit.
+    fn content(path: &Path) -> (Vec<u64>, Vec<f64>, Vec<u64>) {
+        assert_eq!(crate::Contents::read(path).unwrap().damage, Vec::<String>::new());
+        let file = hdf5::File::open(path).unwrap();
+        let numbers = |name: &str| file.dataset(name).unwrap().read_raw::<u64>().unwrap();
+        let radii = file.dataset("particles/all/radius").unwrap().read_raw().unwrap();
+        (numbers("particles/all/id"), radii, numbers("parameters/checksums"))
+    }
+}

@@ -87,7 +87,7 @@ impl Suspension {
     pub fn resume(model: &Model, state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let mut step = state.iter().map(|state| state.step).collect();
         comm.broadcast(&mut step);
-        let then = state.as_ref().map(|state| state.plan.clone());
+        let then = state.as_ref().filter(|_| comm.is_first()).map(|state| state.plan.clone());
         let mut particles = state.map(|state| state.particles).unwrap_or_default();
         comm.agree(given_positions::check(&particles, model.species.len(), model.is_coupled()))?;
         initial::share_columns(&mut particles, comm);

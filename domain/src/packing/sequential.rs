@@ -1,7 +1,7 @@
 //! Random sequential addition of spheres, shared out among ranks.
 
 use super::Occupied;
-use crate::{Partition, PeriodicBox, Random, Vector};
+use crate::{Comm, Partition, PeriodicBox, Place, Random, Vector};
 use rayon::prelude::*;
 
 /// Tries for one sphere before it is put where it overlaps others.
@@ -24,8 +24,9 @@ pub(super) fn place(
     spheres: impl Iterator<Item = (u64, f64)>,
     seed: u64,
 ) -> (Vec<(u64, Vector)>, bool) {
-    let occupied = Occupied::new(cell, kinds, Some(partition));
-    let mut placing = Placing { cell, partition, seed, occupied, at_once: AT_ONCE[0] as u64 };
+    let (occupied, comm) = (Occupied::new(cell, kinds, Some(partition)), partition.comm());
+    let own = Own { cell, place: partition.place(), rank: comm.rank(), seed, occupied, at_once: AT_ONCE[0] as u64 };
+    let mut placing = Placing { comm, own };
     let (mut own, mut all_free) = (Vec::new(), true);
     let mut spheres = spheres.map(|(id, size)| Waiting { id, size, tried: 0, free: None }).peekable();
     while spheres.peek().is_some() {
@@ -33,8 +34,8 @@ pub(super) fn place(
         let places = placing.settle(&mut batch);
         all_free &= batch.iter().all(|sphere| sphere.free.is_some());
         for (sphere, place) in batch.iter().zip(places) {
-            placing.occupied.insert(sphere.size, place);
-            if partition.owner(cell, place) == partition.comm().rank() {
+            placing.own.occupied.insert(sphere.size, place);
+            if placing.own.has(place) {
                 own.push((sphere.id, place));
             }
         }
@@ -53,8 +54,15 @@ struct Waiting {
 }
 
 struct Placing<'a> {
+    comm: &'a Comm,
+    own: Own<'a>,
+}
+
+/// What a rank looks at for itself, with all its threads.
+struct Own<'a> {
     cell: &'a PeriodicBox,
-    partition: &'a Partition,
+    place: &'a Place,
+    rank: usize,
     seed: u64,
     /// Spheres of former batches.
     occupied: Occupied<'a>,
@@ -67,7 +75,7 @@ impl Placing<'_> {
     fn settle(&mut self, batch: &mut [Waiting]) -> Vec<Vector> {
         self.look(batch);
         let kinds: Vec<(f64, usize)> = batch.iter().map(|sphere| (sphere.size, 1)).collect();
-        let mut mates = Occupied::new(self.cell, &kinds, None);
+        let mut mates = Occupied::new(self.own.cell, &kinds, None);
         let mut places = Vec::with_capacity(batch.len());
         for k in 0..batch.len() {
             let place = self.settle_one(&mut batch[k..=k], &mates);
@@ -75,7 +83,7 @@ impl Placing<'_> {
             places.push(place);
         }
         let tried = batch.iter().map(|sphere| sphere.tried + 1).sum::<u64>() as f64 / batch.len() as f64;
-        self.at_once = (2.0 * tried).ceil().clamp(AT_ONCE[0], AT_ONCE[1]) as u64;
+        self.own.at_once = (2.0 * tried).ceil().clamp(AT_ONCE[0], AT_ONCE[1]) as u64;
         places
     }
 
@@ -83,7 +91,7 @@ impl Placing<'_> {
     fn settle_one(&self, sphere: &mut [Waiting], mates: &Occupied) -> Vector {
         loop {
             let Waiting { id, size, free, .. } = sphere[0];
-            let place = self.tries(id, free.unwrap_or(TRIES)).next().expect("tries have no end");
+            let place = self.own.tries(id, free.unwrap_or(TRIES)).next().expect("tries have no end");
             if free.is_none() || mates.is_free(size, place, None) {
                 return place;
             }
@@ -94,26 +102,32 @@ impl Placing<'_> {
 
     /// Finds the first free try of each sphere, if it has one. Collective.
     fn look(&self, spheres: &mut [Waiting]) {
-        let comm = self.partition.comm();
         let mut left: Vec<&mut Waiting> = spheres.iter_mut().collect();
         while !left.is_empty() {
-            let own: Vec<u64> = left.par_iter().map(|sphere| self.first_free(sphere)).collect();
-            let all = comm.all_gather(&own);
+            let looking = &self.own;
+            let own: Vec<u64> = left.par_iter().map(|sphere| looking.first_free(sphere)).collect();
+            let all = self.comm.all_gather(&own);
             for (k, sphere) in left.iter_mut().enumerate() {
                 let first = all[k..].iter().step_by(own.len()).min().copied().unwrap_or(TRIES);
                 sphere.free = (first < TRIES).then_some(first);
-                sphere.tried = sphere.free.unwrap_or(sphere.tried + self.at_once);
+                sphere.tried = sphere.free.unwrap_or(sphere.tried + self.own.at_once);
             }
             left.retain(|sphere| sphere.free.is_none() && sphere.tried < TRIES);
         }
     }
+}
+
+impl Own<'_> {
+    /// Whether a position is in this rank's share.
+    fn has(&self, position: Vector) -> bool {
+        self.place.owner(self.cell, position) == self.rank
+    }
 
     /// The first of the next few tries of a sphere that is in this rank's share and free; else the number of all tries.
     fn first_free(&self, &Waiting { id, size, tried, .. }: &Waiting) -> u64 {
-        let is_own = |place| self.partition.owner(self.cell, place) == self.partition.comm().rank();
         let until = (tried + self.at_once).min(TRIES);
         let mut tries = (tried..until).zip(self.tries(id, tried));
-        let free = tries.find(|&(_, place)| is_own(place) && self.occupied.is_free(size, place, None));
+        let free = tries.find(|&(_, place)| self.has(place) && self.occupied.is_free(size, place, None));
         free.map_or(TRIES, |(number, _)| number)
     }
 

@@ -220,7 +220,7 @@ impl Deal<'_> {
         for rank in 0..ranks {
             let rows = block(self.count, ranks, rank).len();
             for start in (0..rows).step_by(BLOCK) {
-                let mut send = vec![Vec::new(); ranks];
+                let mut send: Vec<Vec<T>> = vec![Vec::new(); ranks];
                 send[rank] = self.next(width * BLOCK.min(rows - start));
                 own.extend(self.comm.exchange(&send).swap_remove(0));
             }

@@ -33,8 +33,9 @@ impl<'a> Checkpoints<'a> {
     pub fn write(&self, state: &State, comm: &Comm) -> Result<(), FileError> {
         let path = self.path(state.step);
         let put = |rows: &domain::ById| atomic_file::put(&path, |file, _| bytes::write(file, state, rows));
-        state.particles.by_id(comm, put).transpose()?;
-        for old in self.paths().iter().flatten().rev().skip(KEPT).filter(|_| comm.is_first()) {
+        let Some(written) = state.particles.by_id(comm, put) else { return Ok(()) };
+        written?;
+        for old in self.paths()?.iter().rev().skip(KEPT) {
             // What can't be removed now will be after the next one; that is no reason to end a run.
             let _ = std::fs::remove_file(old);
         }

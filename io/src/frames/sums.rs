@@ -123,9 +123,9 @@ impl Column {
 /// The checksum of a frame's value, of which a block is read at a time if it has rows.
 fn sum_of<T: H5Type + NoUninit>(values: &Dataset, frame: usize) -> hdf5::Result<u64> {
     let mut sum = Sum::default();
-    let mut add = |part| {
+    let mut add = |part| -> hdf5::Result<()> {
         sum.add(&values.read_slice::<T, _, IxDyn>(part)?.into_raw_vec_and_offset().0);
-        hdf5::Result::Ok(())
+        Ok(())
     };
     if let [_, rows, _] = values.shape()[..] {
         if frame >= values.shape()[0] {
