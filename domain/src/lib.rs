@@ -19,6 +19,7 @@
 //! ```
 
 mod available_memory;
+mod by_id;
 mod bytes;
 mod cells;
 mod comm;
@@ -44,6 +45,7 @@ mod units;
 mod verlet_list;
 
 pub use available_memory::{AvailableMemory, ProcessMemory};
+pub use by_id::ById;
 pub use bytes::{Bytes, GROWING, readable_bytes};
 pub use comm::{Comm, CommError, Failure, Launcher, Need, NotEnoughMemory, Window};
 pub use expected_counts::ExpectedCounts;
@@ -54,7 +56,7 @@ pub use memory::packing_bytes;
 pub use neighbour::Neighbour;
 pub use neighbours::Neighbours;
 pub use number::Number;
-pub use packing::{PackingError, random_packing};
+pub use packing::{PackingError, random_packing, shared_random_packing};
 pub use pairs::{Pair, Pairs, fold_pairs};
 pub use parameter::ParameterError;
 pub use particles::{Column, ColumnError, Particles};

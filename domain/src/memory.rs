@@ -1,7 +1,7 @@
 //! Predicted memory of particles, ghosts and neighbour lists.
 
 use crate::verlet_list::SPARSEST;
-use crate::{Bytes, GROWING, Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
+use crate::{ById, Bytes, GROWING, Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
 
 /// The most numbers that a column of particles has in this project.
 const WIDEST: f64 = 6.0;
@@ -28,6 +28,15 @@ impl Particles {
         }
         let order = Bytes::list::<[usize; 2]>(all);
         Self::bytes(all, numbers).then(send.then(order).then(Bytes::list::<f64>(2.0 * WIDEST * all)).freed())
+    }
+}
+
+impl Particles {
+    /// The memory of [`Particles::by_id`] on a rank that owns so many particles: their order, and blocks of the widest
+    /// column as they are sent, received and put in order.
+    pub fn by_id_bytes(owned: f64) -> Bytes {
+        let block = ById::BLOCK as f64;
+        Bytes::list::<usize>(owned).then(Bytes::list::<[f64; 4]>(WIDEST * block)).freed()
     }
 }
 
@@ -80,10 +89,11 @@ impl VerletList {
     }
 }
 
-/// The memory of [`crate::random_packing`]: sizes, order, cells and positions, and for dense packings the minimisation
-/// that moves the spheres apart.
+/// The memory of [`crate::random_packing`]: sizes, order, spheres with their cells and positions, and for dense packings
+/// the minimisation that moves the spheres apart.
 pub fn packing_bytes(count: f64, is_dense: bool) -> Bytes {
-    let one_by_one = Bytes::list::<(f64, f64, usize, [u32; 2], Vector)>(count);
+    let spheres = Bytes::list::<(Vector, f64, usize)>(GROWING * count).then(Bytes::list::<[u32; 5]>(count));
+    let one_by_one = Bytes::list::<(f64, f64, usize, (f64, usize), (u64, Vector), Vector)>(count).then(spheres);
     if !is_dense {
         return one_by_one.freed();
     }

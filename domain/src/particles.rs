@@ -152,13 +152,19 @@ impl Particles {
     /// The same particles without their columns.
     #[must_use]
     pub fn without_columns(&self) -> Self {
+        self.with_columns(|_| false)
+    }
+
+    /// The same particles with those columns alone whose names are wanted.
+    #[must_use]
+    pub fn with_columns(&self, wanted: impl Fn(&str) -> bool) -> Self {
         Self {
             ids: self.ids.clone(),
             positions: self.positions.clone(),
             steps: self.steps.clone(),
             radii: self.radii.clone(),
             species: self.species.clone(),
-            columns: Vec::new(),
+            columns: self.columns.iter().filter(|column| wanted(&column.name)).cloned().collect(),
         }
     }
 

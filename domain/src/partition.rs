@@ -52,6 +52,16 @@ impl Place {
     pub fn owned(&self) -> [Range<usize>; 2] {
         std::array::from_fn(|d| block(self.lines[d], self.table[d], self.index[d]))
     }
+
+    /// The rank, of all in the table, whose pencil holds a position inside the box.
+    pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
+        let Self { table, lines, .. } = self;
+        let line = |d: usize, fraction: f64| ((fraction * lines[d] as f64) as usize).min(lines[d] - 1);
+        let fractions = cell.lattice_coordinates(position) / cell.edges();
+        let row = block_of(lines[0], table[0], line(0, fractions.y));
+        let column = block_of(lines[1], table[1], line(1, fractions.z));
+        row * table[1] + column
+    }
 }
 
 /// Slabs along z as long as each rank gets at least four lines, which saves a transposition, else pencils.
@@ -132,12 +142,7 @@ impl Partition {
 
     /// The rank whose pencil holds a position inside the box.
     pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
-        let Place { table, lines, .. } = self.place;
-        let line = |d: usize, fraction: f64| ((fraction * lines[d] as f64) as usize).min(lines[d] - 1);
-        let fractions = cell.lattice_coordinates(position) / cell.edges();
-        let row = block_of(lines[0], table[0], line(0, fractions.y));
-        let column = block_of(lines[1], table[1], line(1, fractions.z));
-        row * table[1] + column
+        self.place.owner(cell, position)
     }
 }
 

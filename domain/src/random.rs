@@ -23,6 +23,11 @@ impl Random {
         mix(self.state)
     }
 
+    /// Leaves out so many times 64 bits.
+    pub fn skip(&mut self, count: u64) {
+        self.state = self.state.wrapping_add(STRIDE.wrapping_mul(count));
+    }
+
     /// The next number in `[0, 1)`, a multiple of 2^-53.
     pub fn uniform(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
@@ -86,6 +91,14 @@ mod tests {
         // The first outputs of `SplitMix64` from state 1234567, as published with many implementations of it.
         let mut random = Random { state: 1_234_567 };
         assert_eq!([random.bits(), random.bits()], [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]);
+    }
+
+    #[test]
+    fn what_is_skipped_is_left_out() {
+        let (mut all, mut rest) = (Random::new(3, 4), Random::new(3, 4));
+        let expected = (0..18).map(|_| all.bits()).last();
+        rest.skip(17);
+        assert_eq!(Some(rest.bits()), expected);
     }
 
     #[test]

@@ -6,12 +6,12 @@ use crate::scene_file::read;
 use crate::signals::Signals;
 use crate::streams;
 use anyhow::Context;
-use domain::Comm;
-use io::{Checkpoints, FileError, Recorder, RunFolder, Scene};
+use domain::{Comm, Failure};
+use io::{Checkpoints, Recorder, RunFolder, Scene};
 use simulation::State;
 use std::process::ExitCode;
 
-/// Continues from a checkpoint, which the first rank passes, to the scene's end or to step `steps`. Collective.
+/// Continues from a checkpoint, of which each rank passes its share, to the scene's end or to step `steps`. Collective.
 pub fn go_on(
     folder: RunFolder,
     state: Option<State>,
@@ -35,12 +35,9 @@ pub fn kept_scene(folder: &RunFolder, steps: Option<u64>, comm: &Comm) -> anyhow
     read(&folder.scene(), &overrides, comm)
 }
 
-/// The state of the last whole checkpoint, on the first rank.
-pub fn latest(folder: &RunFolder, comm: &Comm) -> Result<Option<State>, FileError> {
-    if !comm.is_first() {
-        return Ok(None);
-    }
-    let (state, damaged) = Checkpoints::of(folder.path()).latest()?;
+/// The state of the last whole checkpoint, on each rank with a share of the particles. Collective.
+pub fn latest(folder: &RunFolder, comm: &Comm) -> Result<Option<State>, Failure> {
+    let (state, damaged) = Checkpoints::of(folder.path()).latest(comm)?;
     for error in damaged {
         streams::log(format_args!("warning: {error}; going on from the checkpoint before, step {}", state.step));
     }

@@ -97,6 +97,7 @@ pub fn conjugate_gradients<S: System>(
         system.stepped(length);
         x.add(length, &direction);
         residual.add(-length, &image);
+        drop(image);
         let before = sums[0];
         let (mut next, now) = precondition(comm, system, (x, residual, limits.interrupt), Some(&z));
         (sums, z) = (now, next.clone());

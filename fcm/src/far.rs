@@ -47,7 +47,7 @@ pub(crate) trait FarField {
     /// The velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
 
-    /// The largest `|k . u| / (|k| |u|)` of the last velocity field, see [`solver::divergence`].
+    /// The largest `|k . u| / (|k| |u|)` of the last velocity field, which is used up by that, see [`solver::divergence`].
     fn divergence(&mut self) -> f64;
 }
 
@@ -60,6 +60,8 @@ pub(crate) struct Far<T: Real> {
     transform: Transform<T>,
     operator: Stokes<T>,
     field: Field<T, Physical>,
+    /// That of the last velocity field, which is lost once this is known.
+    divergence: Option<f64>,
     stencils: Stencils<T>,
     places: Vec<Place>,
 }
@@ -83,6 +85,7 @@ impl<T: Real> Far<T> {
             grid,
             transform,
             field,
+            divergence: None,
             places: Vec::new(),
         }
     }
@@ -140,6 +143,7 @@ impl<T: Real> Far<T> {
         self.spread(loads, work);
         clock.stop(&mut work.seconds.spread);
         self.transform.apply(&mut self.field, &self.operator);
+        self.divergence = None;
         clock.stop(&mut work.seconds.fft);
         let motions = self.interpolate(loads.classes, wanted);
         clock.stop(&mut work.seconds.interpolate);
@@ -286,10 +290,12 @@ impl<T: Real> FarField for Far<T> {
     fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: Stream) -> Vec<(Vector, Tensor)> {
         let volume = self.interpolated_volume();
         self.field = self.transform.noise(&self.operator, volume, |mode| stream.of_mode(mode));
+        self.divergence = None;
         self.interpolate(classes, wanted)
     }
 
     fn velocity_field(&self) -> Vec<f64> {
+        assert!(self.divergence.is_none(), "the velocity field was used up by its divergence");
         let over = 1.0 / unit_volume(&self.plan, &self.grid).powi(2);
         let mut values: Vec<f64> = self.field.to_vec().into_iter().map(|value| value.to_f64() * over).collect();
         if let Some(axes) = self.grid.cell().axes() {
@@ -304,9 +310,9 @@ impl<T: Real> FarField for Far<T> {
     }
 
     fn divergence(&mut self) -> f64 {
-        let mut field = self.field.clone();
-        field.clear_halo();
-        let spectrum = self.transform.forward(field);
-        solver::divergence(&self.grid, &spectrum, self.partition.comm())
+        *self.divergence.get_or_insert_with(|| {
+            self.field.clear_halo();
+            solver::divergence(&self.grid, &mut self.transform, &mut self.field, self.partition.comm())
+        })
     }
 }

@@ -140,6 +140,7 @@ impl Hydrodynamics {
         let mut resistances = if guess.is_empty() { vec![Traceless::ZERO; radii.len()] } else { guess.to_vec() };
         let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
         let mut motion = self.mobility.apply(&start, Evaluation::All);
+        drop(start);
         motion.add(1.0, ambient);
         // The unknowns are D = -S, for which the system is positive definite.
         for s in &mut resistances {
@@ -188,6 +189,8 @@ impl System for Strain<'_> {
     fn apply(&mut self, direction: &Vec<Traceless>) -> Vec<Traceless> {
         let stresslets = direction.iter().map(|&d| -d).collect();
         let loads = Loads { stresslets, ..Loads::default() };
+        // The last step's memory is free for this one's.
+        self.step = Motion::default();
         self.step = self.mobility.apply(&loads, Evaluation::All);
         self.step.strain_rates.clone()
     }

@@ -24,9 +24,11 @@ impl Interpolation<'_> {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
-        let weigh = |places| T::dispatch(Weigh { to: self, kernel, places, slab });
-        let sorted: Vec<(Vector, Tensor)> = self.places.par_chunks(BATCH).flat_map_iter(weigh).collect();
-        let mut motions = vec![(Vector::ZERO, Tensor::ZERO); sorted.len()];
+        let none = vec![(Vector::ZERO, Tensor::ZERO); self.places.len()];
+        let (mut sorted, mut motions) = (none.clone(), none);
+        self.places.par_chunks(BATCH).zip(sorted.par_chunks_mut(BATCH)).for_each(|(places, motions)| {
+            T::dispatch(Weigh { to: self, kernel, places, slab, motions });
+        });
         for (place, motion) in self.places.iter().zip(sorted) {
             motions[place.row as usize] = motion;
         }
@@ -40,17 +42,17 @@ struct Weigh<'a, T, K> {
     kernel: &'a K,
     places: &'a [Place],
     slab: &'a Slab<&'a [T]>,
+    motions: &'a mut [(Vector, Tensor)],
 }
 
 impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
-    type Output = Vec<(Vector, Tensor)>;
+    type Output = ();
 
     #[inline(always)]
-    fn run<V: Lanes<T>>(self) -> Self::Output {
+    fn run<V: Lanes<T>>(self) {
         let Interpolation { classes, volume, .. } = self.to;
         let mut scratch = K::Scratch::default();
-        let mut motions = Vec::with_capacity(self.places.len());
-        for place in self.places {
+        for (place, motion) in self.places.iter().zip(self.motions) {
             let weighed = self.kernel.collect::<V>(&mut scratch, (place, classes[place.row as usize]), self.slab);
             let (mut velocity, mut gradient) = (Vector::ZERO, [Vector::ZERO; 3]);
             for c in 0..3 {
@@ -60,8 +62,7 @@ impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
                 }
             }
             let [x, y, z] = gradient;
-            motions.push((velocity * *volume, Tensor::from_cols(x, y, z) * -*volume));
+            *motion = (velocity * *volume, Tensor::from_cols(x, y, z) * -*volume);
         }
-        motions
     }
 }

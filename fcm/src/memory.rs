@@ -5,7 +5,7 @@ use crate::near::{self, Near};
 use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
 use crate::stencil::Place as Stencil;
-use domain::{Bytes, ExpectedCounts, GROWING, Halo, Place, Tensor, Traceless, Vector, VerletList};
+use domain::{Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
 use solver::Real;
 
 /// A plan as a rank carries it out that need not be there: what its [`crate::Mobility`] takes.
@@ -78,9 +78,9 @@ impl<'a> Footprint<'a> {
             Precision::Double => Bytes::list::<(Load<f64>, [f64; near::RECORD])>(present),
         };
         let travels = Bytes::list::<Tensor>(2.0 * (present - owned));
-        let interpolated = Bytes::list::<Found>(GROWING * present).then(Bytes::list::<Found>(present)).freed();
-        let brought_home = Bytes::list::<Found>(2.0 * present).then(Bytes::list::<Found>(owned)).freed();
-        let near = Bytes::list::<Found>(owned).then(in_precision).freed();
+        let interpolated = Bytes::list::<Found>(2.0 * present).freed();
+        let brought_home = Bytes::list::<Found>(present).then(Bytes::list::<Tensor>(present)).freed();
+        let near = Bytes::list::<Found>(present).then(in_precision).freed();
         let all = in_precision.freed().or(interpolated).or(brought_home.then(travels.freed()).freed()).or(near);
         loads.then(all).then(self.motion()).freed().then(self.motion())
     }
@@ -94,25 +94,15 @@ impl<'a> Footprint<'a> {
         }
     }
 
-    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: loads and the first motion, unknowns, residual,
-    /// two preconditioned residuals, direction and image, and an evaluation in which the last motion is still there.
+    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: a motion, unknowns, residual, preconditioned residual,
+    /// direction and the loads that it is, and an evaluation.
     pub fn solve(&self) -> Bytes {
         if self.plan.multipoles == Multipoles::Monopole {
             return Bytes::list::<Vector>(self.expected.owned()).then(self.evaluation());
         }
         let owned = self.expected.owned();
-        let given = Bytes::list::<(Vector, Vector, Traceless)>(owned);
-        let unknowns = Bytes::list::<Traceless>(6.0 * owned).then(Bytes::list::<f64>(owned));
-        let motions = self.motion().then(self.motion());
-        given.then(unknowns).then(motions).then(self.evaluation()).freed().then(self.motion())
-    }
-
-    /// The divergence of the flow, for which the field is copied.
-    pub fn divergence(&self) -> Bytes {
-        match self.plan.precision {
-            Precision::Single => self.grid.field::<f32>().freed(),
-            Precision::Double => self.grid.field::<f64>().freed(),
-        }
+        let unknowns = Bytes::list::<Traceless>(5.0 * owned).then(Bytes::list::<f64>(owned));
+        unknowns.then(self.motion()).then(self.evaluation()).freed().then(self.motion())
     }
 
     /// [`crate::Mobility::velocity_field`]: in the grid's precision and in `f64`.

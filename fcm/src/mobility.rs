@@ -273,7 +273,8 @@ impl Mobility {
         self.far.velocity_field().into_iter().map(|value| value * unit).collect()
     }
 
-    /// The largest `|k . u| / (|k| |u|)` over all modes of the last velocity field.
+    /// The largest `|k . u| / (|k| |u|)` over all modes of the last velocity field, whose memory that takes:
+    /// [`Self::velocity_field`] comes before it, if at all.
     pub fn divergence(&mut self) -> f64 {
         self.far.divergence()
     }
@@ -303,10 +304,12 @@ impl Arrangement {
     /// Brings what the ranks added up for each other's particles home.
     fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
         let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();
-        let mut gradients: Vec<Tensor> = motions.iter().map(|m| m.1).collect();
         self.halo.collect(&mut velocities);
+        motions.iter_mut().zip(velocities).for_each(|(motion, velocity)| motion.0 = velocity);
+        let mut gradients: Vec<Tensor> = motions.iter().map(|m| m.1).collect();
         self.halo.collect(&mut gradients);
-        *motions = velocities.into_iter().zip(gradients).collect();
+        motions.iter_mut().zip(gradients).for_each(|(motion, gradient)| motion.1 = gradient);
+        motions.truncate(self.halo.owned());
     }
 }
 

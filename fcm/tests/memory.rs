@@ -46,6 +46,6 @@ fn predictions_are_what_is_allocated() {
         near(1e-3, footprint.velocity_field().kept, found.kept);
         assert_eq!(footprint.points() as usize, plan.grid.iter().product());
         let (_, found) = measured(|| hydrodynamics.mobility().divergence());
-        near(1e-3, footprint.divergence().most, found.most);
+        assert!(found.most < 1e-2 * footprint.mobility().kept, "the divergence takes {found:?} beside the field");
     }
 }

@@ -4,7 +4,7 @@
 use crate::claimed_size;
 use bytemuck::NoUninit;
 use hdf5::{Dataset, Group, H5Type};
-use xxhash_rust::xxh3::xxh3_64;
+use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 const NAME: &str = "checksum";
 
@@ -13,11 +13,38 @@ pub(crate) fn of<T: NoUninit>(values: &[T]) -> u64 {
     xxh3_64(bytemuck::cast_slice(values))
 }
 
-/// Stores a list of numbers with its checksum.
-pub(crate) fn write<T: H5Type + NoUninit>(group: &Group, name: &str, values: &[T]) -> hdf5::Result<Dataset> {
-    let dataset = group.new_dataset_builder().with_data(values).create(name)?;
-    attach(&dataset, of(values))?;
+/// Stores a list of so many numbers, of which `each` brings a block after the other, with its checksum.
+pub(crate) fn write_blocks<T: H5Type + NoUninit>(
+    group: &Group,
+    (name, count): (&str, usize),
+    each: impl FnOnce(&mut dyn FnMut(&[T]) -> hdf5::Result<()>) -> hdf5::Result<()>,
+) -> hdf5::Result<Dataset> {
+    let dataset = group.new_dataset::<T>().shape((count,)).create(name)?;
+    let (mut sum, mut start) = (Sum::default(), 0);
+    each(&mut |values| {
+        sum.add(values);
+        dataset.write_slice(values, start..start + values.len())?;
+        start += values.len();
+        Ok(())
+    })?;
+    attach(&dataset, sum.get())?;
     Ok(dataset)
+}
+
+/// The checksum of numbers that come one after another.
+#[derive(Default)]
+pub(crate) struct Sum(Xxh3);
+
+impl Sum {
+    /// Takes in more of them.
+    pub(crate) fn add<T: NoUninit>(&mut self, values: &[T]) {
+        self.0.update(bytemuck::cast_slice(values));
+    }
+
+    /// The checksum of all so far.
+    pub(crate) fn get(&self) -> u64 {
+        self.0.digest()
+    }
 }
 
 /// Stores a dataset's checksum.

@@ -1,8 +1,8 @@
 //! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
-use crate::frames::{Damage, Element, Frames, Kind, Values};
+use crate::frames::{Added, Damage, Element, Frames, Kind};
 use crate::{FileError, Provenance, checksum, text};
-use domain::Particles;
+use domain::{ById, Comm, Particles, PeriodicBox};
 use hdf5::types::FixedAscii;
 use simulation::Frame;
 use std::path::Path;
@@ -26,6 +26,16 @@ impl Trajectory {
     /// A trajectory of up to `frames` frames, like the first frame given: radii, species and periodic axes are those
     /// that it has, and the columns are those that it has.
     pub fn create(path: &Path, provenance: &Provenance, first: &Frame, frames: u64) -> Result<Self, FileError> {
+        alone(&first.particles, |rows| Self::create_for(path, provenance, (rows, first.periodic), frames))
+    }
+
+    /// The same with particles that are on many ranks.
+    pub(crate) fn create_for(
+        path: &Path,
+        provenance: &Provenance,
+        first: (&ById, [bool; 3]),
+        frames: u64,
+    ) -> Result<Self, FileError> {
         Self::open(provenance, first, frames, |kind| Frames::create(path, kind))
     }
 
@@ -37,16 +47,26 @@ impl Trajectory {
         first: &Frame,
         (last, frames): (u64, u64),
     ) -> Result<Self, FileError> {
+        alone(&first.particles, |rows| Self::resume_for(path, provenance, (rows, first.periodic), (last, frames)))
+    }
+
+    /// The same with particles that are on many ranks.
+    pub(crate) fn resume_for(
+        path: &Path,
+        provenance: &Provenance,
+        first: (&ById, [bool; 3]),
+        (last, frames): (u64, u64),
+    ) -> Result<Self, FileError> {
         Self::open(provenance, first, frames, |kind| Frames::resume(path, kind, last))
     }
 
     fn open(
         provenance: &Provenance,
-        first: &Frame,
+        first @ (rows, _): (&ById, [bool; 3]),
         capacity: u64,
         open: impl FnOnce(&Kind) -> Result<Frames, FileError>,
     ) -> Result<Self, FileError> {
-        let elements = elements(&first.particles);
+        let elements = elements(rows.columns(), rows.count());
         let fixed = |file: &hdf5::File| {
             provenance.write(file)?;
             write_fixed(file, first)
@@ -61,7 +81,8 @@ impl Trajectory {
 
     /// Bytes of a frame like this one.
     pub fn frame_bytes(frame: &Frame) -> usize {
-        elements(&frame.particles).iter().map(Element::bytes).sum()
+        let columns = frame.particles.columns.iter().map(|column| (column.name.as_str(), column.width));
+        elements(columns, frame.particles.len()).iter().map(Element::bytes).sum()
     }
 
     /// Waits until all frames so far are on the disk.
@@ -71,24 +92,34 @@ impl Trajectory {
 
     /// Adds a frame.
     pub fn append(&mut self, clock: (u64, f64), Frame { cell, particles, .. }: &Frame) -> Result<(), FileError> {
+        alone(particles, |rows| self.append_for(clock, rows, cell))
+    }
+
+    /// Adds a frame of particles that are on many ranks.
+    pub(crate) fn append_for(&mut self, clock: (u64, f64), rows: &ById, cell: &PeriodicBox) -> Result<(), FileError> {
         let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
-        let mut values: Vec<Values> = vec![
-            bytemuck::cast_slice::<_, f64>(&particles.positions).into(),
-            bytemuck::cast_slice::<_, i32>(&particles.steps).into(),
-            lattice.as_flattened().into(),
-            cell.strain().into(),
+        let mut values = vec![
+            Added::InBlocks(Box::new(|each| rows.positions(|x| each(&bytemuck::cast_slice::<_, f64>(x).into())))),
+            Added::InBlocks(Box::new(|each| rows.steps(|steps| each(&steps.as_flattened().into())))),
+            Added::Whole(lattice.as_flattened().into()),
+            Added::Whole(cell.strain().into()),
         ];
         for element in &self.elements[values.len()..] {
-            let named = COLUMNS.iter().find(|(_, path, _)| *path == element.path);
-            let column = particles.columns.iter().find(|c| named.is_some_and(|(name, ..)| c.name == *name));
-            values.push(column.expect("the columns of the first frame").values.as_slice().into());
+            let is_its =
+                |(name, _): (&str, usize)| COLUMNS.iter().any(|&(n, path, _)| path == element.path && n == name);
+            let place = rows.columns().position(is_its).expect("the columns of the first frame");
+            values.push(Added::InBlocks(Box::new(move |each| rows.column(place, |values| each(&values.into())))));
         }
-        self.frames.append(clock, &values)
+        self.frames.append_blocks(clock, &values)
     }
 }
 
-fn elements(particles: &Particles) -> Vec<Element> {
-    let count = particles.len();
+/// Reads particles that are all on this rank.
+fn alone<R>(particles: &Particles, read: impl FnOnce(&ById) -> R) -> R {
+    particles.by_id(&Comm::alone(), read).expect("the only rank is the first")
+}
+
+fn elements<'a>(columns: impl Iterator<Item = (&'a str, usize)>, count: usize) -> Vec<Element> {
     let element = |path: &str, shape, unit| Element { path: path.into(), shape, whole: false, unit };
     let mut elements = vec![
         element("particles/all/position", Some([count, 3]), "length"),
@@ -96,24 +127,85 @@ fn elements(particles: &Particles) -> Vec<Element> {
         element("particles/all/box/edges", Some([3, 3]), "length"),
         element("particles/all/box/strain", None, ""),
     ];
+    let columns: Vec<_> = columns.collect();
     for (name, path, unit) in COLUMNS {
-        if let Some(column) = particles.columns.iter().find(|c| c.name == name) {
-            elements.push(element(path, Some([count, column.width]), unit));
+        if let Some((_, width)) = columns.iter().find(|column| column.0 == name) {
+            elements.push(element(path, Some([count, *width]), unit));
         }
     }
     elements
 }
 
 /// What no frame changes.
-fn write_fixed(file: &hdf5::File, Frame { particles, periodic, .. }: &Frame) -> hdf5::Result<()> {
-    let group = file.group("particles/all")?;
-    checksum::write(&group, "id", &particles.ids)?;
-    checksum::write(&group, "species", &particles.species)?;
-    let radii = checksum::write(&group, "radius", &particles.radii)?;
+fn write_fixed(file: &hdf5::File, (rows, periodic): (&ById, [bool; 3])) -> hdf5::Result<()> {
+    let (group, count) = (file.group("particles/all")?, rows.count());
+    checksum::write_blocks::<u64>(&group, ("id", count), |each| rows.ids(each))?;
+    checksum::write_blocks::<u32>(&group, ("species", count), |each| rows.species(each))?;
+    let radii = checksum::write_blocks::<f64>(&group, ("radius", count), |each| rows.radii(each))?;
     text::write_dimensions(&radii, "length")?;
     let cell = group.group("box")?;
     cell.new_attr::<i32>().create("dimension")?.write_scalar(&3)?;
     let boundary = periodic.map(|yes| text::fixed(if yes { "periodic" } else { "none" }));
     let boundary = boundary.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
     cell.new_attr::<FixedAscii<64>>().shape(3).create("boundary")?.write(&boundary)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Vector;
+
+    /// Whoever has the particles, in whatever order, files have the same content.
+    #[test]
+    fn ranks_write_one_file() {
+        let cell = PeriodicBox::sheared(Vector::splat(4.0), 0.2).unwrap();
+        let mut all = Particles::default();
+        (0..23).for_each(|id| all.push(id, Vector::splat(0.1 * id as f64), 1.0 + id as f64, (id % 2) as u32));
+        all.steps[3] = [1, -2, 3];
+        all.column("stresslet", 5).values.iter_mut().enumerate().for_each(|(k, value)| *value = k as f64);
+        all.vectors("another").fill(Vector::ONE);
+        all.vectors("velocity")[22] = Vector::new(-0.0, 1e-300, 1.0 / 3.0);
+        let folder = tempfile::tempdir().unwrap();
+        let provenance = Provenance {
+            scene: "none".to_owned(),
+            program: "a test".to_owned(),
+            plan: "none".to_owned(),
+            ranks: 1,
+            seed: 1,
+        };
+        let files = [1, 2, 3, 7].map(|ranks| {
+            let path = folder.path().join(format!("{ranks}.h5"));
+            Comm::threads(ranks, |comm| {
+                let rows: Vec<usize> = (0..23).rev().filter(|row| row % ranks == comm.rank()).collect();
+                let own = all.selected(&rows);
+                let axes = [true, true, false];
+                let opened = own.by_id(&comm, |rows| Trajectory::create_for(&path, &provenance, (rows, axes), 2));
+                let mut trajectory = opened.transpose().unwrap();
+                for step in 0..2 {
+                    let mut append = |rows: &ById| {
+                        trajectory.as_mut().expect("on the first rank").append_for((step, 0.5), rows, &cell)
+                    };
+                    own.by_id(&comm, &mut append).transpose().unwrap();
+                }
+            });
+            content(&path)
+        });
+        assert!(files[1..].iter().all(|file| *file == files[0]));
+        let path = folder.path().join("whole.h5");
+        let frame = Frame { particles: all.clone(), cell, periodic: [true, true, false] };
+        let mut whole = Trajectory::create(&path, &provenance, &frame, 2).unwrap();
+        (0..2).for_each(|step| whole.append((step, 0.5), &frame).unwrap());
+        assert!(content(&path) == files[0]);
+        let (_, read) = crate::TrajectoryReader::open(&path).unwrap().frame(1).unwrap();
+        assert_eq!((read.ids, read.positions, read.steps), (all.ids, all.positions, all.steps));
+    }
+
+    /// What does not change and the checksums of all frames, which their values fit.
+    fn content(path: &Path) -> (Vec<u64>, Vec<f64>, Vec<u64>) {
+        assert_eq!(crate::Contents::read(path).unwrap().damage, Vec::<String>::new());
+        let file = hdf5::File::open(path).unwrap();
+        let numbers = |name: &str| file.dataset(name).unwrap().read_raw::<u64>().unwrap();
+        let radii = file.dataset("particles/all/radius").unwrap().read_raw().unwrap();
+        (numbers("particles/all/id"), radii, numbers("parameters/checksums"))
+    }
 }

@@ -55,11 +55,10 @@ impl Run {
         let name = folder.scene().display().to_string();
         let text = comm.broadcast_text(read.as_ref().map_or("", Scene::text));
         let scene = read.map_or_else(|| Scene::parse(&text, &name, &[]), Ok)?;
-        let latest = if comm.is_first() { Checkpoints::of(path).latest().map(Some) } else { Ok(None) };
-        let (state, damaged) = comm.agree(latest)?.unzip();
+        let (state, damaged) = Checkpoints::of(path).latest(comm)?;
         let say = |error| format!("{error}; going on from the checkpoint before");
-        let notes = damaged.unwrap_or_default().iter().map(say).collect();
-        let mut simulation = io::resume(&scene, state, comm)?;
+        let notes = damaged.iter().map(say).collect();
+        let mut simulation = io::resume(&scene, Some(state), comm)?;
         let recorder = Recorder::resume(folder, &scene, &mut *simulation)?;
         Ok((Self::of(simulation, scene, Output::Files(recorder)), notes))
     }

@@ -18,7 +18,8 @@ const CACHE: f64 = (1 << 20) as f64;
 
 impl Frame {
     /// The memory for writing a frame of `particles` particles whose columns have `numbers` numbers: the chunks of
-    /// positions, images and each column that HDF5 caches, if they are small enough.
+    /// positions, images and each column that HDF5 caches, if they are small enough; besides the blocks of particles that
+    /// are gathered, [`domain::ById`].
     pub fn bytes(particles: f64, numbers: usize) -> Bytes {
         let chunks = [3.0 * 8.0, 3.0 * 4.0, 8.0 * numbers as f64].map(|width| width * particles);
         Bytes::keep(chunks.into_iter().map(|bytes| if bytes > CACHE { 0.0 } else { bytes }).sum())

@@ -41,8 +41,13 @@ pub trait Simulation {
     /// none.
     fn advance(&mut self, last: u64) -> Result<(), SimulationError>;
 
-    /// The particles now.
+    /// The particles now, all on the first rank in the order of their ids.
     fn frame(&self) -> Frame;
+
+    /// The same without a rank that has all: each with its own particles, in any order.
+    fn frame_share(&self) -> Frame {
+        self.frame()
+    }
 
     /// The quantities of the time series.
     fn quantities(&self) -> Vec<Quantity>;
@@ -58,7 +63,7 @@ pub trait Simulation {
     /// Takes a sample for the averages at the present step.
     fn sample(&mut self) {}
 
-    /// The state for a checkpoint, from which a run continues bit for bit.
+    /// The state for a checkpoint, from which a run continues bit for bit, on each rank with its own particles.
     fn state(&mut self) -> State;
 
     /// The velocity of the fluid, if there is one.

@@ -11,8 +11,9 @@ pub struct State {
     pub strain: f64,
     /// How the fluid was computed, in words; a run continues bit for bit if it is computed in the same way.
     pub plan: String,
-    /// All particles in the order of their ids, with all their columns.
+    /// Particles with all their columns: those of this rank, in any order.
     pub particles: Particles,
-    /// The counts and averages of the run so far, in the simulation's own format; empty if there are none.
+    /// The counts and averages of the run so far, in the simulation's own format, on the first rank; empty if there are
+    /// none.
     pub statistics: Vec<u8>,
 }

@@ -1,24 +1,31 @@
 //! Relative divergence of a velocity field.
 
-use crate::{Field, Grid, Real, Spectral};
+use crate::{Field, Grid, Physical, Real, Transform};
 use domain::{Comm, Vector};
 
 /// The largest `|k.u_hat|` of all modes over the largest `|k| |u_hat|`, on every rank the same: 0 for a solenoidal
 /// field, 1 for a gradient, and 0 for no field at all. The highest modes of each axis, which have no derivative, do not
-/// count.
-pub fn divergence<T: Real>(grid: &Grid, velocity: &Field<T, Spectral>, comm: &Comm) -> f64 {
+/// count. The values of the field, whose halos are to be clear, are lost.
+pub fn divergence<T: Real>(
+    grid: &Grid,
+    transform: &mut Transform<T>,
+    velocity: &mut Field<T, Physical>,
+    comm: &Comm,
+) -> f64 {
     // Squares, whose roots are taken once.
-    let squares = velocity.largest_of_modes(|mode, values| {
+    let mut largest = [0.0_f64; 2];
+    transform.for_each_mode(velocity, |mode, values| {
         if (0..3).any(|axis| grid.is_nyquist(axis, mode[axis])) {
-            return [0.0; 2];
+            return;
         }
         let k = grid.wavevector(mode);
         let [re, im] =
             [values.map(|value| value.re.to_f64()), values.map(|value| value.im.to_f64())].map(Vector::from_array);
-        let along = [k.dot(re), k.dot(im)];
-        [along[0] * along[0] + along[1] * along[1], k.length_squared() * (re.length_squared() + im.length_squared())]
+        let squares =
+            [k.dot(re).powi(2) + k.dot(im).powi(2), k.length_squared() * (re.length_squared() + im.length_squared())];
+        largest = [largest[0].max(squares[0]), largest[1].max(squares[1])];
     });
-    let mut largest = squares.map(f64::sqrt);
+    largest = largest.map(f64::sqrt);
     comm.max(&mut largest);
     if largest[1] > 0.0 { largest[0] / largest[1] } else { 0.0 }
 }

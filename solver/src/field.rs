@@ -212,33 +212,17 @@ impl<T: Real> Field<T, Spectral> {
     /// Calls `visit(mode, values)` for each mode `[m1, m2, m3]` that this rank owns, `m1 < nx/2`. Over all ranks these
     /// are all modes; those with `m1 > nx/2` are the complex conjugates, and `m1 = nx/2` is taken as zero.
     pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
-        for m3 in 0..self.layout.points[2] {
-            self.modes_of_plane(m3).for_each(|mode| visit(mode, self.values(mode)));
-        }
-    }
-
-    /// The largest of the numbers, each by itself and none below zero, that `numbers` gives for each mode of
-    /// [`Self::for_each_mode`]; it is called on all threads.
-    pub fn largest_of_modes<const N: usize>(
-        &self,
-        numbers: impl Fn([usize; 3], [Complex<T>; 3]) -> [f64; N] + Sync,
-    ) -> [f64; N] {
-        let larger = |a: [f64; N], b: [f64; N]| std::array::from_fn(|n| a[n].max(b[n]));
-        let of_plane = |m3| self.modes_of_plane(m3).map(|mode| numbers(mode, self.values(mode))).fold([0.0; N], larger);
-        (0..self.layout.points[2]).into_par_iter().map(of_plane).reduce(|| [0.0; N], larger)
-    }
-
-    /// The modes of a plane that this rank owns.
-    fn modes_of_plane(&self, m3: usize) -> impl Iterator<Item = [usize; 3]> + use<T> {
-        let columns =
-            self.layout.blocks.start * T::LANES..(self.layout.blocks.end * T::LANES).min(self.layout.points[0] / 2);
-        self.layout.modes.clone().flat_map(move |m2| columns.clone().map(move |m1| [m1, m2, m3]))
+        let (layout, values) = (&self.layout, self.memory.values());
+        layout.for_each_mode((&layout.spectral, &layout.modes), |place| values[place], &mut visit);
     }
 
     /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.
     pub(crate) fn set_modes(&mut self, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync) {
-        for m3 in 0..self.layout.points[2] {
-            let modes: Vec<[usize; 3]> = self.modes_of_plane(m3).collect();
+        let [nx, _, nz] = self.layout.points;
+        let columns = self.layout.blocks.start * T::LANES..(self.layout.blocks.end * T::LANES).min(nx / 2);
+        for m3 in 0..nz {
+            let of_row = |m2: usize| columns.clone().map(move |m1| [m1, m2, m3]);
+            let modes: Vec<[usize; 3]> = self.layout.modes.clone().flat_map(of_row).collect();
             let plane: Vec<[Complex<f64>; 3]> = modes.par_iter().map(|&mode| values(mode)).collect();
             for (mode, values) in modes.into_iter().zip(plane) {
                 for (component, value) in values.into_iter().enumerate() {
@@ -250,19 +234,9 @@ impl<T: Real> Field<T, Spectral> {
         }
     }
 
-    fn values(&self, mode: [usize; 3]) -> [Complex<T>; 3] {
-        std::array::from_fn(|component| self.value(component, mode))
-    }
-
-    fn value(&self, component: usize, mode: [usize; 3]) -> Complex<T> {
-        let real = self.place_of(component, mode);
-        Complex::new(self.memory.values()[real], self.memory.values()[real + T::LANES])
-    }
-
     /// Where the real part of a mode stands; the imaginary part follows by a vector's lanes.
     fn place_of(&self, component: usize, mode: [usize; 3]) -> usize {
-        let (layout, lanes) = (&self.layout, T::LANES);
-        let row = layout.spectral.at(component, mode[1] - layout.modes.start, mode[2]);
-        row + (mode[0] / lanes - layout.blocks.start) * 2 * lanes + mode[0] % lanes
+        let layout = &self.layout;
+        layout.spectral.at(component, mode[1] - layout.modes.start, mode[2]) + layout.in_row::<T>(mode[0])
     }
 }

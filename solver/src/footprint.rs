@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::layout::Layout;
+use crate::transform::ROOM;
 use domain::{Bytes, Place};
 
 /// A grid as a rank has it that need not be there: its points, the rank's place among the ranks, and the values of room
@@ -24,7 +25,7 @@ impl Footprint {
         Bytes::list::<T>(self.layout::<T>().capacity as f64)
     }
 
-    /// A transform: whole columns of each direction that ranks share, and room for each thread.
+    /// A transform: whole columns of each direction that ranks share, those along z of a round, and room for each thread.
     pub fn transform<T: Real>(&self, threads: usize) -> Bytes {
         let layout = self.layout::<T>();
         let [nx, ny, nz] = self.points;
@@ -35,13 +36,13 @@ impl Footprint {
 
     /// Of it, the whole columns, which other ranks on the same machine map.
     pub fn columns_bytes<T: Real>(&self) -> f64 {
-        let columns = self.columns(&self.layout::<T>());
+        let columns = self.columns::<T>(&self.layout::<T>());
         Bytes::list::<T>(columns.into_iter().map(|[whole, _]| whole).sum()).kept
     }
 
     /// What a rank writes to in the columns of others on its machine: resident there and here, but there only once.
     pub fn reached_bytes<T: Real>(&self) -> f64 {
-        let columns = self.columns(&self.layout::<T>());
+        let columns = self.columns::<T>(&self.layout::<T>());
         Bytes::list::<T>(columns.into_iter().map(|[_, beside]| beside).sum()).kept
     }
 
@@ -62,13 +63,15 @@ impl Footprint {
     }
 
     /// Reals of whole columns along y and along z, and those of them that come from here and go to others.
-    fn columns(&self, layout: &Layout) -> [[f64; 2]; 2] {
+    fn columns<T: Real>(&self, layout: &Layout) -> [[f64; 2]; 2] {
         let [rows, columns] = self.place.table();
         let (nx, [_, ny, nz]) = (layout.width_in_all as f64, self.points.map(|n| n as f64));
         let [lines, planes] = layout.rows.clone().map(|lines| lines.len() as f64);
         let (width, modes) = (layout.width as f64, layout.modes.len() as f64);
         let along_y = [3.0 * planes * ny * width, 3.0 * planes * lines * (nx - width)];
-        let along_z = [3.0 * nz * modes * width, 3.0 * planes * (ny - modes) * width];
+        let rounds = layout.rounds(columns, ROOM / size_of::<T>());
+        let largest = layout.modes.len().div_ceil(rounds) as f64;
+        let along_z = [3.0 * nz * largest * width, 3.0 * planes * (ny - modes) / rounds as f64 * width];
         [if rows > 1 { along_y } else { [0.0; 2] }, if columns > 1 { along_z } else { [0.0; 2] }]
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Real;
 use domain::{Place, block};
+use num_complex::Complex;
 use std::ops::Range;
 
 /// The share of one rank. Physical values stand in rows along x, [component][z][y][x], with room for a halo after each
@@ -73,6 +74,42 @@ impl Layout {
         let capacity = capacity.into_iter().max().unwrap_or(0);
         let width_in_all = blocks_in_all * block_size;
         Self { points, rows, blocks, modes, halo, physical, transposed, spectral, capacity, width, width_in_all }
+    }
+}
+
+impl Layout {
+    /// Rounds in which so many ranks of a row make columns along z whole, of at most so many reals each: the same on all.
+    pub fn rounds(&self, ranks: usize, room: usize) -> usize {
+        let modes = self.points[1].div_ceil(ranks);
+        (3 * self.points[2] * modes * self.width_in_all).div_ceil(room).clamp(1, modes)
+    }
+
+    /// Calls `visit(mode, values)` for each mode of this rank's that is one of some along y, with coefficients that stand
+    /// at such strides and are read by their places.
+    pub fn for_each_mode<T: Real>(
+        &self,
+        (strides, modes): (&Strides, &Range<usize>),
+        read: impl Fn(usize) -> T,
+        visit: &mut impl FnMut([usize; 3], [Complex<T>; 3]),
+    ) {
+        let [nx, _, nz] = self.points;
+        let columns = self.blocks.start * T::LANES..(self.blocks.end * T::LANES).min(nx / 2);
+        for m3 in 0..nz {
+            for m2 in modes.clone() {
+                for m1 in columns.clone() {
+                    let value = |component| {
+                        let real = strides.at(component, m2 - modes.start, m3) + self.in_row::<T>(m1);
+                        Complex::new(read(real), read(real + T::LANES))
+                    };
+                    visit([m1, m2, m3], std::array::from_fn(value));
+                }
+            }
+        }
+    }
+
+    /// Where the real part of a mode stands in its spectral row; the imaginary part follows by a vector's lanes.
+    pub fn in_row<T: Real>(&self, m1: usize) -> usize {
+        (m1 / T::LANES - self.blocks.start) * 2 * T::LANES + m1 % T::LANES
     }
 }
 

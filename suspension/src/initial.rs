@@ -2,7 +2,32 @@
 
 use crate::error::PlacingError;
 use crate::model::{Lattice, Model, Species, Start};
-use domain::{Comm, GivenPositions, Particles, PeriodicBox, Random, Vector, random_packing};
+use domain::{
+    Comm, GivenPositions, Particles, Partition, PeriodicBox, Random, Vector, random_packing, shared_random_packing,
+};
+
+/// The spheres of a model that start at random and not too near each other, each on the rank that owns it; nothing where
+/// all are placed by the first rank. Collective.
+pub fn shared(model: &Model, partition: &Partition) -> Result<Option<Particles>, PlacingError> {
+    let Start::Random { minimum_gap } = model.start else { return Ok(None) };
+    let groups: Vec<(f64, usize)> = model.species.iter().map(|kind| (kind.radius, count(kind))).collect();
+    let placed = shared_random_packing(&model.cell, &groups, (minimum_gap, model.seed), partition)?;
+    let ends: Vec<u64> = groups.iter().scan(0, |end, group| Some(next(end, group.1))).collect();
+    Ok(placed.map(|spheres| {
+        let mut particles = Particles::default();
+        for (id, place) in spheres {
+            let species = ends.partition_point(|&end| end <= id);
+            particles.push(id, place, groups[species].0, species as u32);
+        }
+        particles
+    }))
+}
+
+/// Where so many more end.
+fn next(end: &mut u64, count: usize) -> u64 {
+    *end += count as u64;
+    *end
+}
 
 /// All particles of a model, in the order of their ids.
 pub fn particles(model: &Model, placed: Option<GivenPositions>) -> Result<Particles, PlacingError> {
@@ -128,7 +153,7 @@ fn check_species(model: &Model, species: &[u32]) -> Result<(), String> {
     }
 }
 
-/// Gives every rank the columns, empty so far, that the first rank has. Collective.
+/// Gives every rank the columns that the first rank has, empty where it has none so far. Collective.
 pub fn share_columns(particles: &mut Particles, comm: &Comm) {
     let names: Vec<String> = particles.columns.iter().map(|c| format!("{} {}", c.width, c.name)).collect();
     for line in comm.broadcast_text(&names.join("\n")).lines() {

@@ -9,7 +9,7 @@ use crate::contacts::{CONTACT_NUMBERS, most_contacts};
 use crate::driven::DRIVEN_NUMBERS;
 use crate::dynamics::AMBIENT_NUMBERS;
 use crate::forces::SurfaceForces;
-use crate::hydrodynamics::memory::{pairs_bytes, solve_bytes, table_bytes};
+use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
 use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
 use crate::model::{Integrator, Model, Multipoles, Species, Start};
 use crate::plan::{Radii, largest_strain};
@@ -80,7 +80,7 @@ pub fn remedy(model: &Model, radii: &Radii) -> String {
     )
 }
 
-/// What placing the particles takes on the first rank.
+/// What placing the particles takes on a rank that is alone.
 pub fn placing(model: &Model, radii: &Radii) -> Need {
     Need { resident: Process::ALONE.resident(placing_bytes(model, radii.count() as f64).most), ..Need::default() }
 }
@@ -125,9 +125,25 @@ impl Share<'_> {
     }
 
     fn start(&self) -> Bytes {
-        let placed = if self.is_first { placing_bytes(self.model, self.expected.total()) } else { Bytes::default() };
+        let placed = match self.model.start {
+            Start::Random { minimum_gap } if filled(self.model, minimum_gap) <= DENSE => {
+                self.shared_placing(minimum_gap)
+            }
+            _ if self.is_first => placing_bytes(self.model, self.expected.total()),
+            _ => Bytes::default(),
+        };
         let own = Particles::bytes(self.expected.owned(), 0);
         placed.or(own.then(self.near(self.gap_search())).freed())
+    }
+
+    /// What a rank takes to place its share, and knows of the spheres around it.
+    fn shared_placing(&self, gap: f64) -> Bytes {
+        let present = self.expected.present(2.0 * self.expected.largest_radius() + gap);
+        let listed = Bytes::list::<(u64, Vector)>(domain::GROWING * self.expected.owned());
+        listed
+            .then(packing_bytes(present, false))
+            .then(Particles::bytes(domain::GROWING * self.expected.owned(), 0))
+            .freed()
     }
 
     fn fluid(&self) -> Bytes {
@@ -229,10 +245,7 @@ impl Share<'_> {
     }
 
     fn report(&self) -> Bytes {
-        // Large grids are not put where a solve has freed its pairs.
-        let pairs = self.near_field().map_or_else(Bytes::default, |range| pairs_bytes(self.expected, range));
-        let divergence = Bytes::keep(pairs.most).then(self.far.divergence()).freed();
-        divergence.or(self.near(self.gap_search()).freed())
+        self.near(self.gap_search()).freed()
     }
 
     fn gathered(&self, numbers: usize) -> Bytes {
@@ -243,7 +256,12 @@ impl Share<'_> {
         let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
         let numbers: usize = widths.sum();
         let buffers = if self.is_first { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
-        self.gathered(numbers).freed().then(buffers).freed()
+        self.by_id(numbers).then(buffers).freed()
+    }
+
+    /// A copy of the rank's particles, from which blocks go to the first rank.
+    fn by_id(&self, numbers: usize) -> Bytes {
+        Particles::bytes(self.expected.owned(), numbers).then(Particles::by_id_bytes(self.expected.owned()))
     }
 
     /// Samples that the statistics of the scene will have at its end.
@@ -278,11 +296,9 @@ impl Share<'_> {
     }
 
     fn checkpoint(&self) -> Bytes {
-        let total = self.expected.total();
-        let state = self.samples().map_or(0.0, |samples| sampling::state_bytes(total, samples));
-        let written = Particles::bytes(total, self.numbers()).then(Bytes::keep(state));
-        let own = Bytes::keep(state).then(written);
-        self.gathered(self.numbers()).then(if self.is_first { own } else { Bytes::default() }).freed()
+        let state = self.samples().map_or(0.0, |samples| sampling::state_bytes(self.expected.total(), samples));
+        let statistics = Bytes::keep(if self.is_first { 2.0 * state } else { 0.0 });
+        statistics.then(self.by_id(self.numbers())).freed()
     }
 
     /// The flow on a grid of its own, which is gathered.

@@ -31,7 +31,7 @@ impl Observed {
         Ok(Self::of(model, Suspension::start_with(model, placed, comm)?))
     }
 
-    /// A model in a state, which the first rank brings. Collective.
+    /// A model in a state, as [`Suspension::resume`] takes it; the first rank brings the statistics. Collective.
     pub fn resume(model: &Model, mut state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let statistics = state.as_mut().map(|state| std::mem::take(&mut state.statistics)).unwrap_or_default();
         let mut resumed = Self::of(model, Suspension::resume(model, state, comm)?);
@@ -41,12 +41,11 @@ impl Observed {
     }
 
     fn of(model: &Model, suspension: Suspension) -> Self {
-        let frame = suspension.gathered(Some(&FRAME));
-        let radii = Radii::shared(&frame, suspension.comm());
+        let radii = Radii::shared(suspension.particles(), suspension.comm());
         let observer = Observer::new(model, suspension.clock().step(), radii.smallest());
         let resumed = suspension.caution().map(str::to_owned);
         let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
-        let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &frame));
+        let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension.gathered(Some(&[]))));
         Self { suspension, observer, averages, cautions }
     }
 
@@ -86,6 +85,11 @@ impl Simulation for Observed {
 
     fn frame(&self) -> Frame {
         let particles = self.suspension.gathered(Some(&FRAME));
+        Frame { particles, cell: *self.suspension.cell(), periodic: [true; 3] }
+    }
+
+    fn frame_share(&self) -> Frame {
+        let particles = self.suspension.particles().with_columns(|name| FRAME.contains(&name));
         Frame { particles, cell: *self.suspension.cell(), periodic: [true; 3] }
     }
 

@@ -9,14 +9,21 @@ use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Problem};
 pub struct Radii(Vec<(f64, usize)>);
 
 impl Radii {
-    /// The radii of particles that are all on the first rank. Collective.
+    /// The radii of the particles of all ranks. Collective.
     pub fn shared(particles: &Particles, comm: &Comm) -> Self {
         let mut radii = particles.radii.clone();
         radii.sort_by(f64::total_cmp);
-        let mut kinds: Vec<[f64; 2]> =
+        let own: Vec<[f64; 2]> =
             radii.chunk_by(|a, b| a.total_cmp(b).is_eq()).map(|equal| [equal[0], equal.len() as f64]).collect();
-        comm.broadcast(&mut kinds);
-        Self(kinds.into_iter().map(|[radius, count]| (radius, count as usize)).collect())
+        let all = comm.all_gather(&own).into_iter().map(|[radius, count]| (radius, count as usize));
+        Self::of_kinds(all.collect())
+    }
+
+    /// Those of groups, some of which may have one radius.
+    fn of_kinds(mut kinds: Vec<(f64, usize)>) -> Self {
+        kinds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let merged = |equal: &[(f64, usize)]| (equal[0].0, equal.iter().map(|kind| kind.1).sum());
+        Self(kinds.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()).map(merged).collect())
     }
 
     /// The radii of a scene that counts its particles itself; none where a file does.
@@ -24,11 +31,7 @@ impl Radii {
         if let Start::Given = model.start {
             return None;
         }
-        let mut kinds: Vec<(f64, usize)> =
-            model.species.iter().map(|s| (s.radius, s.count.unwrap_or(0) as usize)).collect();
-        kinds.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let merged = |equal: &[(f64, usize)]| (equal[0].0, equal.iter().map(|kind| kind.1).sum());
-        Some(Self(kinds.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()).map(merged).collect()))
+        Some(Self::of_kinds(model.species.iter().map(|s| (s.radius, s.count.unwrap_or(0) as usize)).collect()))
     }
 
     /// Each radius and how many particles have it.

@@ -47,8 +47,9 @@ impl Setup {
         planned: Option<Planned>,
         comm: &Comm,
     ) -> Result<Self, StartError> {
-        let particles = if comm.is_first() { initial::particles(model, placed) } else { Ok(Particles::default()) };
-        let particles = comm.agree(particles)?;
+        let shared = planned.as_ref().map(|planned| initial::shared(model, &planned.partition(comm))).transpose();
+        let first = || if comm.is_first() { initial::particles(model, placed) } else { Ok(Particles::default()) };
+        let particles = comm.agree(shared.and_then(|shared| shared.flatten().map_or_else(first, Ok)))?;
         let mut setup = match planned {
             Some(planned) => Self::of(model, (planned, particles), (comm, 0))?,
             None => Self::at(model, particles, (comm, 0)).map_err(|error| StartError::Given(Box::new(error)))?,
@@ -87,7 +88,7 @@ impl Setup {
         self.farthest = Some(Gap { length: farthest, radius: self.radii.smallest() });
     }
 
-    /// A scene after `step` steps, with all particles on the first rank, if there is memory to run it. Collective.
+    /// A scene after `step` steps, with its particles on any ranks, if there is memory to run it. Collective.
     pub fn at(model: &Model, particles: Particles, (comm, step): (&Comm, u64)) -> Result<Self, StartError> {
         let planned = comm.agree(Planned::new(model, Radii::shared(&particles, comm)))?;
         planned.check_memory(model, comm)?;
@@ -99,7 +100,7 @@ impl Setup {
         (Planned { radii, plan }, mut particles): (Planned, Particles),
         (comm, step): (&Comm, u64),
     ) -> Result<Self, StartError> {
-        let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+        let partition = partition(&plan, comm);
         let shears = !matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
         let rates = model.shear_rates();
         let stress = rates.stress();
@@ -140,7 +141,16 @@ pub struct Planned {
     pub plan: Plan,
 }
 
+/// Which rank owns what.
+fn partition(plan: &Plan, comm: &Comm) -> Partition {
+    Partition::new(comm, [plan.grid[1], plan.grid[2]])
+}
+
 impl Planned {
+    fn partition(&self, comm: &Comm) -> Partition {
+        partition(&self.plan, comm)
+    }
+
     fn new(model: &Model, radii: Radii) -> Result<Self, PlanError> {
         Ok(Self { plan: plan(model, &radii)?, radii })
     }

@@ -82,11 +82,12 @@ impl Suspension {
         })
     }
 
-    /// A model in a state, which the first rank brings. Collective.
+    /// A model in a state, of which each rank brings some particles; the first brings the state in any case, and with none
+    /// of its own a rank may bring nothing. Collective.
     pub fn resume(model: &Model, state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let mut step = state.iter().map(|state| state.step).collect();
         comm.broadcast(&mut step);
-        let then = state.as_ref().map(|state| state.plan.clone());
+        let then = state.as_ref().filter(|_| comm.is_first()).map(|state| state.plan.clone());
         let mut particles = state.map(|state| state.particles).unwrap_or_default();
         comm.agree(given_positions::check(&particles, model.species.len(), model.is_coupled()))?;
         initial::share_columns(&mut particles, comm);
@@ -234,10 +235,10 @@ impl Suspension {
         self.particles.gathered_with(self.dynamics.partition(), wanted)
     }
 
-    /// The state, on the first rank. Collective.
+    /// The state, with the particles of this rank.
     pub fn state(&mut self) -> State {
         let plan = self.plan();
-        let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.gathered(None));
+        let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.particles.clone());
         State { step, strain, plan, particles, statistics: Vec::new() }
     }
 

@@ -1,143 +1,140 @@
-//! Random sequential addition of spheres.
+//! Random sequential addition of spheres, shared out among ranks.
 
-use crate::{PeriodicBox, Random, Vector};
+use super::Occupied;
+use crate::{Comm, Partition, PeriodicBox, Place, Random, Vector};
+use rayon::prelude::*;
 
 /// Tries for one sphere before it is put where it overlaps others.
-const TRIES: usize = 20_000;
+const TRIES: u64 = 20_000;
+/// Spheres that are looked for places for at a time.
+const BATCH: usize = 1 << 13;
+/// Tries of a sphere that are looked at at a time, at least and at most.
+const AT_ONCE: [f64; 2] = [2.0, 64.0];
 
-/// Cell lists on several levels, one for each range of sizes, with cells about as wide as the spheres of that level, so
-/// that all spheres that another can touch are in a few cells, however much sizes differ.
-pub(super) struct Occupied<'a> {
-    cell: &'a PeriodicBox,
-    sizes: &'a [f64],
-    levels: Vec<Level>,
-    /// The level of each sphere.
-    level_of: Vec<u8>,
-    next: Vec<u32>,
-}
-
-/// Cells for spheres of sizes that differ by a factor of two at most.
-struct Level {
-    largest: f64,
-    counts: [usize; 3],
-    first: Vec<u32>,
-}
-
-/// Marks the end of a list of spheres.
-const NONE: u32 = u32::MAX;
-
-/// Levels beyond which no difference is made between sizes.
-const MOST_LEVELS: f64 = 40.0;
-
-impl<'a> Occupied<'a> {
-    pub(super) fn new(cell: &'a PeriodicBox, sizes: &'a [f64]) -> Self {
-        let largest = sizes.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let level = |size: &f64| (largest / size).log2().clamp(0.0, MOST_LEVELS) as u8;
-        let level_of: Vec<u8> = sizes.iter().map(level).collect();
-        let count = level_of.iter().max().map_or(0, |&last| usize::from(last) + 1);
-        let mut members = vec![(0.0, 0); count];
-        for (&level, &size) in level_of.iter().zip(sizes) {
-            let (largest, number) = &mut members[usize::from(level)];
-            (*largest, *number) = (f64::max(*largest, size), *number + 1);
-        }
-        let levels = members.into_iter().map(|(largest, number)| Level::new(cell, largest, number)).collect();
-        Self { cell, sizes, levels, level_of, next: vec![NONE; sizes.len()] }
-    }
-
-    fn place(&self, sphere: usize, position: Vector) -> (usize, usize) {
-        let level = usize::from(self.level_of[sphere]);
-        (level, self.levels[level].index(self.levels[level].coordinates(self.cell, position)))
-    }
-
-    pub(super) fn insert(&mut self, sphere: usize, position: Vector) {
-        let (level, place) = self.place(sphere, position);
-        self.next[sphere] = std::mem::replace(&mut self.levels[level].first[place], sphere as u32);
-    }
-
-    pub(super) fn remove(&mut self, sphere: usize, position: Vector) {
-        let (level, place) = self.place(sphere, position);
-        let first = &mut self.levels[level].first[place];
-        if *first == sphere as u32 {
-            *first = self.next[sphere];
-            return;
-        }
-        let mut before = *first as usize;
-        while self.next[before] != sphere as u32 {
-            before = self.next[before] as usize;
-        }
-        self.next[before] = self.next[sphere];
-    }
-
-    /// Whether a sphere at this position would overlap no other.
-    pub(super) fn is_free(&self, sphere: usize, position: Vector, positions: &[Vector]) -> bool {
-        self.levels.iter().filter(|level| level.largest > 0.0).all(|level| {
-            let around = level.around(self.cell, position, self.sizes[sphere] + level.largest);
-            let cells = |d: usize| (0..around[d][1]).map(move |k| (around[d][0] + k) % level.counts[d]);
-            let is_clear = |place| self.is_clear(level.first[level.index(place)], sphere, (position, positions));
-            cells(2).all(|z| cells(1).all(|y| cells(0).all(|x| is_clear([x, y, z]))))
-        })
-    }
-
-    /// Whether a sphere touches none of a list.
-    fn is_clear(&self, mut other: u32, sphere: usize, (position, positions): (Vector, &[Vector])) -> bool {
-        while other != NONE {
-            let j = other as usize;
-            let contact = self.sizes[sphere] + self.sizes[j];
-            let separation = self.cell.nearest_image(positions[j] - position);
-            if j != sphere && separation.length_squared() < contact * contact {
-                return false;
+/// Puts every sphere, given by id and size and the largest first, at the first of its random positions that is free of
+/// those before it. Returns this rank's spheres, and whether all were put at such places. `kinds` are all sizes and how
+/// many spheres have each. The same on any number of ranks. Collective.
+///
+/// The ranks take a batch of spheres at a time. Each looks which of their first positions is in its share and free of the
+/// spheres of former batches, of which it knows those of its share and those within reach around it. The first free
+/// position of all ranks is that of the sphere unless one before it in the batch is there: then the ranks look on.
+pub(super) fn place(
+    (cell, partition): (&PeriodicBox, &Partition),
+    kinds: &[(f64, usize)],
+    spheres: impl Iterator<Item = (u64, f64)>,
+    seed: u64,
+) -> (Vec<(u64, Vector)>, bool) {
+    let (occupied, comm) = (Occupied::new(cell, kinds, Some(partition)), partition.comm());
+    let own = Own { cell, place: partition.place(), rank: comm.rank(), seed, occupied, at_once: AT_ONCE[0] as u64 };
+    let mut placing = Placing { comm, own };
+    let (mut own, mut all_free) = (Vec::new(), true);
+    let mut spheres = spheres.map(|(id, size)| Waiting { id, size, tried: 0, free: None }).peekable();
+    while spheres.peek().is_some() {
+        let mut batch: Vec<Waiting> = spheres.by_ref().take(BATCH).collect();
+        let places = placing.settle(&mut batch);
+        all_free &= batch.iter().all(|sphere| sphere.free.is_some());
+        for (sphere, place) in batch.iter().zip(places) {
+            placing.own.occupied.insert(sphere.size, place);
+            if placing.own.has(place) {
+                own.push((sphere.id, place));
             }
-            other = self.next[j];
         }
-        true
+    }
+    (own, all_free)
+}
+
+/// A sphere without a place.
+struct Waiting {
+    id: u64,
+    size: f64,
+    /// Tries that are known not to be free.
+    tried: u64,
+    /// The first that is free of the spheres of former batches.
+    free: Option<u64>,
+}
+
+struct Placing<'a> {
+    comm: &'a Comm,
+    own: Own<'a>,
+}
+
+/// What a rank looks at for itself, with all its threads.
+struct Own<'a> {
+    cell: &'a PeriodicBox,
+    place: &'a Place,
+    rank: usize,
+    seed: u64,
+    /// Spheres of former batches.
+    occupied: Occupied<'a>,
+    /// Tries of a sphere that are looked at at a time.
+    at_once: u64,
+}
+
+impl Placing<'_> {
+    /// Places for all spheres of a batch. Collective.
+    fn settle(&mut self, batch: &mut [Waiting]) -> Vec<Vector> {
+        self.look(batch);
+        let kinds: Vec<(f64, usize)> = batch.iter().map(|sphere| (sphere.size, 1)).collect();
+        let mut mates = Occupied::new(self.own.cell, &kinds, None);
+        let mut places = Vec::with_capacity(batch.len());
+        for k in 0..batch.len() {
+            let place = self.settle_one(&mut batch[k..=k], &mates);
+            mates.insert(batch[k].size, place);
+            places.push(place);
+        }
+        let tried = batch.iter().map(|sphere| sphere.tried + 1).sum::<u64>() as f64 / batch.len() as f64;
+        self.own.at_once = (2.0 * tried).ceil().clamp(AT_ONCE[0], AT_ONCE[1]) as u64;
+        places
+    }
+
+    /// The place of a sphere that is free of those before it in its batch too. Collective.
+    fn settle_one(&self, sphere: &mut [Waiting], mates: &Occupied) -> Vector {
+        loop {
+            let Waiting { id, size, free, .. } = sphere[0];
+            let place = self.own.tries(id, free.unwrap_or(TRIES)).next().expect("tries have no end");
+            if free.is_none() || mates.is_free(size, place, None) {
+                return place;
+            }
+            (sphere[0].tried, sphere[0].free) = (free.map_or(TRIES, |tried| tried + 1), None);
+            self.look(sphere);
+        }
+    }
+
+    /// Finds the first free try of each sphere, if it has one. Collective.
+    fn look(&self, spheres: &mut [Waiting]) {
+        let mut left: Vec<&mut Waiting> = spheres.iter_mut().collect();
+        while !left.is_empty() {
+            let looking = &self.own;
+            let own: Vec<u64> = left.par_iter().map(|sphere| looking.first_free(sphere)).collect();
+            let all = self.comm.all_gather(&own);
+            for (k, sphere) in left.iter_mut().enumerate() {
+                let first = all[k..].iter().step_by(own.len()).min().copied().unwrap_or(TRIES);
+                sphere.free = (first < TRIES).then_some(first);
+                sphere.tried = sphere.free.unwrap_or(sphere.tried + self.own.at_once);
+            }
+            left.retain(|sphere| sphere.free.is_none() && sphere.tried < TRIES);
+        }
     }
 }
 
-impl Level {
-    /// For `count` spheres up to a size; `None` if there are none.
-    fn new(cell: &PeriodicBox, largest: f64, number: usize) -> Self {
-        let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
-        let counts = (cell.edges() / (cell.slant() * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
-        let counts = counts.to_array().map(|c| c as usize);
-        let first = vec![NONE; if number > 0 { counts.iter().product() } else { 0 }];
-        Self { largest, counts, first }
+impl Own<'_> {
+    /// Whether a position is in this rank's share.
+    fn has(&self, position: Vector) -> bool {
+        self.place.owner(self.cell, position) == self.rank
     }
 
-    fn coordinates(&self, cell: &PeriodicBox, position: Vector) -> [usize; 3] {
-        let fractions = (cell.lattice_coordinates(position) / cell.edges()).to_array();
-        std::array::from_fn(|d| ((fractions[d] * self.counts[d] as f64).max(0.0) as usize).min(self.counts[d] - 1))
+    /// The first of the next few tries of a sphere that is in this rank's share and free; else the number of all tries.
+    fn first_free(&self, &Waiting { id, size, tried, .. }: &Waiting) -> u64 {
+        let until = (tried + self.at_once).min(TRIES);
+        let mut tries = (tried..until).zip(self.tries(id, tried));
+        let free = tries.find(|&(_, place)| self.has(place) && self.occupied.is_free(size, place, None));
+        free.map_or(TRIES, |(number, _)| number)
     }
 
-    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.counts[1] + y) * self.counts[0] + x
+    /// The random positions of a sphere, from one on.
+    fn tries(&self, id: u64, first: u64) -> impl Iterator<Item = Vector> {
+        let mut random = Random::new(self.seed, id);
+        random.skip(3 * first);
+        std::iter::repeat_with(move || self.cell.wrap(random.point() * self.cell.edges()).0)
     }
-
-    /// The cells along each axis that may hold what is within a distance of a position: from which on, and how many.
-    fn around(&self, cell: &PeriodicBox, position: Vector, distance: f64) -> [[usize; 2]; 3] {
-        let home = self.coordinates(cell, position);
-        let reach = (cell.slant() * distance / cell.edges()).to_array();
-        std::array::from_fn(|d| {
-            let count = self.counts[d];
-            let cells = ((reach[d] * count as f64).ceil() as usize).min(count);
-            [home[d] + count - cells, (2 * cells + 1).min(count)]
-        })
-    }
-}
-
-/// Puts every sphere, the largest first, at the first of its random positions that is free. Returns whether all were.
-pub(super) fn place(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> (Vec<Vector>, bool) {
-    let mut order: Vec<usize> = (0..sizes.len()).collect();
-    order.sort_by(|&i, &j| sizes[j].total_cmp(&sizes[i]));
-    let mut occupied = Occupied::new(cell, sizes);
-    let mut positions = vec![Vector::ZERO; sizes.len()];
-    let mut all_free = true;
-    for sphere in order {
-        let mut random = Random::new(seed, sphere as u64);
-        let mut draw = || cell.wrap(random.point() * cell.edges()).0;
-        let free = (0..TRIES).map(|_| draw()).find(|&p| occupied.is_free(sphere, p, &positions));
-        all_free &= free.is_some();
-        positions[sphere] = free.unwrap_or_else(draw);
-        occupied.insert(sphere, positions[sphere]);
-    }
-    (positions, all_free)
 }

@@ -9,9 +9,10 @@ const ACCEPTED: f64 = 0.4;
 /// Tries `sweeps` random moves of every sphere, one sphere after another, and accepts those without an overlap. Spheres
 /// that do not overlap before do not overlap afterwards.
 pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector], (seed, sweeps): (u64, u64)) {
-    let mut occupied = Occupied::new(cell, sizes);
-    for (sphere, &position) in positions.iter().enumerate() {
-        occupied.insert(sphere, position);
+    let kinds: Vec<(f64, usize)> = sizes.iter().map(|&size| (size, 1)).collect();
+    let mut occupied = Occupied::new(cell, &kinds, None);
+    for (&size, &position) in sizes.iter().zip(&*positions) {
+        occupied.insert(size, position);
     }
     let smallest = sizes.iter().copied().fold(f64::INFINITY, f64::min);
     let mut longest = 0.3 * smallest;
@@ -21,9 +22,8 @@ pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector],
             let mut random = Random::new(seed ^ (sweep << 48), sphere as u64);
             let step = (random.point() * 2.0 - Vector::ONE) * longest;
             let place = cell.wrap(positions[sphere] + step).0;
-            if occupied.is_free(sphere, place, positions) {
-                occupied.remove(sphere, positions[sphere]);
-                occupied.insert(sphere, place);
+            if occupied.is_free(sizes[sphere], place, Some(sphere)) {
+                occupied.shift(sphere, place);
                 positions[sphere] = place;
                 accepted += 1;
             }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::Pairs;
+use crate::{Pairs, Random};
 
 const FOUR_THIRDS_PI: f64 = 4.0 / 3.0 * std::f64::consts::PI;
 
@@ -115,4 +115,60 @@ fn powers_of_two_of_lengths_are_powers_of_two_of_places() {
             assert_eq!(packed(2_f64.powi(power)), expected, "2^{power} at {fraction}");
         }
     }
+}
+
+/// The definition: each sphere in turn, the largest first, at the first of its random positions that is free.
+fn by_definition(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> Vec<Vector> {
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    order.sort_by(|&i, &j| sizes[j].total_cmp(&sizes[i]));
+    let mut positions = vec![Vector::ZERO; sizes.len()];
+    for (k, &i) in order.iter().enumerate() {
+        let mut random = Random::new(seed, i as u64);
+        let is_free = |p: &Vector| {
+            let touches = |&j: &usize| {
+                cell.nearest_image(positions[j] - *p).length_squared() < (sizes[i] + sizes[j]) * (sizes[i] + sizes[j])
+            };
+            !order[..k].iter().any(touches)
+        };
+        let tries = std::iter::repeat_with(|| cell.wrap(random.point() * cell.edges()).0);
+        positions[i] = tries.take(20_000).find(is_free).expect("there is room");
+    }
+    positions
+}
+
+/// Batches, ranks and shares of the box change nothing: also where most tries meet spheres of the same batch.
+#[test]
+fn places_are_those_of_the_definition_on_any_ranks() {
+    let one = vec![(1.0, 500)];
+    let several = vec![(0.4, 300), (1.0, 60), (1.0, 20), (0.1, 300), (2.5, 0)];
+    for (groups, fraction, strain) in
+        [(&one, 0.12, 0.0), (&one, 0.24, 0.2), (&several, 0.12, 0.0), (&several, 0.22, -0.4)]
+    {
+        let radii: Vec<f64> = groups.iter().flat_map(|&(a, count)| std::iter::repeat_n(a, count)).collect();
+        let cell = PeriodicBox::sheared(cube(&radii, fraction).edges(), strain).unwrap();
+        let sizes: Vec<f64> = radii.iter().map(|a| a + 0.5 * 0.01).collect();
+        let expected = by_definition(&cell, &sizes, 9);
+        assert_eq!(random_packing(&cell, &radii, 0.01, 9).unwrap(), expected);
+        for ranks in [1, 2, 3, 7] {
+            let found = Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [20, 14]);
+                let own = shared_random_packing(&cell, groups, (0.01, 9), &partition).unwrap().unwrap();
+                assert!(own.iter().all(|&(_, place)| partition.owner(&cell, place) == comm.rank()));
+                own
+            });
+            let mut all = found.concat();
+            all.sort_by_key(|(id, _)| *id);
+            assert!(all.into_iter().eq((0..).zip(expected.iter().copied())), "{ranks} ranks at {fraction}");
+        }
+    }
+}
+
+#[test]
+fn what_has_to_be_moved_apart_is_not_shared() {
+    let partition = Partition::new(&Comm::alone(), [4, 4]);
+    let cell = cube(&[1.0; 100], 0.3);
+    assert_eq!(shared_random_packing(&cell, &[(1.0, 100)], (0.0, 1), &partition), Ok(None));
+    let packed =
+        shared_random_packing(&PeriodicBox::new(Vector::splat(1.0)).unwrap(), &[(1.0, 1)], (0.0, 1), &partition);
+    assert!(matches!(packed, Err(PackingError::OwnImage { .. })));
 }

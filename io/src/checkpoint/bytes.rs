@@ -1,16 +1,23 @@
 //! A checkpoint as bytes: a line that names the format, the length of a JSON header, the header, the arrays one after
-//! another, all little-endian, and the XXH3 checksum of everything before it.
+//! another, all little-endian, and the XXH3 checksum of everything before it. No more than a block of an array is in
+//! memory at a time.
 
 use bytemuck::Pod;
-use domain::{Column, Particles};
+use domain::{ById, Column, Comm, Particles, Vector, block};
 use serde::{Deserialize, Serialize};
 use simulation::State;
-use xxhash_rust::xxh3::xxh3_64;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use xxhash_rust::xxh3::Xxh3;
 
 const MAGIC: &[u8] = b"fcm-solve checkpoint 1\n";
 
+/// Values that are read at a time.
+const BLOCK: usize = 1 << 16;
+
+/// What comes before the arrays.
 #[derive(Serialize, Deserialize)]
-struct Header {
+pub(super) struct Header {
     step: u64,
     /// The bits of the number, which text would not keep.
     strain: u64,
@@ -21,75 +28,216 @@ struct Header {
     statistics: usize,
 }
 
-/// The bytes of a state.
-pub(super) fn of(state: &State) -> Vec<u8> {
-    let p = &state.particles;
-    let header = Header {
-        step: state.step,
-        strain: state.strain.to_bits(),
-        plan: state.plan.clone(),
-        particles: p.len(),
-        columns: p.columns.iter().map(|c| (c.name.clone(), c.width)).collect(),
-        statistics: state.statistics.len(),
-    };
-    let header = serde_json::to_vec(&header).expect("a header is JSON");
-    let numbers: usize = p.columns.iter().map(|c| c.values.len()).sum();
-    let arrays = p.len() * (8 + 24 + 12 + 8 + 4) + 8 * numbers + state.statistics.len();
-    let mut bytes = Vec::with_capacity(MAGIC.len() + 8 + header.len() + arrays + 8);
-    bytes.extend(MAGIC);
-    bytes.extend((header.len() as u64).to_le_bytes());
-    bytes.extend(header);
-    bytes.extend(bytemuck::cast_slice::<_, u8>(&p.ids));
-    bytes.extend(bytemuck::cast_slice::<_, u8>(&p.positions));
-    bytes.extend(bytemuck::cast_slice::<_, u8>(&p.steps));
-    bytes.extend(bytemuck::cast_slice::<_, u8>(&p.radii));
-    bytes.extend(bytemuck::cast_slice::<_, u8>(&p.species));
-    for column in &p.columns {
-        bytes.extend(bytemuck::cast_slice::<_, u8>(&column.values));
+impl Header {
+    fn of<'a>(state: &State, columns: impl Iterator<Item = (&'a str, usize)>, particles: usize) -> Self {
+        Self {
+            step: state.step,
+            strain: state.strain.to_bits(),
+            plan: state.plan.clone(),
+            particles,
+            columns: columns.map(|(name, width)| (name.to_owned(), width)).collect(),
+            statistics: state.statistics.len(),
+        }
     }
-    bytes.extend(&state.statistics);
-    bytes.extend(xxh3_64(&bytes).to_le_bytes());
-    bytes
+
+    fn text(&self) -> Vec<u8> {
+        serde_json::to_vec(self).expect("a header is JSON")
+    }
+
+    /// Bytes of the arrays; none where there would be too many to count.
+    fn arrays(&self) -> Option<usize> {
+        let width = |sum: usize, column: &(String, usize)| sum.checked_add(column.1);
+        let numbers = self.columns.iter().try_fold(0, width)?.checked_mul(8)?;
+        numbers.checked_add(8 + 24 + 12 + 8 + 4)?.checked_mul(self.particles)?.checked_add(self.statistics)
+    }
 }
 
-/// The state of bytes, or what is wrong with them.
-pub(super) fn state(bytes: &[u8]) -> Result<State, String> {
-    let (content, sum) = bytes.split_last_chunk::<8>().map(|(c, s)| (c, *s)).ok_or("it is empty or cut short")?;
-    let rest = content.strip_prefix(MAGIC).ok_or("it does not start as a checkpoint of this version")?;
-    if xxh3_64(content) != u64::from_le_bytes(sum) {
-        return Err("its checksum does not fit its content".into());
+/// Bytes of a checkpoint of a state whose particles are all here.
+pub(super) fn count(state: &State) -> usize {
+    let columns = state.particles.columns.iter().map(|column| (column.name.as_str(), column.width));
+    let header = Header::of(state, columns, state.particles.len());
+    MAGIC.len() + 8 + header.text().len() + header.arrays().unwrap_or(usize::MAX) + 8
+}
+
+/// Writes a state with all its particles.
+pub(super) fn write(file: &mut File, state: &State, rows: &ById) -> std::io::Result<()> {
+    let mut out = Summed { file: BufWriter::new(file), sum: Xxh3::new() };
+    let header = Header::of(state, rows.columns(), rows.count()).text();
+    out.write(MAGIC)?;
+    out.write(&(header.len() as u64).to_le_bytes())?;
+    out.write(&header)?;
+    rows.ids(|values| out.write(bytemuck::cast_slice(values)))?;
+    rows.positions(|values| out.write(bytemuck::cast_slice(values)))?;
+    rows.steps(|values| out.write(bytemuck::cast_slice(values)))?;
+    rows.radii(|values| out.write(bytemuck::cast_slice(values)))?;
+    rows.species(|values| out.write(bytemuck::cast_slice(values)))?;
+    for place in 0..rows.columns().count() {
+        rows.column(place, |values| out.write(bytemuck::cast_slice(values)))?;
     }
-    let mut rest = Rest(rest);
-    let length = rest.take::<u64>(1)?[0] as usize;
-    let header: Header = serde_json::from_slice(&rest.take::<u8>(length)?).map_err(|e| e.to_string())?;
-    let count = header.particles;
+    out.write(&state.statistics)?;
+    let sum = out.sum.digest();
+    out.write(&sum.to_le_bytes())?;
+    out.file.flush()
+}
+
+/// A file and the checksum of what was written to it.
+struct Summed<'a> {
+    file: BufWriter<&'a mut File>,
+    sum: Xxh3,
+}
+
+impl Summed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.sum.update(bytes);
+        self.file.write_all(bytes)
+    }
+}
+
+/// A checkpoint whose checksum and values were looked at, at the start of its arrays.
+pub(super) struct Whole {
+    file: BufReader<File>,
+    header: Header,
+}
+
+impl Whole {
+    /// Reads a checkpoint once, or says what is wrong with it.
+    pub fn open(file: File) -> Result<Self, String> {
+        let length = file.metadata().map_err(|e| e.to_string())?.len() as usize;
+        let mut file = BufReader::new(file);
+        check_sum(&mut file, length)?;
+        file.seek(SeekFrom::Start(MAGIC.len() as u64)).map_err(|e| e.to_string())?;
+        let left = length - MAGIC.len() - 8;
+        let size = values::<u64>(&mut file, 1, left)?[0] as usize;
+        let text = values::<u8>(&mut file, size, left - 8)?;
+        let header: Header = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
+        if header.arrays().is_none_or(|arrays| arrays > left - 8 - size) {
+            return Err("it is cut short".into());
+        }
+        let mut whole = Self { file, header };
+        let start = whole.file.stream_position().map_err(|e| e.to_string())?;
+        whole.check_values()?;
+        whole.file.seek(SeekFrom::Start(start)).map_err(|e| e.to_string())?;
+        Ok(whole)
+    }
+
+    fn check_values(&mut self) -> Result<(), String> {
+        let count = self.header.particles;
+        self.skip(8 * count)?;
+        self.check::<Vector>("it has a position that is not finite", |position| position.is_finite())?;
+        self.skip(12 * count)?;
+        let is_radius = |radius: &f64| *radius > 0.0 && radius.is_finite();
+        self.check("it has a radius that is not a finite number above 0", is_radius)
+    }
+
+    fn skip(&mut self, bytes: usize) -> Result<(), String> {
+        self.file.seek_relative(bytes as i64).map_err(|e| e.to_string())
+    }
+
+    fn check<T: Pod>(&mut self, wrong: &str, is_right: impl Fn(&T) -> bool) -> Result<(), String> {
+        let count = self.header.particles;
+        for start in (0..count).step_by(BLOCK) {
+            let values = values::<T>(&mut self.file, BLOCK.min(count - start), usize::MAX)?;
+            if !values.iter().all(&is_right) {
+                return Err(wrong.into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuses content that its checksum, which ends it, does not fit.
+fn check_sum(file: &mut BufReader<File>, length: usize) -> Result<(), String> {
+    let content = length.checked_sub(8).ok_or("it is empty or cut short")?;
+    let (mut sum, mut start, mut left) = (Xxh3::new(), Vec::new(), content);
+    while left > 0 {
+        let bytes = values::<u8>(file, left.min(8 * BLOCK), left)?;
+        left -= bytes.len();
+        sum.update(&bytes);
+        if start.is_empty() {
+            start = bytes;
+            start.truncate(MAGIC.len());
+        }
+    }
+    if start != MAGIC {
+        return Err("it does not start as a checkpoint of this version".into());
+    }
+    if content < MAGIC.len() + 8 {
+        return Err("it is cut short".into());
+    }
+    let stored = values::<u64>(file, 1, 8)?[0];
+    if sum.digest() == stored { Ok(()) } else { Err("its checksum does not fit its content".into()) }
+}
+
+/// So many values, which take no more than the bytes that are left.
+fn values<T: Pod>(file: &mut impl Read, count: usize, left: usize) -> Result<Vec<T>, String> {
+    if count.saturating_mul(size_of::<T>()) > left {
+        return Err("it is cut short".into());
+    }
+    let mut values = vec![T::zeroed(); count];
+    file.read_exact(bytemuck::cast_slice_mut(&mut values)).map_err(|e| e.to_string())?;
+    Ok(values)
+}
+
+/// The state of a checkpoint that the first rank has opened, on each rank with its share of the particles: as many as each
+/// other rank has. Collective.
+pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<State, String> {
+    let header = whole.as_ref().map_or_else(Vec::new, |whole| whole.header.text());
+    let header = comm.broadcast_text(&String::from_utf8(header).expect("JSON is text"));
+    let Header { step, strain, plan, particles: count, columns, statistics } =
+        serde_json::from_str(&header).map_err(|e| e.to_string())?;
+    let mut deal = Deal { file: whole.map(|whole| whole.file), count, comm, failed: None };
     let mut particles = Particles {
-        ids: rest.take(count)?,
-        positions: rest.take(count)?,
-        steps: rest.take(count)?,
-        radii: rest.take(count)?,
-        species: rest.take(count)?,
+        ids: deal.rows(1),
+        positions: deal.rows(1),
+        steps: deal.rows(1),
+        radii: deal.rows(1),
+        species: deal.rows(1),
         columns: Vec::new(),
     };
-    for (name, width) in header.columns {
-        particles.columns.push(Column { name, width, values: rest.take(width.saturating_mul(count))? });
+    for (name, width) in columns {
+        particles.columns.push(Column { name, width, values: deal.rows(width) });
     }
-    if !particles.positions.iter().all(|position| position.is_finite()) {
-        return Err("it has a position that is not finite".into());
+    let statistics = deal.file.as_mut().map_or_else(|| Ok(Vec::new()), |file| values(file, statistics, usize::MAX));
+    match deal.failed {
+        Some(reason) => Err(reason),
+        None => Ok(State { step, strain: f64::from_bits(strain), plan, particles, statistics: statistics? }),
     }
-    if !particles.radii.iter().all(|&radius| radius > 0.0 && radius.is_finite()) {
-        return Err("it has a radius that is not a finite number above 0".into());
-    }
-    let (step, strain, plan) = (header.step, f64::from_bits(header.strain), header.plan);
-    Ok(State { step, strain, plan, particles, statistics: rest.take(header.statistics)? })
 }
 
-struct Rest<'a>(&'a [u8]);
+/// Deals arrays out, which the first rank reads.
+struct Deal<'a> {
+    file: Option<BufReader<File>>,
+    count: usize,
+    comm: &'a Comm,
+    failed: Option<String>,
+}
 
-impl Rest<'_> {
-    fn take<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, String> {
-        let (values, rest) = self.0.split_at_checked(count.saturating_mul(size_of::<T>())).ok_or("it is cut short")?;
-        self.0 = rest;
-        Ok(bytemuck::allocation::pod_collect_to_vec(values))
+impl Deal<'_> {
+    /// This rank's rows of the next array. Collective.
+    fn rows<T: Pod>(&mut self, width: usize) -> Vec<T> {
+        let ranks = self.comm.size();
+        let mut own = Vec::new();
+        for rank in 0..ranks {
+            let rows = block(self.count, ranks, rank).len();
+            for start in (0..rows).step_by(BLOCK) {
+                let mut send: Vec<Vec<T>> = vec![Vec::new(); ranks];
+                send[rank] = self.next(width * BLOCK.min(rows - start));
+                own.extend(self.comm.exchange(&send).swap_remove(0));
+            }
+        }
+        own
+    }
+
+    /// The next values of the file, on the first rank; zeros after a failure.
+    fn next<T: Pod>(&mut self, count: usize) -> Vec<T> {
+        let Some(file) = &mut self.file else { return Vec::new() };
+        let zeros = || vec![T::zeroed(); count];
+        if self.failed.is_some() {
+            return zeros();
+        }
+        values(file, count, usize::MAX).unwrap_or_else(|reason| {
+            self.failed = Some(reason);
+            zeros()
+        })
     }
 }

@@ -4,7 +4,10 @@ mod bytes;
 
 use crate::FileError;
 use crate::atomic_file;
+use bytes::Whole;
+use domain::{Comm, Failure};
 use simulation::State;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// How many checkpoints a folder keeps.
@@ -14,9 +17,9 @@ pub(crate) const KEPT: usize = 2;
 #[derive(Debug, Clone, Copy)]
 pub struct Checkpoints<'a>(&'a Path);
 
-/// Bytes of a checkpoint of a state.
+/// Bytes of a checkpoint of a state whose particles are all here.
 pub(crate) fn bytes_of(state: &State) -> usize {
-    bytes::of(state).len()
+    bytes::count(state)
 }
 
 impl<'a> Checkpoints<'a> {
@@ -25,16 +28,23 @@ impl<'a> Checkpoints<'a> {
         Self(folder)
     }
 
-    /// Writes a checkpoint, and removes all but the last two. The file appears under its name only when
-    /// it is whole and on the disk.
-    pub fn write(&self, state: &State) -> Result<PathBuf, FileError> {
-        let path = self.0.join(format!("checkpoint-{:010}.bin", state.step));
-        atomic_file::replace(&path, &bytes::of(state))?;
+    /// Writes a checkpoint of a state, of which each rank brings its own particles, and removes all but the last two. The
+    /// file appears under its name only when it is whole and on the disk. The first rank writes. Collective.
+    pub fn write(&self, state: &State, comm: &Comm) -> Result<(), FileError> {
+        let path = self.path(state.step);
+        let put = |rows: &domain::ById| atomic_file::put(&path, |file, _| bytes::write(file, state, rows));
+        let Some(written) = state.particles.by_id(comm, put) else { return Ok(()) };
+        written?;
         for old in self.paths()?.iter().rev().skip(KEPT) {
             // What can't be removed now will be after the next one; that is no reason to end a run.
             let _ = std::fs::remove_file(old);
         }
-        Ok(path)
+        Ok(())
+    }
+
+    /// The file of a step.
+    fn path(&self, step: u64) -> PathBuf {
+        self.0.join(format!("checkpoint-{step:010}.bin"))
     }
 
     /// Whether there is any, whole or not.
@@ -42,12 +52,20 @@ impl<'a> Checkpoints<'a> {
         Ok(!self.paths()?.is_empty())
     }
 
-    /// The state of the last checkpoint that is whole, and what is wrong with those that came after it.
-    pub fn latest(&self) -> Result<(State, Vec<FileError>), FileError> {
+    /// The state of the last checkpoint that is whole, of which each rank gets a share of the particles, and what is wrong
+    /// with those that came after it. The first rank reads. Collective.
+    pub fn latest(&self, comm: &Comm) -> Result<(State, Vec<FileError>), Failure> {
+        let opened = if comm.is_first() { self.latest_whole().map(Some) } else { Ok(None) };
+        let (whole, damaged) = comm.agree(opened)?.unzip();
+        let state = comm.agree(bytes::dealt(whole, comm).map_err(|reason| FileError::damaged(self.0, &reason)))?;
+        Ok((state, damaged.unwrap_or_default()))
+    }
+
+    fn latest_whole(&self) -> Result<(Whole, Vec<FileError>), FileError> {
         let mut damaged = Vec::new();
         for path in self.paths()?.iter().rev() {
-            match read(path) {
-                Ok(state) => return Ok((state, damaged)),
+            match open(path) {
+                Ok(whole) => return Ok((whole, damaged)),
                 Err(error) => damaged.push(error),
             }
         }
@@ -78,9 +96,9 @@ impl<'a> Checkpoints<'a> {
     }
 }
 
-fn read(path: &Path) -> Result<State, FileError> {
-    let bytes = std::fs::read(path).map_err(|e| FileError::read(path, &e))?;
-    bytes::state(&bytes).map_err(|reason| FileError::damaged(path, &reason))
+fn open(path: &Path) -> Result<Whole, FileError> {
+    let file = File::open(path).map_err(|e| FileError::read(path, &e))?;
+    Whole::open(file).map_err(|reason| FileError::damaged(path, &reason))
 }
 
 #[cfg(test)]

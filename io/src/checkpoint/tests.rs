@@ -15,18 +15,49 @@ fn state(step: u64) -> State {
 #[test]
 fn what_is_written_is_read_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::of(folder.path()).write(&state(12)).unwrap();
-    let (found, damaged) = Checkpoints::of(folder.path()).latest().unwrap();
+    Checkpoints::of(folder.path()).write(&state(12), &Comm::alone()).unwrap();
+    let (found, damaged) = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
     assert_eq!(found, state(12));
     assert_eq!(found.particles.columns[0].values[7].to_bits(), (-0.0_f64).to_bits());
     assert!(damaged.is_empty());
+}
+
+/// The file has the same bytes whoever has the particles, and is read in shares that make up all.
+#[test]
+fn ranks_write_one_file_and_read_shares_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, alone) = (state(3), folder.path().join("alone"));
+    std::fs::create_dir(&alone).unwrap();
+    Checkpoints::of(&alone).write(&whole, &Comm::alone()).unwrap();
+    for ranks in [1, 2, 3, 7, 9] {
+        let shares = Comm::threads(ranks, |comm| {
+            let rows: Vec<usize> = (0..7).rev().filter(|row| row % ranks == comm.rank()).collect();
+            let share = State { particles: whole.particles.selected(&rows), ..whole.clone() };
+            Checkpoints::of(folder.path()).write(&share, &comm).unwrap();
+            Checkpoints::of(folder.path()).latest(&comm).unwrap().0
+        });
+        let bytes = [folder.path(), &alone].map(|folder| std::fs::read(Checkpoints::of(folder).path(3)).unwrap());
+        assert!(bytes[0] == bytes[1], "{ranks} ranks");
+        let ids: Vec<u64> = shares.iter().flat_map(|share| share.particles.ids.clone()).collect();
+        assert_eq!(ids, whole.particles.ids);
+        let most = shares.iter().map(|share| share.particles.len()).max();
+        assert_eq!(most, Some(7_usize.div_ceil(ranks)));
+        for share in &shares {
+            share.particles.check().unwrap();
+            assert_eq!((share.step, share.strain.to_bits(), &share.plan), (3, whole.strain.to_bits(), &whole.plan));
+            let rows: Vec<usize> = share.particles.ids.iter().map(|&id| id as usize).collect();
+            assert_eq!(share.particles, whole.particles.selected(&rows));
+        }
+        assert_eq!(shares[0].statistics, whole.statistics);
+        assert!(shares[1..].iter().all(|share| share.statistics.is_empty()));
+    }
 }
 
 #[test]
 fn the_last_two_are_kept_and_nothing_half_written() {
     let folder = tempfile::tempdir().unwrap();
     for step in [0, 5, 10, 100_000] {
-        Checkpoints::of(folder.path()).write(&state(step)).unwrap();
+        Checkpoints::of(folder.path()).write(&state(step), &Comm::alone()).unwrap();
     }
     let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
@@ -36,14 +67,15 @@ fn the_last_two_are_kept_and_nothing_half_written() {
 #[test]
 fn any_damage_to_the_last_one_is_seen_and_the_one_before_serves() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::of(folder.path()).write(&state(1)).unwrap();
-    let last = Checkpoints::of(folder.path()).write(&state(2)).unwrap();
+    Checkpoints::of(folder.path()).write(&state(1), &Comm::alone()).unwrap();
+    Checkpoints::of(folder.path()).write(&state(2), &Comm::alone()).unwrap();
+    let last = Checkpoints::of(folder.path()).path(2);
     let whole = std::fs::read(&last).unwrap();
     let mut changed = whole.clone();
     changed[whole.len() / 2] ^= 1;
     for damaged in [&whole[..whole.len() - 1], &whole[..10], &[], &changed] {
         std::fs::write(&last, damaged).unwrap();
-        let (found, errors) = Checkpoints::of(folder.path()).latest().unwrap();
+        let (found, errors) = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
         assert_eq!(found.step, 1);
         assert!(errors[0].to_string().contains("checkpoint-0000000002.bin is damaged"), "{}", errors[0]);
     }
@@ -52,8 +84,14 @@ fn any_damage_to_the_last_one_is_seen_and_the_one_before_serves() {
 #[test]
 fn a_folder_without_checkpoints_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(Checkpoints::of(folder.path()).latest().unwrap_err().to_string().contains("stopped before the first"));
-    assert!(Checkpoints::of(&folder.path().join("nowhere")).latest().is_err());
+    assert!(
+        Checkpoints::of(folder.path())
+            .latest(&Comm::alone())
+            .unwrap_err()
+            .to_string()
+            .contains("stopped before the first")
+    );
+    assert!(Checkpoints::of(&folder.path().join("nowhere")).latest(&Comm::alone()).is_err());
     std::fs::write(folder.path().join("checkpoint-0000000002.bin"), "?").unwrap();
-    assert!(Checkpoints::of(folder.path()).latest().unwrap_err().to_string().contains("is damaged"));
+    assert!(Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap_err().to_string().contains("is damaged"));
 }

@@ -1,6 +1,8 @@
 //! One quantity of a file of frames.
 
+use crate::checksum::Sum;
 use crate::text;
+use bytemuck::NoUninit;
 use hdf5::dataset::{AllocTime, DatasetCreateBuilder, FillTime};
 use hdf5::{Dataset, File, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
 use ndarray::{ArrayViewD, IxDyn};
@@ -35,6 +37,14 @@ pub(crate) enum Values<'a> {
 }
 
 impl Values<'_> {
+    /// The same values, borrowed.
+    pub(crate) fn borrowed(&self) -> Values<'_> {
+        match self {
+            Self::Reals(values) => Values::Reals(Cow::Borrowed(values)),
+            Self::Integers(values) => Values::Integers(Cow::Borrowed(values)),
+        }
+    }
+
     /// Its real numbers; none where they are integers.
     pub(crate) fn reals(&self) -> &[f64] {
         match self {
@@ -61,6 +71,29 @@ impl From<f64> for Values<'_> {
         Self::Reals(Cow::Owned(vec![value]))
     }
 }
+
+/// What passes the rows of a value on, a block after the other.
+pub(crate) type Blocks<'a> = dyn Fn(&mut dyn FnMut(&Values) -> hdf5::Result<()>) -> hdf5::Result<()> + 'a;
+
+/// The value of one quantity in a frame that is added.
+pub(crate) enum Added<'a> {
+    /// As it stands.
+    Whole(Values<'a>),
+    /// Block by block.
+    InBlocks(Box<Blocks<'a>>),
+}
+
+impl Added<'_> {
+    fn each(&self, each: &mut dyn FnMut(&Values) -> hdf5::Result<()>) -> hdf5::Result<()> {
+        match self {
+            Self::Whole(values) => each(values),
+            Self::InBlocks(blocks) => blocks(each),
+        }
+    }
+}
+
+/// Rows of a value that are read at a time.
+pub(super) const BLOCK: usize = 1 << 16;
 
 /// A quantity's dataset.
 pub(super) struct Stored {
@@ -96,19 +129,59 @@ impl Stored {
         Ok(Self { values, shape: element.shape, whole: element.whole })
     }
 
-    pub(super) fn write(&self, frame: usize, values: &Values) -> hdf5::Result<()> {
+    /// Writes the value of a frame; returns its checksum.
+    pub(super) fn write(&self, frame: usize, value: &Added) -> hdf5::Result<u64> {
         self.resize(frame + 1)?;
-        match values {
-            Values::Reals(values) => self.write_as::<f64>(frame, values),
-            Values::Integers(values) => self.write_as::<i32>(frame, values),
+        let (mut sum, mut row) = (Sum::default(), 0);
+        value.each(&mut |values| {
+            row += match values {
+                Values::Reals(values) => self.write_rows::<f64>((frame, row), values, &mut sum)?,
+                Values::Integers(values) => self.write_rows::<i32>((frame, row), values, &mut sum)?,
+            };
+            Ok(())
+        })?;
+        if row != self.shape.map_or(1, |[rows, _]| rows) {
+            return Err(format!("{row} rows of a value of the shape {:?}", self.shape).into());
         }
+        Ok(sum.get())
     }
 
-    fn write_as<T: H5Type>(&self, frame: usize, values: &[T]) -> hdf5::Result<()> {
-        let mut shape = vec![1];
-        shape.extend(self.shape.iter().flatten());
-        let view = ArrayViewD::from_shape(IxDyn(&shape), values).expect("a frame's value has its element's shape");
-        self.values.write_slice(view, self.one(frame))
+    /// Writes rows of a frame's value from one on; returns how many.
+    fn write_rows<T: H5Type + NoUninit>(
+        &self,
+        (frame, first): (usize, usize),
+        values: &[T],
+        sum: &mut Sum,
+    ) -> hdf5::Result<usize> {
+        sum.add(values);
+        let Some([_, columns]) = self.shape else {
+            self.values.write_slice(values, one_of(frame, 1))?;
+            return Ok(1);
+        };
+        let rows = values.len() / columns.max(1);
+        let view = ArrayViewD::from_shape(IxDyn(&[1, rows, columns]), values).expect("whole rows");
+        self.values.write_slice(view, rows_of(frame, first..first + rows))?;
+        Ok(rows)
+    }
+
+    /// Passes a frame's value on as [`Self::write`] takes it.
+    pub(super) fn blocks(&self, frame: usize) -> Added<'_> {
+        let Some([rows, _]) = self.shape else {
+            return Added::InBlocks(Box::new(move |each| each(&self.read(frame)?)));
+        };
+        Added::InBlocks(Box::new(move |each| {
+            for first in (0..rows).step_by(BLOCK) {
+                let part = rows_of(frame, first..rows.min(first + BLOCK));
+                if self.whole {
+                    let values = self.values.read_slice::<i32, _, IxDyn>(part)?;
+                    each(&Values::Integers(Cow::Owned(values.into_raw_vec_and_offset().0)))?;
+                } else {
+                    let values = self.values.read_slice::<f64, _, IxDyn>(part)?;
+                    each(&Values::Reals(Cow::Owned(values.into_raw_vec_and_offset().0)))?;
+                }
+            }
+            Ok(())
+        }))
     }
 
     pub(super) fn read(&self, frame: usize) -> hdf5::Result<Values<'static>> {
@@ -138,6 +211,13 @@ pub(super) fn one_of(frame: usize, dimensions: usize) -> Selection {
     let mut slices = vec![all; dimensions];
     slices[0] = SliceOrIndex::SliceCount { start: frame, step: 1, count: 1, block: 1 };
     Selection::new(Hyperslab::from(slices))
+}
+
+/// Rows of a frame of a dataset of three dimensions.
+pub(super) fn rows_of(frame: usize, rows: std::ops::Range<usize>) -> Selection {
+    let range = |start, count| SliceOrIndex::SliceCount { start, step: 1, count, block: 1 };
+    let all = SliceOrIndex::Unlimited { start: 0, step: 1, block: 1 };
+    Selection::new(Hyperslab::from(vec![range(frame, 1), range(rows.start, rows.len()), all]))
 }
 
 pub(super) fn write_number<T: H5Type + Clone>(dataset: &Dataset, frame: usize, number: T) -> hdf5::Result<()> {

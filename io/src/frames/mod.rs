@@ -14,7 +14,7 @@ mod open;
 mod sums;
 
 use crate::{FileError, atomic_file, atomic_hdf5};
-pub(crate) use element::{Element, Values, group};
+pub(crate) use element::{Added, Element, Values, group};
 use hdf5::File;
 use open::Open;
 use std::path::{Path, PathBuf};
@@ -104,7 +104,13 @@ impl Frames {
     /// Adds a frame with one value for each element, in the order in which they were given. It is in the file when this
     /// returns.
     pub(crate) fn append(&mut self, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
-        self.attempt(|open| open.append(clock, values, &Sums::of_frame(clock, values)))
+        let values: Vec<Added> = values.iter().map(|values| Added::Whole(values.borrowed())).collect();
+        self.append_blocks(clock, &values)
+    }
+
+    /// The same with values that may come block by block.
+    pub(crate) fn append_blocks(&mut self, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
+        self.attempt(|open| open.append(clock, values, None))
     }
 
     /// Waits until all frames so far are on the disk.

@@ -1,7 +1,7 @@
 //! A file of frames as the HDF5 library has it open.
 
 use super::element::{Stored, group, reserve, write_number};
-use super::{Damage, Element, Kind, Sums, Values};
+use super::{Added, Damage, Element, Kind, Sums, Values};
 use crate::{atomic_hdf5, claimed_size, text};
 use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
@@ -84,19 +84,20 @@ impl Open {
         Ok((keep, damage))
     }
 
-    /// Adds a frame.
-    pub(super) fn append(&self, (step, time): (u64, f64), values: &[Values], sums: &[u64]) -> hdf5::Result<()> {
+    /// Adds a frame, with checksums that it has already or with its own.
+    pub(super) fn append(&self, clock: (u64, f64), values: &[Added], sums: Option<Vec<u64>>) -> hdf5::Result<()> {
         assert_eq!(values.len(), self.stored.len(), "a value for each element");
         let frame = self.steps.size();
-        for (stored, values) in self.stored.iter().zip(values) {
-            stored.write(frame, values)?;
+        let mut found = vec![Sums::of_clock(clock)];
+        for (stored, value) in self.stored.iter().zip(values) {
+            found.push(stored.write(frame, value)?);
         }
-        write_number(&self.times, frame, time)?;
+        write_number(&self.times, frame, clock.1)?;
         if let Some(stored) = &self.sums {
-            stored.write(frame, sums)?;
+            stored.write(frame, &sums.unwrap_or(found))?;
         }
         self.file.flush()?;
-        write_number(&self.steps, frame, step as i64)?;
+        write_number(&self.steps, frame, clock.0 as i64)?;
         self.file.flush()
     }
 
@@ -118,10 +119,10 @@ impl Open {
     /// Adds the first frames to another file, with the checksums that they have.
     pub(super) fn copy_to(&self, new: &Self, frames: usize) -> hdf5::Result<()> {
         for frame in 0..frames {
-            let (clock, values) = self.frame(frame)?;
-            let sums =
-                self.sums.as_ref().map_or_else(|| Ok(Sums::of_frame(clock, &values)), |sums| sums.read(frame))?;
-            new.append(clock, &values, &sums)?;
+            let clock = (one(&self.steps, frame)?, one(&self.times, frame)?);
+            let values: Vec<Added> = self.stored.iter().map(|stored| stored.blocks(frame)).collect();
+            let sums = self.sums.as_ref().map(|sums| sums.read(frame)).transpose()?;
+            new.append(clock, &values, sums)?;
         }
         Ok(())
     }

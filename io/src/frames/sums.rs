@@ -1,10 +1,10 @@
 //! Checksums of frames.
 
-use super::Values;
-use super::element::one_of;
-use crate::checksum;
+use super::element::{BLOCK, one_of, rows_of};
+use crate::checksum::{self, Sum};
+use bytemuck::NoUninit;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
-use hdf5::{Dataset, File};
+use hdf5::{Dataset, File, H5Type};
 use ndarray::{Array2, IxDyn};
 use std::fmt::{Display, Formatter};
 
@@ -67,14 +67,9 @@ impl Sums {
         Ok(Self { stored, columns, clock })
     }
 
-    /// The checksums of a frame.
-    pub(super) fn of_frame((step, time): (u64, f64), values: &[Values]) -> Vec<u64> {
-        let clock = checksum::of(&[step, time.to_bits()]);
-        let of_values = |values: &Values| match values {
-            Values::Reals(values) => checksum::of(values),
-            Values::Integers(values) => checksum::of(values),
-        };
-        [clock].into_iter().chain(values.iter().map(of_values)).collect()
+    /// The checksum of a frame's step and time.
+    pub(super) fn of_clock((step, time): (u64, f64)) -> u64 {
+        checksum::of(&[step, time.to_bits()])
     }
 
     pub(super) fn write(&self, frame: usize, sums: &[u64]) -> hdf5::Result<()> {
@@ -111,21 +106,36 @@ impl Sums {
         let [steps, times] = self.clock.as_ref().ok_or("there are no steps")?;
         let step = steps.read_slice::<u64, _, IxDyn>(one_of(frame, 1))?;
         let time = times.read_slice::<f64, _, IxDyn>(one_of(frame, 1))?;
-        Ok(checksum::of(&[step.first().copied().unwrap_or(0), time.first().copied().unwrap_or(0.0).to_bits()]))
+        Ok(Self::of_clock((step.first().copied().unwrap_or(0), time.first().copied().unwrap_or(0.0))))
     }
 }
 
 impl Column {
     fn sum(&self, frame: usize) -> hdf5::Result<u64> {
         let values = self.values.as_ref().filter(|values| values.ndim() > 0).ok_or("there are no values")?;
-        let one = one_of(frame, values.ndim());
-        Ok(match values.dtype()?.to_descriptor()? {
-            TypeDescriptor::Integer(_) => {
-                checksum::of(&values.read_slice::<i32, _, IxDyn>(one)?.into_raw_vec_and_offset().0)
-            }
-            _ => checksum::of(&values.read_slice::<f64, _, IxDyn>(one)?.into_raw_vec_and_offset().0),
-        })
+        match values.dtype()?.to_descriptor()? {
+            TypeDescriptor::Integer(_) => sum_of::<i32>(values, frame),
+            _ => sum_of::<f64>(values, frame),
+        }
     }
+}
+
+/// The checksum of a frame's value, of which a block is read at a time if it has rows.
+fn sum_of<T: H5Type + NoUninit>(values: &Dataset, frame: usize) -> hdf5::Result<u64> {
+    let mut sum = Sum::default();
+    let mut add = |part| -> hdf5::Result<()> {
+        sum.add(&values.read_slice::<T, _, IxDyn>(part)?.into_raw_vec_and_offset().0);
+        Ok(())
+    };
+    if let [_, rows, _] = values.shape()[..] {
+        if frame >= values.shape()[0] {
+            return Err(format!("{} has no frame {frame}", values.name()).into());
+        }
+        (0..rows).step_by(BLOCK).try_for_each(|first| add(rows_of(frame, first..rows.min(first + BLOCK))))?;
+    } else {
+        add(one_of(frame, values.ndim()))?;
+    }
+    Ok(sum.get())
 }
 
 impl Damage {

@@ -2,6 +2,7 @@
 
 use super::open::PAGE;
 use super::*;
+use crate::checksum;
 
 fn elements() -> Vec<Element> {
     let element = |path: &str, shape, whole| Element { path: path.into(), shape, whole, unit: "length" };
@@ -52,6 +53,31 @@ fn frames_are_in_the_file_at_once_and_their_room_from_the_start() {
     assert_eq!(std::fs::metadata(&path).unwrap().len(), size);
     let superblock = 0..48;
     assert_eq!(std::fs::read(&path).unwrap()[superblock.clone()], before[superblock]);
+}
+
+/// Values that come in blocks are in the file as if they had come at once, with the same checksums.
+#[test]
+fn blocks_of_rows_make_up_the_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    for rows in [1, 7, 50] {
+        let path = folder.path().join(format!("in-blocks-of-{rows}.h5"));
+        let mut frames = Frames::create(&path, &kind(&elements(), 3)).unwrap();
+        let (reals, integers): (Vec<f64>, Vec<i32>) = (0..150).map(|k| (0.1 * f64::from(k), k)).unzip();
+        for step in 0..3 {
+            let values = [
+                Added::InBlocks(Box::new(|each| reals.chunks(3 * rows).try_for_each(|part| each(&part.into())))),
+                Added::InBlocks(Box::new(|each| integers.chunks(3 * rows).try_for_each(|part| each(&part.into())))),
+                Added::Whole(7.0.into()),
+            ];
+            frames.append_blocks((step, 0.5), &values).unwrap();
+        }
+        let ((step, time), values) = frames.frame(1).unwrap();
+        assert_eq!((step, time, &values[..2]), (1, 0.5, &[reals.as_slice().into(), integers.as_slice().into()][..]));
+        assert_eq!(Sums::open(&File::open(&path).unwrap()).unwrap().unwrap().read(1).unwrap()[1], checksum::of(&reals));
+        let short = [Added::Whole(reals[..3].into()), Added::Whole(integers[..].into()), Added::Whole(7.0.into())];
+        let error = frames.append_blocks((3, 0.5), &short).unwrap_err().to_string();
+        assert!(error.contains("1 rows of a value of the shape Some([50, 3])"), "{error}");
+    }
 }
 
 #[test]

@@ -5,8 +5,8 @@ use crate::causes::in_full;
 use crate::{
     Checkpoints, FileError, Output, Provenance, Scene, Series, Trajectory, drop_fields_after, write_field, write_tables,
 };
-use domain::Comm;
-use simulation::{Frame, Quantity, Simulation};
+use domain::{ById, Comm};
+use simulation::{Quantity, Simulation};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -86,10 +86,10 @@ impl Recorder {
         let comm = simulation.comm().clone();
         let output = scene.kind().output().ok_or(RunError::NoSteps)?.clone();
         let provenance = provenance(scene, simulation.plan(), &comm);
-        let (frame, quantities) = (simulation.frame(), simulation.quantities());
+        let (frame, quantities) = (simulation.frame_share(), simulation.quantities());
         let open = Open { path: folder.path(), provenance: &provenance, last, room };
-        let files = if comm.is_first() { open.files(&output, &frame, &quantities) } else { Ok(Files::default()) };
-        let files = comm.agree(files)?;
+        let files = frame.particles.by_id(&comm, |rows| open.files(&output, (rows, frame.periodic), &quantities));
+        let files = comm.agree(files.unwrap_or_else(|| Ok(Files::default())))?;
         let warnings = files.damage();
         let from = last.map_or(0, |step| step + 1);
         let steps = scene.kind().steps();
@@ -147,10 +147,11 @@ impl Recorder {
     }
 
     fn frame(&mut self, simulation: &dyn Simulation) -> Result<(), RunError> {
-        let frame = simulation.frame();
+        let frame = simulation.frame_share();
         let clock = (simulation.clock().step(), simulation.clock().time());
-        let append = |file: &mut Trajectory| file.append(clock, &frame);
-        Ok(self.comm.agree(self.files.trajectory.as_mut().map_or(Ok(()), append))?)
+        let mut trajectory = self.files.trajectory.as_mut();
+        let append = |rows: &ById| trajectory.as_mut().map_or(Ok(()), |file| file.append_for(clock, rows, &frame.cell));
+        Ok(self.comm.agree(frame.particles.by_id(&self.comm, append).unwrap_or(Ok(())))?)
     }
 
     fn row(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
@@ -193,9 +194,8 @@ impl Recorder {
     fn state(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let state = simulation.state();
         // What a checkpoint follows on must be on the disk when it is.
-        let write = || self.files.sync().and_then(|()| Checkpoints::of(self.folder.path()).write(&state).map(drop));
-        let written = if self.comm.is_first() { write() } else { Ok(()) };
-        self.comm.agree(written)?;
+        self.comm.agree(if self.comm.is_first() { self.files.sync() } else { Ok(()) })?;
+        self.comm.agree(Checkpoints::of(self.folder.path()).write(&state, &self.comm))?;
         self.saved = Some(simulation.clock().step());
         Ok(())
     }
@@ -230,7 +230,7 @@ struct Open<'a> {
 }
 
 impl Open<'_> {
-    fn files(&self, output: &Output, frame: &Frame, quantities: &[Quantity]) -> Result<Files, FileError> {
+    fn files(&self, output: &Output, frame: (&ById, [bool; 3]), quantities: &[Quantity]) -> Result<Files, FileError> {
         if let Some(last) = self.last {
             drop_fields_after(self.path, last)?;
         }
@@ -242,11 +242,11 @@ impl Open<'_> {
         })
     }
 
-    fn trajectory(&self, frame: &Frame, frames: u64) -> Result<Trajectory, FileError> {
+    fn trajectory(&self, frame: (&ById, [bool; 3]), frames: u64) -> Result<Trajectory, FileError> {
         let path = self.path.join("trajectory.h5");
         match self.last {
-            Some(last) if path.exists() => Trajectory::resume(&path, self.provenance, frame, (last, frames)),
-            _ => Trajectory::create(&path, self.provenance, frame, frames),
+            Some(last) if path.exists() => Trajectory::resume_for(&path, self.provenance, frame, (last, frames)),
+            _ => Trajectory::create_for(&path, self.provenance, frame, frames),
         }
     }
 

@@ -25,7 +25,7 @@ pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Bo
     })
 }
 
-/// The simulation of a scene in the state of a checkpoint, which the first rank passes. Collective.
+/// The simulation of a scene in the state of a checkpoint, of which each rank passes its share. Collective.
 pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
     check_memory(scene.kind(), comm)?;
     Ok(match (scene.kind(), state) {

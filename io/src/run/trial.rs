@@ -212,7 +212,9 @@ fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
         return Written { bytes: FILE + sweep.cases().len() as f64 * series.bytes, seconds: 0.0 };
     }
     let frame = trying.particles * Trajectory::frame_bytes(&simulation.frame()) as f64;
-    let state = trying.particles * checkpoint::bytes_of(&simulation.state()) as f64;
+    let mut shares = [checkpoint::bytes_of(&simulation.state()) as f64];
+    simulation.comm().sum(&mut shares);
+    let state = trying.particles * shares[0];
     let tables = simulation.averages().map(|set| set.tables).unwrap_or_default();
     let averages = NUMBER * tables.iter().map(numbers_of).sum::<usize>() as f64;
     let files = [rows, frames].into_iter().filter(|&count| count > 0.0).count() as f64;

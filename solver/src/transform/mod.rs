@@ -11,7 +11,7 @@ use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
 use num_complex::Complex;
 use share::{Share, Task};
-use transposition::Transposition;
+use transposition::{Columns, Transposition};
 
 /// The Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
 /// allocating.
@@ -23,7 +23,8 @@ use transposition::Transposition;
 ///
 /// Rows along x are whole on a rank. Columns along y and then along z are made whole by one exchange each, of all three
 /// components at once, among the ranks that split them; a table of ranks with a single row or column saves that
-/// exchange, and a rank on its own copies nothing. Between ranks on one machine rows go straight from where they are to
+/// exchange, and a rank on its own copies nothing. The exchange along z goes in rounds of at most 64 MB of whole columns,
+/// so that large grids need little room beside their fields. Between ranks on one machine rows go straight from where they are to
 /// where they are needed, in memory that both reach. In the exchange along y the ranks share out blocks of 8 (`f64`) or
 /// 16 (`f32`) columns of `nx/2`: beyond as many ranks along y as there are blocks, some wait.
 ///
@@ -46,19 +47,25 @@ impl<T: Real> Transform<T> {
     /// # Panics
     /// If the partition shares out other lines than those of the grid.
     pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
-        Self::planned(points, partition, halo, AnyLength::new)
+        Self::planned(points, partition, (halo, ROOM), AnyLength::new)
     }
 
     /// As [`Self::new`], but by rustfft for all lengths: what its own kernels are measured against.
     #[doc(hidden)]
     pub fn by_rustfft(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
-        Self::planned(points, partition, halo, AnyLength::by_rustfft)
+        Self::planned(points, partition, (halo, ROOM), AnyLength::by_rustfft)
     }
 
-    fn planned(points: [usize; 3], partition: &Partition, halo: usize, plan: fn(usize) -> AnyLength<T>) -> Self {
+    fn planned(
+        points: [usize; 3],
+        partition: &Partition,
+        (halo, room): (usize, usize),
+        plan: fn(usize) -> AnyLength<T>,
+    ) -> Self {
         let layout = Layout::new::<T>(points, partition.place(), halo);
         let along_y = Transposition::along_y(&layout, partition);
-        let along_z = Transposition::along_z(&layout, partition);
+        let rounds = layout.rounds(partition.row().size(), room / size_of::<T>());
+        let along_z = Transposition::along_z(&layout, partition, rounds);
         Self { share: Share::new(layout, plan), along_y, along_z }
     }
 
@@ -75,40 +82,72 @@ impl<T: Real> Transform<T> {
     }
 
     /// From values to coefficients. What stands in the halos is added to the starts of the rows first; after a backward
-    /// transform, [`Field::clear_halo`] comes before.
+    /// transform, [`Field::clear_halo`] comes before. Allocates a field where columns are exchanged in several rounds.
     #[must_use]
     pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
-        let columns = self.planes_forward(&mut field.memory);
-        self.share.pencils(&columns, Direction::Forward);
-        if let Some(columns) = self.whole_columns() {
-            field.memory.values_mut()[..columns.len()].copy_from_slice(columns);
+        let planes = self.planes_forward(&mut field.memory);
+        if self.rounds() == 1 {
+            let columns = self.whole(&planes, 0);
+            self.share.pencils(&columns, Direction::Forward);
+            self.keep(&columns, &mut field.memory);
+            return field.into_space();
         }
-        field.into_space()
+        let mut spectrum = Field::zero(self.share.layout());
+        for round in 0..self.rounds() {
+            let columns = self.whole(&planes, round);
+            self.share.pencils(&columns, Direction::Forward);
+            self.keep(&columns, &mut spectrum.memory);
+        }
+        spectrum
     }
 
-    /// From coefficients to values. The halos are filled.
+    /// From coefficients to values. The halos are filled. Allocates a field where columns are exchanged in several rounds.
     #[must_use]
     pub fn backward(&mut self, mut field: Field<T, Spectral>) -> Field<T, Physical> {
-        for exchange in [&self.along_y, &self.along_z].into_iter().flatten() {
-            exchange.open();
+        self.along_y.iter().for_each(Transposition::open);
+        let mut values = if self.rounds() > 1 { Some(Field::zero(self.share.layout())) } else { None };
+        let planes = self.planes(values.as_mut().map_or(&mut field.memory, |values| &mut values.memory));
+        for round in 0..self.rounds() {
+            self.along_z.iter().for_each(Transposition::open);
+            let columns = self.columns(&planes, round);
+            self.fetch(&columns, &mut field.memory);
+            self.share.pencils(&columns, Direction::Backward);
+            self.give_back(&planes, round);
         }
-        let mut columns = Shared::new(field.memory.values_mut());
-        if let Some(whole) = self.whole_columns() {
-            whole.copy_from_slice(&field.memory.values()[..whole.len()]);
-            columns = Shared::new(whole);
-        }
-        self.share.pencils(&columns, Direction::Backward);
-        self.planes_backward(&mut field.memory);
-        field.into_space()
+        let mut values = values.unwrap_or_else(|| field.into_space());
+        self.planes_backward(&mut values.memory);
+        values
     }
 
     /// From force density to velocity: forward, times the operator, backward. The last direction goes both ways while
     /// a few of its columns are in the cache. Halos are added to the rows first, and filled at the end.
     pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
         assert_eq!(self.share.layout().points, operator.points(), "transform and operator have one grid");
-        let columns = self.planes_forward(&mut field.memory);
-        self.share.pencils_through(&columns, operator);
+        let planes = self.planes_forward(&mut field.memory);
+        for round in 0..self.rounds() {
+            let columns = self.whole(&planes, round);
+            self.share.pencils_through(&columns, operator);
+            self.give_back(&planes, round);
+        }
         self.planes_backward(&mut field.memory);
+    }
+
+    /// Calls `visit(mode, values)` for each mode of a field that this rank comes to own, as [`Field::for_each_mode`] does
+    /// after [`Self::forward`], but in any order and without another field: the values of this one are lost.
+    pub fn for_each_mode(
+        &mut self,
+        field: &mut Field<T, Physical>,
+        mut visit: impl FnMut([usize; 3], [Complex<T>; 3]),
+    ) {
+        let planes = self.planes_forward(&mut field.memory);
+        for round in 0..self.rounds() {
+            let columns = self.whole(&planes, round);
+            self.share.pencils(&columns, Direction::Forward);
+            let Columns { memory, strides, modes } = &columns;
+            // SAFETY: the columns have all modes named, and nobody else writes to them before the next round.
+            let read = |place| unsafe { *memory.at(place) };
+            self.share.layout().for_each_mode::<T>((strides, modes), read, &mut visit);
+        }
     }
 
     /// A random velocity field whose covariance is that of the operator over the volume of a point: interpolated with weights
@@ -146,54 +185,131 @@ impl<T: Real> Transform<T> {
         self.backward(field)
     }
 
-    /// The memory of the last exchange, in which columns along z are whole; none if a field's own are.
-    fn whole_columns(&mut self) -> Option<&mut [T]> {
-        self.along_z.as_mut().or(self.along_y.as_mut()).map(Transposition::columns_mut)
+    /// Rounds in which columns along z are made whole.
+    fn rounds(&self) -> usize {
+        self.along_z.as_ref().map_or(1, Transposition::rounds)
     }
 
-    /// Transforms along x and y, after which columns along z are whole: where they are.
-    fn planes_forward(&mut self, memory: &mut Memory<T>) -> Shared<T> {
+    /// Where planes are whole of the field in a memory.
+    fn planes(&self, memory: &mut Memory<T>) -> Shared<T> {
         assert!(memory.values().len() >= self.share.layout().capacity, "the field is of this transform");
-        let mut place = Shared::new(memory.values_mut());
+        self.along_y.as_ref().map_or_else(|| Shared::new(memory.values_mut()), Transposition::columns)
+    }
+
+    /// Transforms along x and y, to where planes are whole, and packs them if columns along z are made whole at once.
+    fn planes_forward(&mut self, memory: &mut Memory<T>) -> Shared<T> {
+        let planes = self.planes(memory);
+        let rows = Shared::new(memory.values_mut());
         let mut tasks = vec![Task::X];
         if let Some(exchange) = &self.along_y {
             exchange.open();
-            tasks.push(Task::Pack(exchange.packing()));
-            self.share.planes(&place, Direction::Forward, &tasks);
+            tasks.push(Task::Pack(exchange.packing(0)));
+            self.share.planes(&rows, Direction::Forward, &tasks);
             tasks.clear();
-            exchange.deliver();
-            place = exchange.columns();
+            exchange.deliver(0);
         }
         tasks.push(Task::Y);
-        if let Some(exchange) = &self.along_z {
+        if let Some(exchange) = self.at_once() {
             exchange.open();
-            tasks.push(Task::Pack(exchange.packing()));
-            self.share.planes(&place, Direction::Forward, &tasks);
-            exchange.deliver();
-            return exchange.columns();
+            tasks.push(Task::Pack(exchange.packing(0)));
         }
-        self.share.planes(&place, Direction::Forward, &tasks);
-        place
+        self.share.planes(&planes, Direction::Forward, &tasks);
+        planes
     }
 
-    /// The way back from whole columns along z.
+    /// The exchange along z, if it takes a single round.
+    fn at_once(&self) -> Option<&Transposition<T>> {
+        self.along_z.as_ref().filter(|exchange| exchange.rounds() == 1)
+    }
+
+    /// The exchange along z, if it takes several rounds.
+    fn in_rounds(&self) -> Option<&Transposition<T>> {
+        self.along_z.as_ref().filter(|exchange| exchange.rounds() > 1)
+    }
+
+    /// Where columns along z are whole in a round.
+    fn columns(&self, planes: &Shared<T>, round: usize) -> Columns<T> {
+        let Layout { spectral, modes, .. } = self.share.layout();
+        // SAFETY: it is where the planes begin.
+        let own = || Columns {
+            memory: Shared::from_pointer(unsafe { planes.at(0) }),
+            strides: *spectral,
+            modes: modes.clone(),
+        };
+        self.along_z.as_ref().map_or_else(own, |exchange| exchange.columns_along_z(round))
+    }
+
+    /// Makes the columns along z of a round whole.
+    fn whole(&self, planes: &Shared<T>, round: usize) -> Columns<T> {
+        if let Some(exchange) = self.in_rounds() {
+            exchange.open();
+            self.share.planes(planes, Direction::Forward, &[Task::Pack(exchange.packing(round))]);
+        }
+        self.along_z.iter().for_each(|exchange| exchange.deliver(round));
+        self.columns(planes, round)
+    }
+
+    /// Gives the columns along z of a round back.
+    fn give_back(&self, planes: &Shared<T>, round: usize) {
+        self.along_z.iter().for_each(|exchange| exchange.give_back(round));
+        if let Some(exchange) = self.in_rounds() {
+            self.share.planes(planes, Direction::Backward, &[Task::Unpack(exchange.packing(round))]);
+        }
+    }
+
+    /// Keeps coefficients as a field has them.
+    fn keep(&self, columns: &Columns<T>, memory: &mut Memory<T>) {
+        let values = memory.values_mut();
+        // SAFETY: the row is one of these columns, of which nobody else has any.
+        self.each_row(columns, |row, place, width| unsafe {
+            values[place..place + width].copy_from_slice(std::slice::from_raw_parts(row, width));
+        });
+    }
+
+    /// Fetches coefficients that were kept.
+    fn fetch(&self, columns: &Columns<T>, memory: &mut Memory<T>) {
+        let values = memory.values_mut();
+        // SAFETY: the row is one of these columns, of which nobody else has any.
+        self.each_row(columns, |row, place, width| unsafe {
+            std::slice::from_raw_parts_mut(row, width).copy_from_slice(&values[place..place + width]);
+        });
+    }
+
+    /// Visits each row of whole columns that do not stand in the field itself: where it is, its place there, and its reals.
+    fn each_row(&self, Columns { memory, strides, modes }: &Columns<T>, mut visit: impl FnMut(*mut T, usize, usize)) {
+        let layout = self.share.layout();
+        if self.along_y.is_none() && self.along_z.is_none() {
+            return;
+        }
+        for z in 0..layout.points[2] {
+            for (component, mode) in (0..3).flat_map(|component| (0..modes.len()).map(move |mode| (component, mode))) {
+                let place = layout.spectral.at(component, modes.start - layout.modes.start + mode, z);
+                // SAFETY: the columns have this row.
+                visit(unsafe { memory.at(strides.at(component, mode, z)) }, place, layout.width);
+            }
+        }
+    }
+
+    /// The way back from columns along z that were given back.
     fn planes_backward(&mut self, memory: &mut Memory<T>) {
         let rows = Shared::new(memory.values_mut());
         let mut tasks = Vec::new();
-        if let Some(exchange) = &self.along_z {
-            exchange.give_back();
-            tasks.push(Task::Unpack(exchange.packing()));
+        if let Some(exchange) = self.at_once() {
+            tasks.push(Task::Unpack(exchange.packing(0)));
         }
         tasks.push(Task::Y);
         if let Some(exchange) = &self.along_y {
             self.share.planes(&exchange.columns(), Direction::Backward, &tasks);
-            exchange.give_back();
-            tasks = vec![Task::Unpack(exchange.packing())];
+            exchange.give_back(0);
+            tasks = vec![Task::Unpack(exchange.packing(0))];
         }
         tasks.push(Task::X);
         self.share.planes(&rows, Direction::Backward, &tasks);
     }
 }
+
+/// Bytes of the whole columns along z of a round, at most about.
+pub(crate) const ROOM: usize = 64 << 20;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! What a rank transforms by itself: planes along x and y, and columns along z.
 
-use super::transposition::Packing;
+use super::transposition::{Columns, Packing};
 use crate::fourier::{AnyLength, At, Batch, Direction, Rows};
 use crate::layout::Layout;
 use crate::memory::Memory;
@@ -119,9 +119,9 @@ impl<T: Real> Share<T> {
         });
     }
 
-    /// Transforms all columns along z.
-    pub fn pencils(&self, memory: &Shared<T>, direction: Direction) {
-        self.each_panel(memory, |components, _| {
+    /// Transforms columns along z.
+    pub fn pencils(&self, whole: &Columns<T>, direction: Direction) {
+        self.each_panel(whole, |components, _| {
             self.at_desk(|buffers, _, _| {
                 for columns in components {
                     // SAFETY: the panel belongs to one thread.
@@ -131,10 +131,10 @@ impl<T: Real> Share<T> {
         });
     }
 
-    /// Transforms all columns along z, multiplies them by the operator, and transforms them back.
-    pub fn pencils_through(&self, memory: &Shared<T>, operator: &Stokes<T>) {
+    /// Transforms columns along z, multiplies them by the operator, and transforms them back.
+    pub fn pencils_through(&self, whole: &Columns<T>, operator: &Stokes<T>) {
         let stride = 2 * T::LANES;
-        self.each_panel(memory, |components, [block, mode]| {
+        self.each_panel(whole, |components, [block, mode]| {
             self.at_desk(|buffers, panel, _| {
                 // SAFETY: the panel belongs to one thread, and the desk has room for its three components.
                 unsafe {
@@ -152,14 +152,14 @@ impl<T: Real> Share<T> {
     }
 
     /// Goes to every panel of columns along z: those of one block along x and one mode along y, which it names.
-    fn each_panel(&self, memory: &Shared<T>, work: impl Fn([At<T>; 3], [usize; 2]) + Sync) {
-        let Layout { blocks, modes, spectral, .. } = &self.layout;
+    fn each_panel(&self, whole: &Columns<T>, work: impl Fn([At<T>; 3], [usize; 2]) + Sync) {
+        let (Layout { blocks, .. }, Columns { memory, strides, modes }) = (&self.layout, whole);
         (0..modes.len() * blocks.len()).into_par_iter().for_each(|i| {
             let (mode, block) = (i / blocks.len(), i % blocks.len());
             let components = [0, 1, 2].map(|component| {
-                let start = spectral.at(component, mode, 0) + block * 2 * T::LANES;
+                let start = strides.at(component, mode, 0) + block * 2 * T::LANES;
                 // SAFETY: the panel lies inside this rank's share.
-                At { first: unsafe { memory.at(start) }, stride: spectral.z }
+                At { first: unsafe { memory.at(start) }, stride: strides.z }
             });
             work(components, [blocks.start + block, modes.start + mode]);
         });

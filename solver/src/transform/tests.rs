@@ -57,13 +57,25 @@ fn modes<T: Real>(field: &Field<T, Spectral>) -> Modes<T> {
 
 /// The coefficients of the noise on a table of ranks, gathered, and what the way back makes of them.
 fn on_ranks<T: Real>(points: [usize; 3], table: [usize; 2], halo: usize) -> (Modes<T>, BTreeMap<[usize; 2], Vec<T>>) {
+    in_room(points, table, (halo, ROOM))
+}
+
+/// The same in rounds with so much room.
+fn in_room<T: Real>(
+    points: [usize; 3],
+    table: [usize; 2],
+    (halo, room): (usize, usize),
+) -> (Modes<T>, BTreeMap<[usize; 2], Vec<T>>) {
     let shares = Comm::threads(table[0] * table[1], |comm| {
         let partition = Partition::with_table(&comm, [points[1], points[2]], table);
-        let mut transform = Transform::<T>::new(points, &partition, halo);
+        let mut transform = Transform::<T>::planned(points, &partition, (halo, room), AnyLength::new);
         let mut field = transform.field();
         fill(&mut field, true);
+        let mut shown = BTreeMap::new();
+        transform.for_each_mode(&mut field.clone(), |mode, values| assert!(shown.insert(mode, values).is_none()));
         let spectrum = transform.forward(field);
         let found = modes(&spectrum);
+        assert!(found == shown, "modes are shown as they are kept");
         let field = transform.backward(spectrum);
         let [ys, zs] = field.rows();
         let lines = ys.flat_map(|y| zs.clone().map(move |z| [y, z]));
@@ -131,6 +143,44 @@ fn ranks_in_any_table_have_the_bits_of_one_rank() {
         for table in [[1, 7], [3, 2], [2, 2]] {
             assert!(on_ranks::<f32>(points, table, 3) == one, "{points:?} on {table:?} in single precision");
         }
+    }
+}
+
+/// Rounds of one mode along y or of several, of which some ranks may have none, and no rounds.
+#[test]
+fn rounds_have_the_bits_of_an_exchange_at_once() {
+    for points in [[36, 10, 12], [8, 6, 4], [22, 26, 46]] {
+        let one = on_ranks::<f64>(points, [1, 1], 3);
+        for (table, room) in
+            [[1, 1], [1, 2], [1, 3], [1, 4], [1, 7], [2, 2], [3, 2]].into_iter().zip([8, 3000, 9000].repeat(3))
+        {
+            assert!(in_room::<f64>(points, table, (3, room)) == one, "{points:?} on {table:?} in {room} bytes");
+        }
+        assert!(in_room::<f32>(points, [1, 2], (3, 8)) == on_ranks::<f32>(points, [1, 1], 3), "{points:?}");
+    }
+}
+
+/// The operator's own way there and back in rounds.
+#[test]
+fn operators_have_the_same_bits_in_rounds() {
+    let (points, edges) = ([20, 14, 18], Vector::new(3.0, 2.0, 1.0));
+    let applied = |table: [usize; 2], room: usize| {
+        let shares = Comm::threads(table[0] * table[1], |comm| {
+            let grid = Grid::new(points, PeriodicBox::new(edges).unwrap()).unwrap();
+            let partition = Partition::with_table(&comm, grid.lines(), table);
+            let mut transform = Transform::<f64>::planned(points, &partition, (5, room), AnyLength::new);
+            let mut field = transform.field();
+            fill(&mut field, true);
+            transform.apply(&mut field, &Stokes::new(&grid, 1.5));
+            let [ys, zs] = field.rows();
+            let lines = ys.flat_map(|y| zs.clone().map(move |z| [y, z]));
+            lines.map(|[y, z]| ([y, z], field.row(1, y, z).to_vec())).collect::<BTreeMap<_, _>>()
+        });
+        shares.into_iter().flatten().collect::<BTreeMap<_, _>>()
+    };
+    let one = applied([1, 1], ROOM);
+    for (table, room) in [([1, 2], 8), ([1, 3], 9000), ([2, 2], 8), ([1, 4], ROOM)] {
+        assert!(applied(table, room) == one, "on {table:?} in {room} bytes");
     }
 }
 

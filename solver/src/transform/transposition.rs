@@ -1,4 +1,5 @@
-//! Transpositions: each rank of a group gives every other its part of the columns, so that these are whole.
+//! Transpositions: each rank of a group gives every other its part of the columns, so that these are whole. Large ones go
+//! round by round, a part of the columns in each, in memory for one round.
 
 use crate::Real;
 use crate::layout::{Layout, Strides};
@@ -10,19 +11,35 @@ use std::ops::Range;
 /// rank itself, needs them for the next direction; those for ranks elsewhere are packed and sent.
 pub(super) struct Transposition<T> {
     group: Comm,
-    packing: Packing<T>,
-    /// Whole columns of each rank. What arrives stands by the ranks it came from, since the split index is the slowest
-    /// in memory.
+    rounds: Vec<Round<T>>,
+    /// Whole columns of each rank in a round. What arrives stands by the ranks it came from, since the split index is the
+    /// slowest in memory.
     columns: Window,
     /// What is sent elsewhere.
     outbox: Window,
+    /// Reals of whole columns, and of what is sent elsewhere, in the largest round.
+    size: usize,
+    outgoing: usize,
+}
+
+/// A part of the columns.
+struct Round<T> {
+    packing: Packing<T>,
     /// By ranks elsewhere: what goes to them in the outbox, and what comes from them in the columns.
     sent: Vec<Range<usize>>,
     received: Vec<Range<usize>>,
-    /// Reals of whole columns.
-    size: usize,
     /// Bytes for others on this machine.
     beside: usize,
+    /// Of whole columns along z: which modes along y they are, and where they stand.
+    modes: Range<usize>,
+    strides: Strides,
+}
+
+/// Whole columns along z of some modes along y.
+pub(super) struct Columns<T> {
+    pub memory: Shared<T>,
+    pub strides: Strides,
+    pub modes: Range<usize>,
 }
 
 /// Where each row goes.
@@ -38,6 +55,60 @@ struct Part<T> {
     /// Where it goes.
     place: Shared<T>,
     shape: Shape,
+}
+
+/// What is exchanged in a round: where what is for a rank begins, and its shape by whom it is from and to.
+struct Plan<Start, Shaped> {
+    shape: Shaped,
+    start: Start,
+    modes: Range<usize>,
+    strides: Strides,
+}
+
+impl<Start: Fn(usize) -> usize, Shaped: Fn(usize, usize) -> Shape> Plan<Start, Shaped> {
+    /// Reals from a rank to another.
+    fn reals(&self, (from, to): (usize, usize), planes: impl Fn(usize) -> usize) -> usize {
+        let Shape { rows, width, .. } = (self.shape)(from, to);
+        3 * planes(from) * rows * width
+    }
+
+    /// Where in a rank's columns those from another begin.
+    fn first(&self, (from, to): (usize, usize), planes: impl Fn(usize) -> usize) -> usize {
+        (0..from).map(|earlier| self.reals((earlier, to), &planes)).sum()
+    }
+
+    /// The round on a rank of so many, in memory for whole columns and for what goes elsewhere.
+    fn round<T: Real>(
+        self,
+        (me, ranks): (usize, usize),
+        strides: Strides,
+        planes: impl Fn(usize) -> usize,
+        [columns, outbox]: [&Window; 2],
+    ) -> Round<T> {
+        let is_elsewhere = |rank| columns.of::<T>(rank).is_none();
+        let (mut sent, mut received, mut outgoing, mut beside) = (Vec::new(), Vec::new(), 0, 0);
+        for rank in 0..ranks {
+            let both = [(me, rank), (rank, me)].map(|pair| self.reals(pair, &planes));
+            let [to, from] = both.map(|reals| if is_elsewhere(rank) { reals } else { 0 });
+            let first = self.first((rank, me), &planes);
+            sent.push(outgoing..outgoing + to);
+            received.push(first..first + from);
+            outgoing += to;
+            beside += if is_elsewhere(rank) || rank == me { 0 } else { both[0] * size_of::<T>() };
+        }
+        let part = |rank| {
+            let (window, owner, place) = if is_elsewhere(rank) {
+                (outbox, 0, sent[rank].start)
+            } else {
+                (columns, rank, self.first((me, rank), &planes))
+            };
+            // SAFETY: there is room for it.
+            let place = unsafe { memory::<T>(window, owner).add(place) };
+            Part { start: (self.start)(rank), place: Shared::from_pointer(place), shape: (self.shape)(me, rank) }
+        };
+        let packing = Packing { strides, parts: (0..ranks).map(part).collect() };
+        Round { packing, sent, received, beside, modes: self.modes, strides: self.strides }
+    }
 }
 
 /// How rows for one rank stand together.
@@ -60,62 +131,57 @@ impl<T: Real> Transposition<T> {
         };
         let start = |to| blocks(to).start * 2 * T::LANES;
         let planes = |_| planes;
-        Self::new(group, layout.physical, planes, start, part)
+        let plan = Plan { shape: part, start, modes: layout.modes.clone(), strides: layout.spectral };
+        Self::new(group, layout.physical, planes, vec![plan])
     }
 
-    /// The exchange of modes along y for whole columns along z, in the ranks' row; none if they are whole already.
-    pub fn along_z(layout: &Layout, partition: &Partition) -> Option<Self> {
+    /// The exchange of modes along y for whole columns along z, in the ranks' row, in so many rounds; none if they are whole
+    /// already.
+    pub fn along_z(layout: &Layout, partition: &Partition, rounds: usize) -> Option<Self> {
         let group = partition.row();
         let width = layout.blocks.len() * 2 * T::LANES;
-        let modes = |rank| block(layout.points[1], group.size(), rank);
-        let part = |_, to: usize| {
-            let rows = modes(to).len();
-            Shape { rows, width, packed: Strides { component: rows * width, z: 3 * rows * width, y: width } }
+        let modes = |rank, round| {
+            let all = block(layout.points[1], group.size(), rank);
+            let part = block(all.len(), rounds, round);
+            all.start + part.start..all.start + part.end
         };
-        let start = |to| modes(to).start * layout.transposed.y;
+        let packed = |rows: usize| Strides { component: rows * width, z: 3 * rows * width, y: width };
         let planes = |from| block(layout.points[2], group.size(), from).len();
-        Self::new(group, layout.transposed, planes, start, part)
+        let plans = (0..rounds).map(|round| Plan {
+            shape: move |_: usize, to: usize| {
+                let rows = modes(to, round).len();
+                Shape { rows, width, packed: packed(rows) }
+            },
+            start: move |to| modes(to, round).start * layout.transposed.y,
+            modes: modes(group.rank(), round),
+            strides: packed(modes(group.rank(), round).len()),
+        });
+        Self::new(group, layout.transposed, planes, plans.collect())
     }
 
-    /// From the planes of a rank, and what is for a rank: where it begins, and its shape by whom it is from.
+    /// From the planes of a rank, and what is exchanged in each round.
     fn new(
         group: &Comm,
         strides: Strides,
         planes: impl Fn(usize) -> usize,
-        start: impl Fn(usize) -> usize,
-        shape: impl Fn(usize, usize) -> Shape,
+        plans: Vec<Plan<impl Fn(usize) -> usize, impl Fn(usize, usize) -> Shape>>,
     ) -> Option<Self> {
         let (me, ranks) = (group.rank(), group.size());
         if ranks == 1 {
             return None;
         }
-        let reals = |from, to| {
-            let Shape { rows, width, .. } = shape(from, to);
-            3 * planes(from) * rows * width
-        };
-        // Where in a rank's columns those from another begin.
-        let first = |from, to| (0..from).map(|earlier| reals(earlier, to)).sum::<usize>();
-        let size = first(ranks, me);
+        let sizes = plans.iter().map(|plan| plan.first((ranks, me), &planes));
+        let size = sizes.max().unwrap_or(0);
         let columns = group.window(size * size_of::<T>());
-        let is_elsewhere = |rank| columns.of::<T>(rank).is_none();
-        let (mut sent, mut received, mut outbox, mut beside) = (Vec::new(), Vec::new(), 0, 0);
-        for rank in 0..ranks {
-            let [to, from] = [reals(me, rank), reals(rank, me)].map(|reals| if is_elsewhere(rank) { reals } else { 0 });
-            sent.push(outbox..outbox + to);
-            received.push(first(rank, me)..first(rank, me) + from);
-            outbox += to;
-            beside += if is_elsewhere(rank) || rank == me { 0 } else { reals(me, rank) * size_of::<T>() };
-        }
-        let outbox = Comm::alone().window(outbox * size_of::<T>());
-        let part = |rank| {
-            let (window, owner, place) =
-                if is_elsewhere(rank) { (&outbox, 0, sent[rank].start) } else { (&columns, rank, first(me, rank)) };
-            // SAFETY: there is room for it.
-            let place = unsafe { memory::<T>(window, owner).add(place) };
-            Part { start: start(rank), place: Shared::from_pointer(place), shape: shape(me, rank) }
+        let to_elsewhere = |plan: &Plan<_, _>| -> usize {
+            let elsewhere = (0..ranks).filter(|&rank| columns.of::<T>(rank).is_none());
+            elsewhere.map(|rank| plan.reals((me, rank), &planes)).sum()
         };
-        let packing = Packing { strides, parts: (0..ranks).map(part).collect() };
-        Some(Self { group: group.clone(), packing, columns, outbox, sent, received, size, beside })
+        let outgoing = plans.iter().map(to_elsewhere).max().unwrap_or(0);
+        let outbox = Comm::alone().window(outgoing * size_of::<T>());
+        let rounds =
+            plans.into_iter().map(|plan| plan.round((me, ranks), strides, &planes, [&columns, &outbox])).collect();
+        Some(Self { group: group.clone(), rounds, columns, outbox, size, outgoing })
     }
 
     /// Reals of whole columns.
@@ -124,9 +190,14 @@ impl<T: Real> Transposition<T> {
         self.size
     }
 
-    /// Where rows go, and come from.
-    pub fn packing(&self) -> &Packing<T> {
-        &self.packing
+    /// Rounds that it takes.
+    pub fn rounds(&self) -> usize {
+        self.rounds.len()
+    }
+
+    /// Where rows go, and come from, in a round.
+    pub fn packing(&self, round: usize) -> &Packing<T> {
+        &self.rounds[round].packing
     }
 
     /// This rank's whole columns.
@@ -134,11 +205,10 @@ impl<T: Real> Transposition<T> {
         Shared::from_pointer(memory(&self.columns, self.group.rank()))
     }
 
-    /// The values of this rank's whole columns, while no rank packs or unpacks.
-    pub fn columns_mut(&mut self) -> &mut [T] {
-        // SAFETY: the caller has this exchange for itself, and other ranks come here only while all do.
-        let [columns, _] = unsafe { self.values() };
-        columns
+    /// This rank's whole columns along z in a round.
+    pub fn columns_along_z(&self, round: usize) -> Columns<T> {
+        let Round { modes, strides, .. } = &self.rounds[round];
+        Columns { memory: self.columns(), strides: *strides, modes: modes.clone() }
     }
 
     /// Waits until the columns of the last time are needed no more. Packing comes next.
@@ -146,30 +216,31 @@ impl<T: Real> Transposition<T> {
         self.columns.barrier();
     }
 
-    /// Makes columns whole once all is packed.
-    pub fn deliver(&self) {
-        self.meet();
+    /// Makes columns whole once all of a round is packed.
+    pub fn deliver(&self, round: usize) {
+        let Round { sent, received, .. } = self.meet(round);
         if self.columns.is_divided() {
             // SAFETY: all on this machine have packed, and nobody unpacks yet.
             let [columns, outbox] = unsafe { self.values() };
-            self.group.all_to_all_ranges((outbox, &self.sent), (columns, &self.received));
+            self.group.all_to_all_ranges((outbox, sent), (columns, received));
         }
     }
 
     /// Lets columns be fetched once all have done with them. Unpacking comes next.
-    pub fn give_back(&self) {
-        self.meet();
+    pub fn give_back(&self, round: usize) {
+        let Round { sent, received, .. } = self.meet(round);
         if self.columns.is_divided() {
             // SAFETY: nobody writes to columns before they are opened again.
             let [columns, outbox] = unsafe { self.values() };
-            self.group.all_to_all_ranges((columns, &self.received), (outbox, &self.sent));
+            self.group.all_to_all_ranges((columns, received), (outbox, sent));
         }
     }
 
     /// Waits for the ranks on this machine to have done what comes before.
-    fn meet(&self) {
+    fn meet(&self, round: usize) -> &Round<T> {
         self.columns.barrier();
-        self.group.count_sent(self.beside);
+        self.group.count_sent(self.rounds[round].beside);
+        &self.rounds[round]
     }
 
     /// This rank's columns and outbox.
@@ -178,9 +249,8 @@ impl<T: Real> Transposition<T> {
     /// Nobody writes there meanwhile but through these.
     #[expect(clippy::mut_from_ref, reason = "they are not behind the reference")]
     unsafe fn values(&self) -> [&mut [T]; 2] {
-        let outgoing = self.sent.last().map_or(0, |last| last.end);
         // SAFETY: there are so many, zeros at first.
-        [(&self.columns, self.group.rank(), self.size), (&self.outbox, 0, outgoing)]
+        [(&self.columns, self.group.rank(), self.size), (&self.outbox, 0, self.outgoing)]
             .map(|(window, rank, count)| unsafe { std::slice::from_raw_parts_mut(memory(window, rank), count) })
     }
 }

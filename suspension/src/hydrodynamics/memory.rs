@@ -40,11 +40,6 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> 
     lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
 }
 
-/// The near pairs of the particles that a rank owns.
-pub fn pairs_bytes(expected: &ExpectedCounts, range: Range) -> Bytes {
-    near_pairs(expected, range).1
-}
-
 /// The lists of who is near, and the near pairs of the particles that a rank owns.
 fn near_pairs(expected: &ExpectedCounts, range: Range) -> (Bytes, Bytes) {
     let cutoff = range.cutoff();

@@ -1,0 +1,270 @@
+//! The particles of all ranks in the order of their ids, block by block on the first rank.
+
+use crate::rows::{Picked, Way};
+use crate::{Comm, Particles, Vector};
+use bytemuck::Pod;
+
+/// The particles of all ranks as the first rank reads them: property by property, in the order of the ids, with no more
+/// than a block of 65,536 of them in memory at a time. Made by [`Particles::by_id`].
+pub struct ById<'a> {
+    particles: &'a Particles,
+    comm: &'a Comm,
+    /// Ids of a block.
+    block: u64,
+    /// This rank's rows in the order of their ids.
+    order: Vec<usize>,
+    /// Particles of all ranks, and one more than their last id.
+    count: usize,
+    ids: u64,
+}
+
+/// What is read; columns by their places.
+#[derive(Debug, Clone, Copy)]
+enum Property {
+    Ids,
+    Positions,
+    Steps,
+    Radii,
+    Species,
+    Column(usize),
+}
+
+impl Property {
+    fn number(self) -> u64 {
+        match self {
+            Self::Ids => 0,
+            Self::Positions => 1,
+            Self::Steps => 2,
+            Self::Radii => 3,
+            Self::Species => 4,
+            Self::Column(place) => 5 + place as u64,
+        }
+    }
+
+    fn of(number: u64) -> Self {
+        match number {
+            0 => Self::Ids,
+            1 => Self::Positions,
+            2 => Self::Steps,
+            3 => Self::Radii,
+            4 => Self::Species,
+            column => Self::Column(column as usize - 5),
+        }
+    }
+}
+
+impl Particles {
+    /// What `read` makes of all particles on the first rank, which the others send it; nothing on those. All ranks have the
+    /// same columns, and no two particles the same id. Collective.
+    pub fn by_id<R>(&self, comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
+        ById::new(self, comm, ById::BLOCK).read(read)
+    }
+}
+
+impl<'a> ById<'a> {
+    /// Ids of a block.
+    pub(crate) const BLOCK: u64 = 1 << 16;
+
+    fn new(particles: &'a Particles, comm: &'a Comm, block: u64) -> Self {
+        let mut order: Vec<usize> = (0..particles.len()).collect();
+        order.sort_unstable_by_key(|&row| particles.ids[row]);
+        let end = order.last().map_or(0, |&row| particles.ids[row] + 1);
+        let all = comm.all_gather(&[[particles.len() as u64, end]]);
+        let count = all.iter().map(|[count, _]| *count as usize).sum();
+        let ids = all.iter().map(|[_, end]| *end).max().unwrap_or(0);
+        Self { particles, comm, block, order, count, ids }
+    }
+
+    fn read<R>(&self, read: impl FnOnce(&Self) -> R) -> Option<R> {
+        if !self.comm.is_first() {
+            self.serve();
+            return None;
+        }
+        let found = read(self);
+        self.ask(None);
+        Some(found)
+    }
+
+    /// How many particles there are.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Names and widths of the columns.
+    pub fn columns(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.particles.columns.iter().map(|column| (column.name.as_str(), column.width))
+    }
+
+    /// Passes the ids on, block by block.
+    pub fn ids<E>(&self, each: impl FnMut(&[u64]) -> Result<(), E>) -> Result<(), E> {
+        self.each_block(Property::Ids, (&self.particles.ids, 1), each)
+    }
+
+    /// Passes the positions on.
+    pub fn positions<E>(&self, each: impl FnMut(&[Vector]) -> Result<(), E>) -> Result<(), E> {
+        self.each_block(Property::Positions, (&self.particles.positions, 1), each)
+    }
+
+    /// Passes the lattice steps on.
+    pub fn steps<E>(&self, each: impl FnMut(&[[i32; 3]]) -> Result<(), E>) -> Result<(), E> {
+        self.each_block(Property::Steps, (&self.particles.steps, 1), each)
+    }
+
+    /// Passes the radii on.
+    pub fn radii<E>(&self, each: impl FnMut(&[f64]) -> Result<(), E>) -> Result<(), E> {
+        self.each_block(Property::Radii, (&self.particles.radii, 1), each)
+    }
+
+    /// Passes the species on.
+    pub fn species<E>(&self, each: impl FnMut(&[u32]) -> Result<(), E>) -> Result<(), E> {
+        self.each_block(Property::Species, (&self.particles.species, 1), each)
+    }
+
+    /// Passes the values of the column at a place on, those of a particle beside each other.
+    pub fn column<E>(&self, place: usize, each: impl FnMut(&[f64]) -> Result<(), E>) -> Result<(), E> {
+        let column = &self.particles.columns[place];
+        self.each_block(Property::Column(place), (&column.values, column.width), each)
+    }
+
+    fn each_block<T: Pod, E>(
+        &self,
+        property: Property,
+        values: (&[T], usize),
+        mut each: impl FnMut(&[T]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        for block in 0..self.ids.div_ceil(self.block) {
+            self.ask(Some((property, block)));
+            let found = self.gathered(block, values);
+            if !found.is_empty() {
+                each(&found)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells the other ranks what to send, or that there is nothing more.
+    fn ask(&self, what: Option<(Property, u64)>) {
+        if self.comm.size() > 1 {
+            self.comm
+                .broadcast(&mut what.into_iter().flat_map(|(property, block)| [property.number(), block]).collect());
+        }
+    }
+
+    /// Sends what the first rank asks for until it asks no more.
+    fn serve(&self) {
+        let p = self.particles;
+        loop {
+            let mut asked = Vec::new();
+            self.comm.broadcast(&mut asked);
+            let [property, block] = asked[..] else { return };
+            match Property::of(property) {
+                Property::Ids => drop(self.gathered(block, (&p.ids, 1))),
+                Property::Positions => drop(self.gathered(block, (&p.positions, 1))),
+                Property::Steps => drop(self.gathered(block, (&p.steps, 1))),
+                Property::Radii => drop(self.gathered(block, (&p.radii, 1))),
+                Property::Species => drop(self.gathered(block, (&p.species, 1))),
+                Property::Column(place) => {
+                    drop(self.gathered(block, (&p.columns[place].values, p.columns[place].width)));
+                }
+            }
+        }
+    }
+
+    /// The values of a block of ids in their order, on the first rank. Collective.
+    fn gathered<T: Pod>(&self, block: u64, (values, width): (&[T], usize)) -> Vec<T> {
+        let ids = block * self.block..(block + 1) * self.block;
+        let before = |id: u64| self.order.partition_point(|&row| self.particles.ids[row] < id);
+        let rows = &self.order[before(ids.start)..before(ids.end)];
+        let own = Picked(rows).of(values, width);
+        if self.comm.size() == 1 {
+            return own;
+        }
+        let places: Vec<u32> = rows.iter().map(|&row| (self.particles.ids[row] - ids.start) as u32).collect();
+        let (places, all) = (self.comm.gather(&places), self.comm.gather(&own));
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_unstable_by_key(|&row| places[row]);
+        Picked(&order).of(&all, width)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Partition, PeriodicBox};
+
+    fn scattered(count: u64) -> Particles {
+        let mut particles = Particles::default();
+        for k in 0..count {
+            let t = k as f64;
+            // Ids with gaps.
+            particles.push(3 * k, Vector::new(t * 0.37, t * 0.73, t * 0.57) % 1.0 * 4.0, 1.0 + t, (k % 3) as u32);
+        }
+        for (id, v) in particles.vectors("velocity").iter_mut().enumerate() {
+            *v = Vector::splat(id as f64);
+        }
+        particles.column("age", 2).values.iter_mut().enumerate().for_each(|(k, v)| *v = k as f64);
+        particles.steps.iter_mut().enumerate().for_each(|(k, steps)| *steps = [k as i32, -1, 2]);
+        particles
+    }
+
+    /// All that is read, put together, and the most that came at a time.
+    fn collected(rows: &ById) -> (Particles, usize) {
+        let mut all = Particles::default();
+        let mut most = 0;
+        let ids = rows.ids(|ids| {
+            most = most.max(ids.len());
+            all.ids.extend(ids);
+            Ok::<(), ()>(())
+        });
+        ids.unwrap();
+        rows.positions(|x| Ok::<(), ()>(all.positions.extend(x))).unwrap();
+        rows.steps(|steps| Ok::<(), ()>(all.steps.extend(steps))).unwrap();
+        rows.radii(|radii| Ok::<(), ()>(all.radii.extend(radii))).unwrap();
+        rows.species(|species| Ok::<(), ()>(all.species.extend(species))).unwrap();
+        for (place, (name, width)) in rows.columns().enumerate() {
+            let mut values = Vec::new();
+            rows.column(place, |more| Ok::<(), ()>(values.extend(more))).unwrap();
+            all.columns.push(crate::Column { name: name.to_owned(), width, values });
+        }
+        assert_eq!(rows.count(), all.len());
+        (all, most)
+    }
+
+    #[test]
+    fn the_first_rank_reads_all_in_blocks() {
+        let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
+        let alone = scattered(60);
+        for (ranks, block) in [(1, 7), (1, ById::BLOCK), (2, 1), (3, 7), (7, 50), (13, ById::BLOCK)] {
+            let found = Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [8, 8]);
+                let rows: Vec<usize> = (0..60).rev().filter(|r| r % ranks == comm.rank()).collect();
+                let mut particles = alone.selected(&rows);
+                particles.migrate(&partition, &cell);
+                ById::new(&particles, &comm, block).read(collected)
+            });
+            let (all, most) = found[0].clone().unwrap();
+            assert_eq!(all, alone, "{ranks} ranks, blocks of {block}");
+            assert!(most as u64 <= block);
+            assert!(found[1..].iter().all(Option::is_none));
+        }
+    }
+
+    /// A reader that gives up leaves no rank waiting.
+    #[test]
+    fn the_first_rank_may_stop_anywhere() {
+        let alone = scattered(20);
+        let found = Comm::threads(3, |comm| {
+            let rows: Vec<usize> = (0..20).filter(|r| r % 3 == comm.rank()).collect();
+            let particles = alone.selected(&rows);
+            let mut blocks = 0;
+            let read = ById::new(&particles, &comm, 5).read(|rows| {
+                rows.radii(|_| {
+                    blocks += 1;
+                    if blocks == 2 { Err("no more") } else { Ok(()) }
+                })
+            });
+            (read, particles.by_id(&comm, |rows| rows.count()))
+        });
+        assert_eq!(found[0], (Some(Err("no more")), Some(20)));
+    }
+}

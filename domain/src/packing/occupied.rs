@@ -1,0 +1,178 @@
+//! Where spheres are already.
+
+use crate::{Partition, PeriodicBox, Vector};
+
+/// Cell lists on several levels, one for each range of sizes, with cells about as wide as the spheres of that level, so
+/// that all spheres that another can touch are in a few cells, however much sizes differ. They are those of the whole box,
+/// or of a rank's share and of what is within reach around it.
+pub(super) struct Occupied<'a> {
+    cell: &'a PeriodicBox,
+    /// The largest size of all.
+    largest: f64,
+    levels: Vec<Level>,
+    spheres: Vec<Sphere>,
+}
+
+/// A sphere, and the next in the list of its cell.
+struct Sphere {
+    position: Vector,
+    size: f64,
+    next: u32,
+}
+
+/// Cells for spheres of sizes that differ by a factor of two at most.
+struct Level {
+    largest: f64,
+    counts: [usize; 3],
+    /// The first cell along y and along z that is here, and how many are.
+    here: [[usize; 2]; 2],
+    first: Vec<u32>,
+}
+
+/// Marks the end of a list of spheres.
+const NONE: u32 = u32::MAX;
+
+/// Levels beyond which no difference is made between sizes.
+const MOST_LEVELS: f64 = 40.0;
+
+impl<'a> Occupied<'a> {
+    /// Room for so many spheres of each size, in a rank's share or in the whole box; nothing is there yet.
+    pub fn new(cell: &'a PeriodicBox, kinds: &[(f64, usize)], share: Option<&Partition>) -> Self {
+        let kinds: Vec<(f64, usize)> = kinds.iter().copied().filter(|kind| kind.1 > 0).collect();
+        let largest = kinds.iter().map(|kind| kind.0).fold(f64::MIN_POSITIVE, f64::max);
+        let mut occupied = Self { cell, largest, levels: Vec::new(), spheres: Vec::new() };
+        let count = kinds.iter().map(|kind| occupied.level_of(kind.0) + 1).max().unwrap_or(0);
+        let mut members = vec![(0.0, 0); count];
+        for (size, number) in kinds {
+            let (largest, members) = &mut members[occupied.level_of(size)];
+            (*largest, *members) = (f64::max(*largest, size), *members + number);
+        }
+        let level = |(own, number)| Level::new(cell, (own, number), (largest + own, share));
+        occupied.levels = members.into_iter().map(level).collect();
+        occupied
+    }
+
+    fn level_of(&self, size: f64) -> usize {
+        (self.largest / size).log2().clamp(0.0, MOST_LEVELS) as usize
+    }
+
+    /// Adds a sphere, unless it is out of reach of the share; the first is number 0, the next number 1, and so on.
+    pub fn insert(&mut self, size: f64, position: Vector) {
+        let number = self.spheres.len() as u32;
+        if let Some(first) = self.first_at(size, position) {
+            let next = std::mem::replace(first, number);
+            self.spheres.push(Sphere { position, size, next });
+        }
+    }
+
+    /// Moves a sphere.
+    pub fn shift(&mut self, number: usize, position: Vector) {
+        let Sphere { position: former, size, next } = self.spheres[number];
+        let first = self.first_at(size, former).expect("it was inserted");
+        if *first == number as u32 {
+            *first = next;
+        } else {
+            let mut before = *first as usize;
+            while self.spheres[before].next != number as u32 {
+                before = self.spheres[before].next as usize;
+            }
+            self.spheres[before].next = next;
+        }
+        let first = self.first_at(size, position).expect("a box without shares has all cells");
+        let next = std::mem::replace(first, number as u32);
+        self.spheres[number] = Sphere { position, size, next };
+    }
+
+    /// The start of the list of a cell, if that is here.
+    fn first_at(&mut self, size: f64, position: Vector) -> Option<&mut u32> {
+        let place = self.level_of(size);
+        let level = &mut self.levels[place];
+        let [x, y, z] = level.coordinates(self.cell, position);
+        let rows = [level.row(0, y)?, level.row(1, z)?];
+        let place = level.index(x, rows);
+        Some(&mut level.first[place])
+    }
+
+    /// Whether a sphere at this position, which is in the share, would overlap no other than the one of a number.
+    pub fn is_free(&self, size: f64, position: Vector, but: Option<usize>) -> bool {
+        let but = but.map_or(NONE, |number| number as u32);
+        self.levels.iter().filter(|level| level.largest > 0.0).all(|level| {
+            let around = level.around(self.cell, position, size + level.largest);
+            let cells = |d: usize| (0..around[d][1]).map(move |k| (around[d][0] + k) % level.counts[d]);
+            let row = |axis: usize, place: usize| level.row(axis, place).expect("the share has what is in reach");
+            let is_clear = |x, rows| self.is_clear(level.first[level.index(x, rows)], (size, position), but);
+            cells(2)
+                .map(|z| row(1, z))
+                .all(|z| cells(1).map(|y| row(0, y)).all(|y| cells(0).all(|x| is_clear(x, [y, z]))))
+        })
+    }
+
+    /// Whether a sphere touches none of a list but the one of a number.
+    fn is_clear(&self, mut other: u32, (size, position): (f64, Vector), but: u32) -> bool {
+        while other != NONE {
+            let there = &self.spheres[other as usize];
+            let contact = size + there.size;
+            let separation = self.cell.nearest_image(there.position - position);
+            if other != but && separation.length_squared() < contact * contact {
+                return false;
+            }
+            other = there.next;
+        }
+        true
+    }
+}
+
+impl Level {
+    /// For so many spheres up to a size, where a share has what is within a distance of it. No cells without spheres.
+    fn new(cell: &PeriodicBox, (largest, number): (f64, usize), (reach, share): (f64, Option<&Partition>)) -> Self {
+        let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
+        let counts = (cell.edges() / (cell.slant() * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
+        let counts = counts.to_array().map(|c| c as usize);
+        let mut level = Self { largest, counts, here: [[0, counts[1]], [0, counts[2]]], first: Vec::new() };
+        if let Some(partition) = share {
+            let cells = level.cells_within(cell, reach);
+            level.here = std::array::from_fn(|axis| {
+                let (lines, count) = (partition.lines()[axis] as f64, counts[axis + 1]);
+                let owned = &partition.owned()[axis];
+                let [start, end] = [owned.start, owned.end].map(|line| (line as f64 / lines * count as f64) as usize);
+                // A cell more for what a rounding may do.
+                let beyond = cells[axis + 1] + 1;
+                let number = end - start + 1 + 2 * beyond;
+                if number < count { [(start + count - beyond) % count, number] } else { [0, count] }
+            });
+        }
+        level.first = vec![NONE; if number > 0 { counts[0] * level.here[0][1] * level.here[1][1] } else { 0 }];
+        level
+    }
+
+    fn coordinates(&self, cell: &PeriodicBox, position: Vector) -> [usize; 3] {
+        let fractions = (cell.lattice_coordinates(position) / cell.edges()).to_array();
+        std::array::from_fn(|d| ((fractions[d] * self.counts[d] as f64).max(0.0) as usize).min(self.counts[d] - 1))
+    }
+
+    /// The row along y or z of a cell, from the first that is here, if it is.
+    fn row(&self, axis: usize, place: usize) -> Option<usize> {
+        let ([first, number], count) = (self.here[axis], self.counts[axis + 1]);
+        let row = if place >= first { place - first } else { place + count - first };
+        (row < number).then_some(row)
+    }
+
+    fn index(&self, x: usize, [y, z]: [usize; 2]) -> usize {
+        (z * self.here[0][1] + y) * self.counts[0] + x
+    }
+
+    /// How many cells along each axis reach as far as a distance.
+    fn cells_within(&self, cell: &PeriodicBox, distance: f64) -> [usize; 3] {
+        let reach = (cell.slant() * distance / cell.edges()).to_array();
+        std::array::from_fn(|d| ((reach[d] * self.counts[d] as f64).ceil() as usize).min(self.counts[d]))
+    }
+
+    /// The cells along each axis that may hold what is within a distance of a position: from which on, and how many.
+    fn around(&self, cell: &PeriodicBox, position: Vector, distance: f64) -> [[usize; 2]; 3] {
+        let (home, cells) = (self.coordinates(cell, position), self.cells_within(cell, distance));
+        std::array::from_fn(|d| {
+            let count = self.counts[d];
+            [home[d] + count - cells[d], (2 * cells[d] + 1).min(count)]
+        })
+    }
+}

@@ -1,0 +1,68 @@
+"""Runs of a million spheres and more on two ranks: seconds of the start and of a step, and the peak of memory of each rank.
+
+`scripts/validate millions` has one million, `--full` four million too, which take 12 GB and a quarter of an hour."""
+
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import tempfile
+import time
+
+from memory import spheres
+from support.page import table, write_section
+from support.peak import measured, predicted
+from support.program import PROGRAM, ROOT
+
+RANKS = 2
+SIZES, MORE = (1_000_000,), (4_000_000,)
+FRACTION = 0.12
+# What the issue asks for: seconds of a million random spheres, and bytes of a rank of their run.
+START, PEAK = 10.0, 1.5e9
+EXAMPLE = pathlib.Path(PROGRAM).parent / "examples" / "random_start"
+BUILD = ["cargo", "build", "--quiet", "--release", "--package", "fcm-solve-domain", "--features", "mpi", "--example", "random_start"]
+
+
+def start(count):
+    """Seconds in which so many spheres find random places."""
+    command = ["mpirun", "-n", str(RANKS), EXAMPLE, str(count), str(FRACTION)]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["seconds"]
+
+
+def step(words):
+    """Seconds of the last step of a run with a row of the time series each step."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "out"
+        command = ["mpirun", "-n", str(RANKS), PROGRAM, "run", *words, "--threads", "1", "--out", out]
+        subprocess.run([*command, "--set", "output.observables_every=1"], check=True, capture_output=True)
+        rows = list(csv.DictReader((out / "observables.csv").open()))
+    return float(rows[-1]["seconds_per_step"])
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--full", action="store_true", help="four million spheres too")
+    asked = arguments.parse_args()
+    subprocess.run(BUILD, check=True, cwd=ROOT)
+    rows, wrong = [], []
+    for count in SIZES + MORE * asked.full:
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "scene.toml"
+            path.write_text(spheres(count, "split", False))
+            began = time.monotonic()
+            peaks = measured(PROGRAM, [path], RANKS)
+            whole = time.monotonic() - began
+            row = [start(count), step([path]), whole, predicted(PROGRAM, [path], RANKS)[0], *peaks]
+        rows.append([f"{count:,}", *(f"{value:.1f}" for value in row[:3]), *(f"{value / 1e9:.2f}" for value in row[3:])])
+        print(*rows[-1], sep="  ", flush=True)
+        if count == SIZES[0] and (row[0] > START or max(peaks) > PEAK):
+            wrong.append(rows[-1])
+    header = ["spheres", "places, s", "step, s", "run of two steps, s", "predicted, GB", "first rank, GB", "second, GB"]
+    write_section("scale.md", "millions", "Millions of spheres on two ranks", table(header, rows))
+    if wrong:
+        raise SystemExit(f"more than {START} s or {PEAK / 1e9} GB: {wrong}")
+
+
+if __name__ == "__main__":
+    main()
