@@ -33,6 +33,11 @@ mod root;
 mod root_table;
 mod surface_force;
 pub mod two_sphere;
+mod wall_blocks;
+mod wall_coefficients;
+mod wall_factor;
+mod wall_force;
+mod wall_table;
 
 pub use arithmetic::Arithmetic;
 pub use barrier::{Barrier, BarrierError};
@@ -44,3 +49,6 @@ pub use pair_force::{PairForce, PairForceError};
 pub use pair_motion::{PairLoads, PairMotion};
 pub use range::{Range, RangeError};
 pub use surface_force::SurfaceForce;
+pub use wall_coefficients::WallCoefficients;
+pub use wall_factor::{SphereLoads, SphereMotion, WallFactor};
+pub use wall_force::WallForce;
