@@ -76,12 +76,15 @@ mod tests {
         motion
     }
 
-    /// Blocks of exact resistance and of the method with lubrication.
-    fn compared(gap: f64) -> Vec<(Vec<Vec<f64>>, Vec<Vec<f64>>)> {
+    /// A block by rows.
+    type Rows = Vec<Vec<f64>>;
+
+    /// Blocks of the method with lubrication and of exact resistance.
+    fn compared(gap: f64) -> Vec<(Rows, Rows)> {
         let exact = WallBlocks::exact(&SphereWall::get().resistance(gap).unwrap());
         let known = WallBlocks::of_method(1.0 + gap);
         let factor = WallForce::new(1.0, Range::default()).factor(Vector::Z * (1.0 + gap), 1.0);
-        let rows = |blocks: &WallBlocks, block: usize| -> Vec<Vec<f64>> {
+        let rows = |blocks: &WallBlocks, block: usize| -> Rows {
             match block {
                 0 => blocks.axial.map(|row| row.to_vec()).to_vec(),
                 1 => blocks.spin.map(|row| row.to_vec()).to_vec(),
