@@ -19,6 +19,7 @@
 //! ```
 
 mod available_memory;
+mod boundaries;
 mod bytes;
 mod cells;
 mod comm;
@@ -44,6 +45,7 @@ mod units;
 mod verlet_list;
 
 pub use available_memory::{AvailableMemory, ProcessMemory};
+pub use boundaries::Boundaries;
 pub use bytes::{Bytes, GROWING, readable_bytes};
 pub use comm::{Comm, CommError, Failure, Launcher, Need, NotEnoughMemory, Window};
 pub use expected_counts::ExpectedCounts;
