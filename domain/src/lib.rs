@@ -43,6 +43,7 @@ mod rows;
 mod traceless;
 mod units;
 mod verlet_list;
+mod walls;
 
 pub use available_memory::{AvailableMemory, ProcessMemory};
 pub use boundaries::Boundaries;
@@ -67,6 +68,7 @@ pub use resident::Process;
 pub use traceless::Traceless;
 pub use units::{Units, power_of_two};
 pub use verlet_list::{LocalAndGhosts, VerletList};
+pub use walls::ToWall;
 
 /// A vector of three components in `f64`.
 pub type Vector = glam::DVec3;

@@ -49,4 +49,13 @@ impl Surfaces {
             Self::Wall(radius) => radius * (1.0 + gap),
         }
     }
+
+    /// The same in other units of length.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Spheres(radii) => Self::Spheres(radii.map(|radius| radius * factor)),
+            Self::Wall(radius) => Self::Wall(radius * factor),
+        }
+    }
 }

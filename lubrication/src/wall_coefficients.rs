@@ -1,7 +1,9 @@
 //! A sphere's lubrication resistance at a wall as coefficients of tensors of the normal.
 
 use crate::pair_factor::LEVER;
+use crate::wall_factor::SphereLoads;
 use crate::wall_table::WallRoots;
+use domain::{Tensor, Traceless, Vector};
 
 /// The resistance of a sphere at a wall with the unit vector `z` from its centre to the wall. Loads on the fluid by its motion
 /// `U`, `Omega`, `E` relative to the ambient flow, with `t = E z - (z.E z) z`, are as between spheres (see
@@ -13,7 +15,7 @@ use crate::wall_table::WallRoots;
 /// M = pull (z.U) (3 zz - 1) + z s + s z + bulk E + stretch (z.E z) (3 zz - 1) + bend (z t + t z)
 /// s = drag (U - (z.U) z) + turn Omega x z
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WallCoefficients {
     /// Force by velocity along the normal.
     pub along: f64,
@@ -77,4 +79,41 @@ impl WallCoefficients {
             bulk,
         }
     }
+
+    /// Loads by a velocity and an angular velocity, with the unit vector `z` to the wall.
+    pub fn by_motion(&self, z: Vector, [velocity, angular_velocity]: [Vector; 2]) -> SphereLoads {
+        let (along, spin, rolled) = (z.dot(velocity), z.dot(angular_velocity), angular_velocity.cross(z));
+        let across = velocity - along * z;
+        let moment = axial(z) * (self.pull * along) + symmetric(z, self.drag * across + self.turn * rolled);
+        SphereLoads {
+            force: self.along * along * z + self.across * across + self.coupling * rolled,
+            torque: self.spin * spin * z
+                + self.roll * (angular_velocity - spin * z)
+                + self.coupling * z.cross(velocity),
+            moment: Traceless::part_of(&moment),
+        }
+    }
+
+    /// Loads by a rate of strain.
+    pub fn by_strain(&self, z: Vector, strain_rate: Traceless) -> SphereLoads {
+        let strain = strain_rate.tensor();
+        let stretch = z.dot(strain * z);
+        let shear = strain * z - stretch * z;
+        let moment = strain * self.bulk + axial(z) * (self.stretch * stretch) + symmetric(z, self.bend * shear);
+        SphereLoads {
+            force: self.push * stretch * z + self.slide * shear,
+            torque: self.twist * z.cross(shear),
+            moment: Traceless::part_of(&moment),
+        }
+    }
+}
+
+/// `3 zz - 1`
+pub(crate) fn axial(z: Vector) -> Tensor {
+    Tensor::from_cols(z * z.x, z * z.y, z * z.z) * 3.0 - Tensor::IDENTITY
+}
+
+/// `a b + b a`
+fn symmetric(a: Vector, b: Vector) -> Tensor {
+    Tensor::from_cols(a * b.x + b * a.x, a * b.y + b * a.y, a * b.z + b * a.z)
 }

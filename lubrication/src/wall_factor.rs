@@ -1,9 +1,11 @@
 //! A sphere's lubrication resistance at a wall in the frame of the laboratory.
 
+use std::ops::Add;
+
 use domain::{Tensor, Traceless, Vector};
 
 use crate::pair_factor::{LEVER, frame};
-use crate::wall_coefficients::WallCoefficients;
+use crate::wall_coefficients::{WallCoefficients, axial};
 use crate::wall_table::WallRoots;
 
 /// Motion of a sphere relative to the ambient flow at its centre, `U - U_inf`, `Omega - Omega_inf`, `E - E_inf`.
@@ -29,6 +31,13 @@ pub struct SphereLoads {
     pub torque: Vector,
     /// Symmetric traceless first moment about the centre.
     pub moment: Traceless,
+}
+
+impl Add for SphereLoads {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { force: self.force + other.force, torque: self.torque + other.torque, moment: self.moment + other.moment }
+    }
 }
 
 impl SphereMotion {
@@ -100,24 +109,8 @@ impl WallFactor {
 
     /// All loads on a motion, `R_lub` times it.
     pub fn resistance(&self, motion: &SphereMotion) -> SphereLoads {
-        let (c, z) = (self.coefficients(), self.axis());
-        let across = |v: Vector| v - z.dot(v) * z;
-        let (u, o, strain) = (motion.velocity, motion.angular_velocity, motion.strain_rate.tensor());
-        let (stretch, t, rolled) = (z.dot(strain * z), across(strain * z), o.cross(z));
-        let force = (c.along * z.dot(u) + c.push * stretch) * z + c.across * across(u) + c.coupling * rolled;
-        let torque = c.spin * z.dot(o) * z + c.roll * across(o) + z.cross(c.coupling * u + c.twist * t);
-        let shear = c.drag * across(u) + c.turn * rolled + c.bend * t;
-        let moment = axial(z) * (c.pull * z.dot(u) + c.stretch * stretch) + symmetric(z, shear) + strain * c.bulk;
-        SphereLoads { force: force + c.slide * t, torque, moment: Traceless::part_of(&moment) }
+        let coefficients = self.coefficients();
+        let by_motion = coefficients.by_motion(self.axis(), [motion.velocity, motion.angular_velocity]);
+        by_motion + coefficients.by_strain(self.axis(), motion.strain_rate)
     }
-}
-
-/// `3 zz - 1`
-fn axial(z: Vector) -> Tensor {
-    Tensor::from_cols(z * z.x, z * z.y, z * z.z) * 3.0 - Tensor::IDENTITY
-}
-
-/// `a b + b a`
-fn symmetric(a: Vector, b: Vector) -> Tensor {
-    Tensor::from_cols(a * b.x + b * a.x, a * b.y + b * a.y, a * b.z + b * a.z)
 }

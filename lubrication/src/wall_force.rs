@@ -33,17 +33,16 @@ impl WallForce {
         self.range
     }
 
-    /// The factor of a sphere of a radius; `to_wall` is the vector from its centre to the nearest point of the wall. None beyond
+    /// The factor of a sphere of a radius whose centre is at a distance from a wall, with `axis` the unit vector to it. None beyond
     /// the cutoff; at gaps below the closest, and for spheres that sink in, it stays what it is at the closest.
-    pub fn factor(&self, to_wall: Vector, radius: f64) -> Option<WallFactor> {
-        let distance = to_wall.length();
+    pub fn factor(&self, axis: Vector, distance: f64, radius: f64) -> Option<WallFactor> {
         let gap = distance / radius - 1.0;
-        if !(gap < self.range.cutoff() && distance > 0.0) {
+        if gap >= self.range.cutoff() {
             return None;
         }
         let factor = (self.viscosity * radius).sqrt() * self.range.taper(gap);
         let roots = self.table.at(gap.max(self.range.closest()), factor);
-        Some(WallFactor::new(&roots, to_wall / distance, radius))
+        Some(WallFactor::new(&roots, axis, radius))
     }
 }
 
@@ -83,7 +82,7 @@ mod tests {
     fn compared(gap: f64) -> Vec<(Rows, Rows)> {
         let exact = WallBlocks::exact(&SphereWall::get().resistance(gap).unwrap());
         let known = WallBlocks::of_method(1.0 + gap);
-        let factor = WallForce::new(1.0, Range::default()).factor(Vector::Z * (1.0 + gap), 1.0);
+        let factor = WallForce::new(1.0, Range::default()).factor(Vector::Z, 1.0 + gap, 1.0);
         let rows = |blocks: &WallBlocks, block: usize| -> Rows {
             match block {
                 0 => blocks.axial.map(|row| row.to_vec()).to_vec(),

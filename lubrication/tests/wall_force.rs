@@ -5,7 +5,7 @@ use lubrication::{Range, SphereLoads, SphereMotion, WallFactor, WallForce};
 use proptest::prelude::*;
 
 fn factor(to_wall: Vector) -> WallFactor {
-    WallForce::new(1.0, Range::default()).factor(to_wall, 1.0).unwrap()
+    WallForce::new(1.0, Range::default()).factor(to_wall.normalize(), to_wall.length(), 1.0).unwrap()
 }
 
 fn vector() -> impl Strategy<Value = Vector> {
@@ -94,7 +94,7 @@ proptest! {
     #[test]
     fn loads_scale_with_size_and_viscosity(gap in 1e-6..1.4f64, a in motion()) {
         let to_wall = Vector::X * (1.0 + gap);
-        let large = WallForce::new(5.0, Range::default()).factor(to_wall * 3.0, 3.0).unwrap();
+        let large = WallForce::new(5.0, Range::default()).factor(Vector::X, 3.0 * (1.0 + gap), 3.0).unwrap();
         let (loads, scaled) = (factor(to_wall).resistance(&a), large.resistance(&SphereMotion {
             velocity: a.velocity * 3.0, ..a
         }));
@@ -114,9 +114,9 @@ fn nothing_acts_beyond_the_cutoff_and_contact_is_as_stiff_as_the_closest_gap() {
         (1.5, 0.2)
     );
     let approach = SphereMotion { velocity: Vector::Z, ..SphereMotion::default() };
-    let at = |z: f64| force.factor(Vector::Z * z, 1.0).map(|factor| factor.resistance(&approach).force.z);
-    assert!(at(2.5).is_none() && at(0.0).is_none());
-    assert_eq!(at(0.99), at(0.5));
+    let at = |z: f64| force.factor(Vector::Z, z, 1.0).map(|factor| factor.resistance(&approach).force.z);
+    assert!(at(2.5).is_none());
+    assert_eq!(at(0.99), at(-0.5));
     assert!((at(0.99).unwrap() / at(1.0 + 1e-6).unwrap() - 1.0).abs() < 1e-8);
     assert!(at(2.499).unwrap() < 1e-6 && at(2.499).unwrap() >= 0.0);
 }

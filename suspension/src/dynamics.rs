@@ -23,7 +23,7 @@ use crate::substeps;
 use crate::warm_start::WarmStart;
 use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
-use lubrication::Range;
+use lubrication::{Range, Surfaces};
 use simulation::Clock;
 use solver::BackgroundFlow;
 
@@ -93,7 +93,8 @@ impl Dynamics {
         let contacts =
             model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
         let springs = forces.reach_of_springs(setup.radii.largest()).filter(|_| is_implicit);
-        let short_range = ShortRange { lubrication: range, springs };
+        let has_walls = model.cell.boundaries().walls() > 0;
+        let short_range = ShortRange { lubrication: range, springs, has_walls };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
         let dynamics = Self {
@@ -217,7 +218,9 @@ impl Dynamics {
         };
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
-        let with = (contacts::Ahead { along, across }, velocities, [self.flow().strain_rate(), besides]);
+        let (strain_rate, angular_velocity) = (self.flow().strain_rate(), self.flow().angular_velocity());
+        let flow = contacts::Flow { strain_rate, angular_velocity, besides };
+        let with = (contacts::Ahead { along, across }, velocities, flow);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
         let outcome = self.solve((particles, &cell), (&loads, &touching.springs(), &STILL), guess, moment)?;
@@ -254,7 +257,8 @@ impl Dynamics {
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
         let forces = &self.forces;
-        let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
+        let resistance =
+            moment.implicit.map(|time| move |d: f64, between: Surfaces| forces.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
         let acting = Acting { loads, strain_rate: self.flow().strain_rate(), springs: springs.as_ref(), ambient };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);

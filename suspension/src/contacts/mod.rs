@@ -9,7 +9,7 @@ use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
-use lubrication::Contact;
+use lubrication::{Contact, Surfaces};
 pub use measured::Measured;
 use touching::{AllTouching, Touching, across};
 
@@ -52,7 +52,16 @@ pub struct Acting {
     touching: AllTouching,
     /// Of each that touches.
     expected: Vec<Expected>,
-    strain_rate: Traceless,
+    flow: Flow,
+}
+
+/// The flow that velocities are relative to.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow {
+    pub strain_rate: Traceless,
+    pub angular_velocity: Vector,
+    /// What is expected besides.
+    pub besides: Traceless,
 }
 
 /// What is expected of a contact.
@@ -77,13 +86,13 @@ impl Contacts {
         Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count) }
     }
 
-    /// The contacts of particles whose velocities relative to a flow of some rate of strain are expected to be given ones and
-    /// those of another flow, after the motions of the solution before. Collective.
+    /// The contacts of particles whose velocities relative to a flow are expected to be given ones and those that it has
+    /// besides, after the motions of the solution before. Collective.
     pub fn acting(
         &self,
         particles: &Particles,
         place: (&PeriodicBox, &Partition),
-        (ahead, expected, [strain_rate, besides]): (Ahead, &[Vector], [Traceless; 2]),
+        (ahead, expected, flow): (Ahead, &[Vector], Flow),
         before: &Motion,
     ) -> Acting {
         let touching = AllTouching::find(&self.law, particles, place, self.reach);
@@ -91,12 +100,12 @@ impl Contacts {
         let velocities = touching.present(&before.velocities);
         let angular = touching.present(&before.angular_velocities);
         let of_one = |contact: &Touching| Expected {
-            parting: contact.parting(&parting) + contact.axis.dot(strained(contact, besides)),
-            slip: contact.slip(&velocities, &angular, strained(contact, strain_rate)),
-            rolling: contact.rolling(&angular),
+            parting: contact.parting(&parting) + contact.axis.dot(strained(contact, flow.besides)),
+            slip: contact.slip(&velocities, &angular, strained(contact, flow.strain_rate)),
+            rolling: contact.rolling(&angular) + rolled(contact, flow.angular_velocity),
         };
         let expected = touching.list.iter().map(of_one).collect();
-        Acting { law: self.law, slots: self.slots, ahead, touching, expected, strain_rate }
+        Acting { law: self.law, slots: self.slots, ahead, touching, expected, flow }
     }
 
     /// What contacts amount to. Collective.
@@ -113,11 +122,11 @@ impl Acting {
         loads.torques.resize(owned, Vector::ZERO);
         for (contact, expected) in self.touching.list.iter().zip(&self.expected) {
             let [along, slip, roll] = self.resistances(contact);
-            let normal = self.law.force(contact.overlap, contact.radii) + along * expected.parting;
+            let normal = self.law.force(contact.overlap, contact.between) + along * expected.parting;
             let [slides, rolls] = contact.memory.shares.map(|share| if share < 1.0 { 1.0 } else { 0.0 });
             let mut memory = contact.memory;
             memory.force += slip * (across(self.strained(contact), contact.axis) - slides * expected.slip);
-            memory.rolling -= roll * rolls * expected.rolling;
+            memory.rolling += roll * (rolled(contact, self.flow.angular_velocity) - rolls * expected.rolling);
             let [force, torque] = contact.load(normal, &memory);
             loads.forces[contact.rows[0]] += force;
             loads.torques[contact.rows[0]] += torque;
@@ -168,13 +177,14 @@ impl Acting {
         let velocities = self.touching.present(&motion.velocities);
         let angular = self.touching.present(&motion.angular_velocities);
         let end = |(contact, expected): (&Touching, &Expected)| {
-            let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.radii);
-            let known = self.law.force(contact.overlap, contact.radii);
+            let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
+            let known = self.law.force(contact.overlap, contact.between);
             let normal = (known - stiffness * (contact.parting(&velocities) - expected.parting)).max(0.0);
-            let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.radii);
+            let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
             let slip = contact.slip(&velocities, &angular, self.strained(contact));
             let force = contact.memory.force + spring * slip;
-            let rolling = contact.memory.rolling + spring * contact.rolling(&angular);
+            let rolled = contact.rolling(&angular) + rolled(contact, self.flow.angular_velocity);
+            let rolling = contact.memory.rolling + spring * rolled;
             let most = [self.law.cone(normal), self.law.rolling_friction * normal];
             let shares = [share(force, most[0]), share(rolling, most[1])];
             let memory = Memory { force: shares[0] * force, rolling: shares[1] * rolling, normal, shares };
@@ -185,8 +195,8 @@ impl Acting {
 
     /// Along the line of centres, to slip and to rolling.
     fn resistances(&self, contact: &Touching) -> [f64; 3] {
-        let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.radii);
-        let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.radii);
+        let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
+        let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
         let of_share = |share: f64| if share < 1.0 { CUT * share * spring } else { spring };
         let [slip, rolling] = contact.memory.shares.map(of_share);
         let on = |friction: f64, resistance: f64| if friction > 0.0 { resistance } else { 0.0 };
@@ -194,13 +204,21 @@ impl Acting {
     }
 
     fn strained(&self, contact: &Touching) -> Vector {
-        strained(contact, self.strain_rate)
+        strained(contact, self.flow.strain_rate)
     }
 }
 
 /// How fast a flow's strain moves the centres apart.
 fn strained(contact: &Touching, strain_rate: Traceless) -> Vector {
     strain_rate.tensor() * contact.separation
+}
+
+/// How fast a flow in which a sphere turns as the fluid does rolls it over a wall, which does not turn.
+fn rolled(contact: &Touching, angular_velocity: Vector) -> Vector {
+    match contact.between {
+        Surfaces::Spheres(_) => Vector::ZERO,
+        wall @ Surfaces::Wall(_) => -wall.harmonic_radius() * angular_velocity.cross(contact.axis),
+    }
 }
 
 /// By what a force is to be multiplied not to be larger than some.

@@ -1,6 +1,7 @@
 //! Rigid spheres with lubrication: the far field and the near field, solved together.
 
 mod assembly;
+mod at_walls;
 mod block;
 mod coupled;
 mod lanes;
@@ -17,7 +18,7 @@ mod stiffness;
 use coupled::{Coupled, Unknowns, resisted};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, SolveError, Stream, conjugate_gradients};
-use lubrication::{PairForce, PairForceError, Range};
+use lubrication::{PairForce, PairForceError, Range, WallForce};
 use near_pairs::{NearField, NearPairs};
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
@@ -44,6 +45,8 @@ pub struct ShortRange {
     pub lubrication: Option<Range>,
     /// Distance of the centres up to which springs act, if there are any.
     pub springs: Option<f64>,
+    /// Whether the box has walls.
+    pub has_walls: bool,
 }
 
 /// What makes the particles move.
@@ -118,9 +121,11 @@ impl Hydrodynamics {
         });
         let reaches =
             [lubrication.as_ref().map(|(force, _)| force.reach()), short_range.springs.map(|r| r / units.length)];
+        let at_walls = short_range.lubrication.filter(|_| short_range.has_walls);
+        let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
         let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
             let lists = VerletList::new(reach, partition);
-            NearField { lubrication, lists, radii, reach }
+            NearField { lubrication, at_walls, lists, radii, reach }
         });
         let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
         Ok(Self { far, near, units, preconditioned: true, partition })

@@ -36,7 +36,7 @@ fn placed(positions: &[Vector], radii: &[f64]) -> Particles {
 }
 
 fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
-    ShortRange { lubrication, springs: None }
+    ShortRange { lubrication, ..ShortRange::default() }
 }
 
 fn acting(loads: &Loads, strain_rate: Traceless) -> Acting<'_> {
