@@ -14,6 +14,21 @@ pub struct ToWall {
 }
 
 impl PeriodicBox {
+    /// The axis along which a shear flow `u_x` grows: z between walls, else y.
+    pub fn gradient_axis(&self) -> usize {
+        if self.boundaries().walls() > 0 { 2 } else { 1 }
+    }
+
+    /// A place of the box moved away from walls so far that a sphere of a radius fits, all places alike: those between walls are as
+    /// likely as before.
+    pub(crate) fn off_walls(&self, place: Vector, radius: f64) -> Vector {
+        if self.boundaries().walls() == 0 {
+            return place;
+        }
+        let height = self.edges().z;
+        Vector { z: radius + place.z * (1.0 - 2.0 * radius / height), ..place }
+    }
+
     /// The walls that the box has, as seen from a place.
     pub fn to_walls(&self, place: Vector) -> impl Iterator<Item = ToWall> {
         let below = ToWall { wall: 0, axis: -Vector::Z, distance: place.z };

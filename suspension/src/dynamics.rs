@@ -21,7 +21,7 @@ use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::substeps;
 use crate::warm_start::WarmStart;
-use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
 use lubrication::{Range, Surfaces};
 use simulation::Clock;
@@ -29,6 +29,10 @@ use solver::BackgroundFlow;
 
 /// Edges of the box that a particle may be away from it at the end of a step, as far as counting them goes.
 const FARTHEST: f64 = 1e9;
+
+/// Distance of a sphere's centre from a wall, in radii, below which it has sunk into it: at 0.8 the mobility of its envelopes is
+/// no longer positive.
+const SUNK: f64 = 0.85;
 
 /// How the solve of one evaluation went.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -93,8 +97,7 @@ impl Dynamics {
         let contacts =
             model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
         let springs = forces.reach_of_springs(setup.radii.largest()).filter(|_| is_implicit);
-        let has_walls = model.cell.boundaries().walls() > 0;
-        let short_range = ShortRange { lubrication: range, springs, has_walls };
+        let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
         let dynamics = Self {
@@ -162,7 +165,7 @@ impl Dynamics {
     pub fn evaluate_now(&mut self, particles: &mut Particles, clock: &Clock) -> Result<Outcome, StepError> {
         let now = Moment::in_step(clock, 0.0, self.steps_before(clock));
         let outcome = self.evaluate(particles, &now)?;
-        let rate = self.flow().shear_rate();
+        let rate = self.moving.shear_rate();
         if let Some(driven) = self.moving.driven() {
             driven.start_from(rate);
         }
@@ -318,7 +321,28 @@ impl Dynamics {
                 particles.positions[row]
             )
         };
-        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)
+        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)?;
+        self.check_walls(particles, clock)
+    }
+
+    /// Refuses spheres whose centres are so near a wall that the flow of their envelopes is none that spheres can have.
+    fn check_walls(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
+        let sunk = |row: &usize| {
+            let walls = self.cell().to_walls(particles.positions[*row]);
+            walls.into_iter().any(|to| to.distance < SUNK * particles.radii[*row])
+        };
+        let message = |row: usize| {
+            format!(
+                "step {}: particle {} of radius {} was driven into a wall: its centre is at z = {}; give the scene a \
+                 [repulsion], or a larger repulsion.strength, hydrodynamics.lubrication = true, or a smaller time.step",
+                clock.step(),
+                particles.ids[row],
+                Number(particles.radii[row]),
+                Number(particles.positions[row].z)
+            )
+        };
+        let found = (0..particles.len()).find(sunk).map_or(Ok(()), |row| Err(message(row)));
+        self.partition.comm().agree(found).map_err(StepError::IntoWall)
     }
 
     /// Writes what was solved for into the particles' columns, the background flow included as far as velocities have it while
@@ -368,6 +392,22 @@ impl Dynamics {
     /// Each particle's share of the first moments of repulsion or attraction, or nothing without it. Collective.
     pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
         self.forces.moments(which, particles, (self.cell(), &self.partition), None)
+    }
+
+    /// The shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
+    pub fn wall_stress(&self, particles: &Particles, stress: &Tensor) -> Vec<[f64; 2]> {
+        let cell = self.cell();
+        let mut sums = self.forces.sums_along_walls(particles);
+        self.partition.comm().sum(&mut sums);
+        let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
+        let flow = [self.viscosity * self.moving.shear_rate(), 0.0];
+        let upper = [flow[0] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
+        let forces = [fx, fy].map(|force| force * cell.edges().z);
+        match cell.boundaries() {
+            Boundaries::Walls => vec![[upper[0] + forces[0], upper[1] + forces[1]], upper],
+            Boundaries::Wall => vec![[flow[0] + forces[0], flow[1] + forces[1]]],
+            _ => Vec::new(),
+        }
     }
 
     /// What contacts amount to, if there can be any. Collective.

@@ -199,6 +199,20 @@ impl Forces {
         moments
     }
 
+    /// Sums over this rank's particles of the forces along x and y of their species, and of the first moments of forces and
+    /// torques along x and y over z.
+    pub fn sums_along_walls(&self, particles: &Particles) -> [f64; 4] {
+        let (forces, torques) = (self.steady_forces(particles), self.torques(particles));
+        let at = |list: &[Vector], row: usize| list.get(row).copied().unwrap_or_default();
+        let mut sums = [0.0; 4];
+        for (row, place) in particles.positions.iter().enumerate() {
+            let (f, t) = (at(&forces, row), at(&torques, row));
+            let own = [f.x, f.y, place.z * f.x + 0.5 * t.y, place.z * f.y - 0.5 * t.x];
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        sums
+    }
+
     fn steady_forces(&self, particles: &Particles) -> Vec<Vector> {
         if self.species.iter().all(|s| s.force_on(1.0, self.gravity) == Vector::ZERO) {
             return Vec::new();

@@ -97,7 +97,7 @@ impl Mobility {
             .check_memory(comm)?;
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics =
-            comm.agree(Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }))?;
+            comm.agree(Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
         Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions: Vec::new() })
     }
 

@@ -3,7 +3,7 @@
 use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::ShearRates;
-use domain::{Comm, Particles, PeriodicBox, Traceless, Vector};
+use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use simulation::Clock;
 use solver::BackgroundFlow;
 
@@ -38,7 +38,7 @@ impl MovingBox {
     /// it shears, or does not.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
         let (rate, began) = rates.before(clock.step());
-        let (flow, time) = (BackgroundFlow::shear(rate), clock.time());
+        let (flow, time) = (shear(&start, rate), clock.time());
         let mut moving = Self { start, rates, driven: None, shears, flow, began, time, cell: start, turns: 0 };
         (moving.cell, moving.turns) = moving.shape_at(time);
         moving
@@ -49,7 +49,7 @@ impl MovingBox {
     #[must_use]
     pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
         let driven = Driven::start(stress, self.flow.shear_rate()).recalled(particles, comm);
-        (self.driven, self.flow) = (Some(driven), BackgroundFlow::shear(driven.rate()));
+        (self.driven, self.flow) = (Some(driven), shear(&self.start, driven.rate()));
         (self.cell, self.turns) = self.shape_at(self.time);
         self
     }
@@ -66,13 +66,13 @@ impl MovingBox {
 
     /// Goes on with another rate of shear.
     pub fn set_rate(&mut self, rate: f64) {
-        self.flow = BackgroundFlow::shear(rate);
+        self.flow = shear(&self.start, rate);
     }
 
     /// The rate of strain that was expected besides that of the flow.
     pub fn expected_besides(&self) -> Traceless {
         let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.flow.shear_rate());
-        BackgroundFlow::shear(missing).strain_rate()
+        shear(&self.start, missing).strain_rate()
     }
 
     /// Whether a stress drives it that has next to no effect.
@@ -105,6 +105,11 @@ impl MovingBox {
         if self.carries() { Vector::ZERO } else { self.flow.velocity(place) }
     }
 
+    /// The rate of shear of the flow.
+    pub fn shear_rate(&self) -> f64 {
+        self.flow.gradient().col(self.start.gradient_axis()).x
+    }
+
     /// The background flow.
     pub fn flow(&self) -> &BackgroundFlow {
         &self.flow
@@ -114,7 +119,7 @@ impl MovingBox {
     pub fn begin(&mut self, step: u64) -> bool {
         let changed = self.rates.changed_at(step);
         if let Some(rate) = changed {
-            (self.flow, self.began) = (BackgroundFlow::shear(rate), step);
+            (self.flow, self.began) = (shear(&self.start, rate), step);
         }
         changed.is_some()
     }
@@ -147,6 +152,9 @@ impl MovingBox {
     }
 
     fn shape_at(&self, time: f64) -> (PeriodicBox, i32) {
+        if self.start.boundaries() != Boundaries::Periodic {
+            return (self.start, 0);
+        }
         let strain = self.start.strain() + if self.shears { self.strain(time) } else { 0.0 };
         let cell = PeriodicBox::sheared(self.start.edges(), strain).expect("times and rates are finite");
         let period = cell.edges().x / cell.edges().y;
@@ -156,11 +164,12 @@ impl MovingBox {
     /// Brings the box to a time and the particles into it.
     pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
         if let Some(driven) = &mut self.driven {
-            shear_by(driven.go(), particles);
-            self.flow = BackgroundFlow::shear(driven.expected());
+            shear_by(driven.go(), self.start.gradient_axis(), particles);
+            self.flow = shear(&self.start, driven.expected());
         } else if self.carries() {
-            shear_by(self.rates.strain(time) - self.rates.strain(self.time), particles);
-            self.flow = BackgroundFlow::shear(self.rates.before_time(time));
+            let strain = self.rates.strain(time) - self.rates.strain(self.time);
+            shear_by(strain, self.start.gradient_axis(), particles);
+            self.flow = shear(&self.start, self.rates.before_time(time));
         }
         self.time = time;
         let (cell, turns) = self.shape_at(time);
@@ -197,9 +206,14 @@ fn velocities(particles: &mut Particles) -> impl Iterator<Item = &mut [Vector]> 
     columns.map(|column| bytemuck::cast_slice_mut(&mut column.values))
 }
 
+/// The shear flow of a rate in a box: with a gradient along y, or along z where walls are across that.
+fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
+    if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
+}
+
 /// Carries particles along with a shear by a strain, and their velocities relative to it.
-fn shear_by(strain: f64, particles: &mut Particles) {
-    let shear = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| vector.x += strain * vector.y);
+fn shear_by(strain: f64, gradient: usize, particles: &mut Particles) {
+    let shear = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| vector.x += strain * vector[gradient]);
     shear(&mut particles.positions);
     velocities(particles).for_each(shear);
 }

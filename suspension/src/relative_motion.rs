@@ -20,8 +20,9 @@ pub struct RelativeMotion<const N: usize> {
     near: Near,
     pairs: Vec<MovingPair<N>>,
     at_walls: Vec<MovingAtWall<N>>,
-    /// By how much the box shears separations besides.
-    carry: f64,
+    /// By how much the flow shears separations besides, per length along each axis.
+    carry: Vector,
+    gradient: Vector,
 }
 
 struct MovingPair<const N: usize> {
@@ -52,12 +53,13 @@ impl<const N: usize> RelativeMotion<N> {
         };
         let pairs = near.pairs().enumerate().map(pair).collect();
         let at_walls = at_walls(particles, moving.cell(), columns);
-        Self { near, pairs, at_walls, carry: 0.0 }
+        let gradient = Vector::AXES[moving.cell().gradient_axis()];
+        Self { near, pairs, at_walls, carry: Vector::ZERO, gradient }
     }
 
     /// The same with separations that are sheared by a strain too, after they changed by displacements.
     pub fn sheared_by(&mut self, carry: f64) -> &Self {
-        self.carry = carry;
+        self.carry = carry * self.gradient;
         self
     }
 
@@ -192,12 +194,12 @@ impl<const N: usize> MovingPair<N> {
         self.separation.length() - 2.0 * self.mean_radius()
     }
 
-    fn separation_after(&self, weights: [f64; N], carry: f64) -> Vector {
+    fn separation_after(&self, weights: [f64; N], carry: Vector) -> Vector {
         let moved = self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>();
-        moved + Vector::X * (carry * moved.y)
+        moved + Vector::X * carry.dot(moved)
     }
 
-    fn gap_after(&self, weights: [f64; N], carry: f64) -> f64 {
+    fn gap_after(&self, weights: [f64; N], carry: Vector) -> f64 {
         self.separation_after(weights, carry).length() - 2.0 * self.mean_radius()
     }
 

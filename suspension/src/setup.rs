@@ -9,7 +9,7 @@ use crate::moving_box::MovingBox;
 use crate::near::smallest_gap;
 use crate::plan::{Radii, plan};
 use crate::relative_motion::RelativeMotion;
-use domain::{Comm, Failure, GivenPositions, Particles, Partition};
+use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition};
 use fcm::{Plan, PlanError};
 use simulation::Clock;
 
@@ -100,7 +100,8 @@ impl Setup {
         (comm, step): (&Comm, u64),
     ) -> Result<Self, StartError> {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-        let shears = !matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
+        let is_straight = matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
+        let shears = model.cell.boundaries() == Boundaries::Periodic && !is_straight;
         let rates = model.shear_rates();
         let stress = rates.stress();
         let moving = MovingBox::at(&Clock::at(step, model.time_step), model.cell, rates, shears);

@@ -133,7 +133,7 @@ pub(super) fn place(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> (Vec<Vector
     let mut all_free = true;
     for sphere in order {
         let mut random = Random::new(seed, sphere as u64);
-        let mut draw = || cell.wrap(random.point() * cell.edges()).0;
+        let mut draw = || cell.wrap(cell.off_walls(random.point() * cell.edges(), sizes[sphere])).0;
         let free = (0..TRIES).map(|_| draw()).find(|&p| occupied.is_free(sphere, p, &positions));
         all_free &= free.is_some();
         positions[sphere] = free.unwrap_or_else(draw);

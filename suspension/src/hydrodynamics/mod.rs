@@ -45,8 +45,6 @@ pub struct ShortRange {
     pub lubrication: Option<Range>,
     /// Distance of the centres up to which springs act, if there are any.
     pub springs: Option<f64>,
-    /// Whether the box has walls.
-    pub has_walls: bool,
 }
 
 /// What makes the particles move.
@@ -121,7 +119,7 @@ impl Hydrodynamics {
         });
         let reaches =
             [lubrication.as_ref().map(|(force, _)| force.reach()), short_range.springs.map(|r| r / units.length)];
-        let at_walls = short_range.lubrication.filter(|_| short_range.has_walls);
+        let at_walls = short_range.lubrication.filter(|_| plan.boundaries.walls() > 0);
         let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
         let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
             let lists = VerletList::new(reach, partition);

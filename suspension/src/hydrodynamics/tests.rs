@@ -3,6 +3,7 @@
 mod springs;
 mod system;
 mod units;
+mod walls;
 
 use super::*;
 use domain::random_packing;

@@ -9,8 +9,13 @@ use suspension::{Flow, Protocol, RateChange};
 /// A time may be off a step by this part of it.
 const ROUND_OFF: f64 = 1e-6;
 
-/// The flow at first, and how its rate changes, in steps of a length.
-pub fn flow(raw: Option<&raw::Flow>, (viscosity, time_step): (f64, f64)) -> Result<(Flow, Protocol), Fault> {
+/// The flow at first, and how its rate changes, in steps of a length, in a box that shears with it unless the scene says
+/// otherwise, or does not.
+pub fn flow(
+    raw: Option<&raw::Flow>,
+    (viscosity, time_step): (f64, f64),
+    shears: bool,
+) -> Result<(Flow, Protocol), Fault> {
     let Some(raw) = raw else { return Ok((Flow::None, Protocol::STEADY)) };
     if let raw::FlowKind::None = raw.kind {
         let keys = [
@@ -39,7 +44,7 @@ pub fn flow(raw: Option<&raw::Flow>, (viscosity, time_step): (f64, f64)) -> Resu
         }
         _ => rates(raw, time_step)?,
     };
-    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) }, protocol))
+    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(shears) }, protocol))
 }
 
 fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {

@@ -50,8 +50,23 @@ pub(in crate::scene) struct Raw {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Box {
-    /// Edges along x, y and z.
+    /// Edges along x, y and z; between walls their distance.
     pub(super) edges: [f64; 3],
+    /// What each axis is; "periodic" by default.
+    pub(super) boundaries: Option<[Boundary; 3]>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Boundary {
+    /// The box repeats.
+    Periodic,
+    /// Two walls, at 0 and at the edge.
+    Walls,
+    /// A wall at 0, and open fluid above it.
+    Wall,
+    /// Open fluid.
+    Open,
 }
 
 #[derive(Deserialize, JsonSchema)]

@@ -82,8 +82,7 @@ fn springs_push_as_the_motions_say() {
             1500.0 * depth * radii[0] * radii[1] / unit
         };
         let mut fluid =
-            Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach), has_walls: false })
-                .unwrap();
+            Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
             let acting = Acting { loads: &loads, strain_rate: strain, springs, ambient: &STILL };
