@@ -221,8 +221,7 @@ impl Dynamics {
         };
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
-        let (strain_rate, angular_velocity) = (self.flow().strain_rate(), self.flow().angular_velocity());
-        let flow = contacts::Flow { strain_rate, angular_velocity, besides };
+        let flow = contacts::Flow::of(&self.moving, besides);
         let with = (contacts::Ahead { along, across }, velocities, flow);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
@@ -263,7 +262,8 @@ impl Dynamics {
         let resistance =
             moment.implicit.map(|time| move |d: f64, between: Surfaces| forces.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
-        let acting = Acting { loads, strain_rate: self.flow().strain_rate(), springs: springs.as_ref(), ambient };
+        let (strain_rate, strain_slope) = self.moving.strain_rate();
+        let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         self.record(particles, &solved);
@@ -281,7 +281,8 @@ impl Dynamics {
     /// A column of velocities less those of the background flow.
     fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
         let velocities = particles.vectors(name).to_vec();
-        velocities.iter().zip(&particles.positions).map(|(&v, &x)| v - self.moving.flow_at(x)).collect()
+        let places = particles.positions.iter().zip(&particles.radii);
+        velocities.iter().zip(places).map(|(&v, (&x, &a))| v - self.moving.carried_velocity_of(x, a)).collect()
     }
 
     /// Adds what velocities are relative to while particles move, so many times.
@@ -348,15 +349,15 @@ impl Dynamics {
     /// Writes what was solved for into the particles' columns, the background flow included as far as velocities have it while
     /// particles move.
     fn record(&self, particles: &mut Particles, solved: &Solved) {
-        let carried = particles.positions.iter().zip(&solved.motion.velocities);
-        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.moving.flow_at(x)).collect();
+        let places = particles.positions.iter().zip(&particles.radii);
+        let carried = places.zip(&solved.motion.velocities);
+        let velocities: Vec<_> = carried.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
         particles.vectors(VELOCITY).copy_from_slice(&velocities);
         if self.rigid {
-            let rotation = self.flow().angular_velocity();
-            let turning = particles.vectors(ANGULAR_VELOCITY);
-            for (turning, &own) in turning.iter_mut().zip(&solved.motion.angular_velocities) {
-                *turning = own + rotation;
-            }
+            let own = &solved.motion.angular_velocities;
+            let turned = particles.positions.iter().zip(own).map(|(&x, &own)| own + self.moving.angular_velocity_at(x));
+            let turned: Vec<_> = turned.collect();
+            particles.vectors(ANGULAR_VELOCITY).copy_from_slice(&turned);
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
             particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
             self.warm_start.record(particles, solved);
@@ -401,8 +402,11 @@ impl Dynamics {
         self.partition.comm().sum(&mut sums);
         let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
         let flow = [self.viscosity * self.moving.shear_rate(), 0.0];
-        let upper = [flow[0] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
-        let forces = [fx, fy].map(|force| force * cell.edges().z);
+        let height = cell.edges().z;
+        let driven =
+            self.moving.profile().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
+        let upper = [flow[0] + driven[1] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
+        let forces = [fx * height + driven[0] - driven[1], fy * height];
         match cell.boundaries() {
             Boundaries::Walls => vec![[upper[0] + forces[0], upper[1] + forces[1]], upper],
             Boundaries::Wall => vec![[flow[0] + forces[0], flow[1] + forces[1]]],

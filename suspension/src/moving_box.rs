@@ -3,6 +3,7 @@
 use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::ShearRates;
+use crate::poiseuille::Poiseuille;
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -23,6 +24,8 @@ pub struct MovingBox {
     start: PeriodicBox,
     rates: ShearRates,
     driven: Option<Driven>,
+    /// A flow by a pressure gradient besides.
+    profile: Option<Poiseuille>,
     shears: bool,
     /// The flow as it is, and the step at which it became so.
     flow: BackgroundFlow,
@@ -39,9 +42,47 @@ impl MovingBox {
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
         let (rate, began) = rates.before(clock.step());
         let (flow, time) = (shear(&start, rate), clock.time());
-        let mut moving = Self { start, rates, driven: None, shears, flow, began, time, cell: start, turns: 0 };
+        let mut moving =
+            Self { start, rates, driven: None, profile: None, shears, flow, began, time, cell: start, turns: 0 };
         (moving.cell, moving.turns) = moving.shape_at(time);
         moving
+    }
+
+    /// The same with a flow by a pressure gradient besides, if there is one.
+    #[must_use]
+    pub fn with_profile(self, profile: Option<Poiseuille>) -> Self {
+        Self { profile, ..self }
+    }
+
+    /// The flow by a pressure gradient, if there is one.
+    pub fn profile(&self) -> Option<&Poiseuille> {
+        self.profile.as_ref()
+    }
+
+    /// The velocity of a free sphere of a radius at a place of the background flow.
+    pub fn velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        let sheared = self.flow.velocity(place);
+        self.profile.map_or(sheared, |profile| sheared + profile.velocity_of(place.z, radius))
+    }
+
+    /// What velocities have of that while particles move.
+    pub fn carried_velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        if self.carries() { Vector::ZERO } else { self.velocity_of(place, radius) }
+    }
+
+    /// The angular velocity of a free sphere at a place of the background flow.
+    pub fn angular_velocity_at(&self, place: Vector) -> Vector {
+        let sheared = self.flow.angular_velocity();
+        self.profile.map_or(sheared, |profile| sheared + profile.angular_velocity(place.z))
+    }
+
+    /// The rate of strain of the background flow at `z = 0`, and by how much its xz component grows with z.
+    pub fn strain_rate(&self) -> (Traceless, f64) {
+        let sheared = self.flow.strain_rate();
+        self.profile.map_or((sheared, 0.0), |profile| {
+            let (strain_rate, slope) = profile.strain_rate();
+            (sheared + strain_rate, slope)
+        })
     }
 
     /// The same with a rate of shear that a stress in a fluid of a viscosity drives, by solves of a tolerance, as
@@ -100,11 +141,6 @@ impl MovingBox {
         }
     }
 
-    /// What velocities have of the background flow while particles move.
-    pub fn flow_at(&self, place: Vector) -> Vector {
-        if self.carries() { Vector::ZERO } else { self.flow.velocity(place) }
-    }
-
     /// The rate of shear of the flow.
     pub fn shear_rate(&self) -> f64 {
         self.flow.gradient().col(self.start.gradient_axis()).x
@@ -148,7 +184,7 @@ impl MovingBox {
 
     /// The velocity of the image that is `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
-        if self.shears { self.flow_at(self.cell.lattice(steps)) } else { Vector::ZERO }
+        if self.shears && !self.carries() { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
     }
 
     fn shape_at(&self, time: f64) -> (PeriodicBox, i32) {

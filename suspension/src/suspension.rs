@@ -245,8 +245,9 @@ impl Suspension {
     pub fn velocities_in_flow(&self) -> Vec<Vector> {
         let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
         let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
-        let flow = self.dynamics.flow();
-        velocities.iter().zip(&self.particles.positions).map(|(&v, &x)| v - flow.velocity(x)).collect()
+        let (moving, particles) = (self.dynamics.moving_box(), &self.particles);
+        let places = particles.positions.iter().zip(&particles.radii);
+        velocities.iter().zip(places).map(|(&v, (&x, &a))| v - moving.velocity_of(x, a)).collect()
     }
 
     /// The rate of shear of the flow that the velocities belong to, and the strain so far.

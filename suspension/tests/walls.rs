@@ -50,6 +50,9 @@ fn a_sphere_that_is_driven_into_a_wall_is_named() {
     assert!(suspension.particles().positions[0].z > 0.85);
 }
 
+/// At half-widths of 5 and 2.5 radii.
+const POISEUILLE: [f64; 2] = [0.98661734, 0.94530667];
+
 /// Between moving walls: a dilute layer in the middle makes the walls feel Einstein's viscosity, nearly; both feel the same.
 const SHEARED: &str = r#"
 seed = 5
@@ -147,4 +150,29 @@ fn a_rough_sphere_rolls_down_a_tilted_bottom() {
     let smooth = [&rough[1..], &["contacts={friction=0.001, stiffness=4000.0, roughness=0.01}"]].concat();
     let (velocity, slip, _) = at_end(&smooth);
     assert!(slip > 0.2 * velocity, "{velocity} {slip}");
+}
+
+/// Mid-plane and quarter-plane: velocity of a free sphere over that of the fluid alone in the middle, half-width over radius 5 and
+/// 2.5, by a single layer with the images of both walls (see `docs/src/walls.md`).
+#[test]
+fn a_free_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
+    for (height, place, expected) in [(10.0, 0.5, POISEUILLE[0]), (5.0, 0.5, POISEUILLE[1])] {
+        let keys = [
+            "species=[{radius=1.0, count=1}]",
+            &format!("box.edges=[16.0, 16.0, {height}]"),
+            &format!("particles={{initial=\"positions\", positions=[[4.0, 4.0, {}]]}}", height * place),
+            &format!("flow={{kind=\"poiseuille\", pressure_gradient={}}}", 16.0 / (height * height)),
+            "time.steps=0",
+        ];
+        let (velocity, walls) = ended(&model_of(SHEARED, &keys), 1, |suspension| {
+            let stress = suspension.stress(1)[0].total();
+            (suspension.particles().clone().vectors(VELOCITY)[0], suspension.wall_stress(&stress))
+        });
+        assert!((velocity.x - expected).abs() < 0.01 * expected, "{height}: {velocity}, not {expected}");
+        // Both walls bear what the pressure pushes.
+        let pushed = 16.0 / height;
+        assert!(
+            (walls[0][0] - walls[1][0] - pushed).abs() < 1e-12 && (walls[0][0] - 0.5 * pushed).abs() < 1e-3 * pushed
+        );
+    }
 }

@@ -5,6 +5,7 @@ mod measured;
 mod touching;
 
 use crate::hydrodynamics::ContactSprings;
+use crate::moving_box::MovingBox;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use history::{CONTACT_NUMBERS, keep, most_contacts};
@@ -58,10 +59,35 @@ pub struct Acting {
 /// The flow that velocities are relative to.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow {
-    pub strain_rate: Traceless,
-    pub angular_velocity: Vector,
-    /// What is expected besides.
-    pub besides: Traceless,
+    /// The rate of strain and the angular velocity at `z = 0`, and by how much the xz component of the one and the y component of
+    /// the other grow with z.
+    strain_rate: Traceless,
+    turning: Vector,
+    slope: f64,
+    /// The rate of strain expected besides.
+    besides: Traceless,
+}
+
+impl Flow {
+    /// That of a box, and the rate of strain that is expected besides.
+    pub fn of(moving: &MovingBox, besides: Traceless) -> Self {
+        let (strain_rate, slope) = moving.strain_rate();
+        Self { strain_rate, turning: moving.angular_velocity_at(Vector::ZERO), slope, besides }
+    }
+
+    /// How fast its strain where the surfaces touch moves the centres apart: so spheres that the flow turns each in its own way
+    /// slip as they do.
+    fn strained(&self, contact: &Touching) -> Vector {
+        let sloping = Traceless([0.0, 0.0, self.slope * contact.place.z, 0.0, 0.0]);
+        strained(contact, self.strain_rate + sloping)
+    }
+
+    /// How fast a sphere that turns as the fluid does rolls over a wall, which does not turn.
+    fn rolled(&self, contact: &Touching) -> Vector {
+        let Surfaces::Wall(_) = contact.between else { return Vector::ZERO };
+        let turning = self.turning + Vector::Y * (self.slope * (contact.place - contact.separation).z);
+        -contact.between.harmonic_radius() * turning.cross(contact.axis)
+    }
 }
 
 /// What is expected of a contact.
@@ -101,8 +127,8 @@ impl Contacts {
         let angular = touching.present(&before.angular_velocities);
         let of_one = |contact: &Touching| Expected {
             parting: contact.parting(&parting) + contact.axis.dot(strained(contact, flow.besides)),
-            slip: contact.slip(&velocities, &angular, strained(contact, flow.strain_rate)),
-            rolling: contact.rolling(&angular) + rolled(contact, flow.angular_velocity),
+            slip: contact.slip(&velocities, &angular, flow.strained(contact)),
+            rolling: contact.rolling(&angular) + flow.rolled(contact),
         };
         let expected = touching.list.iter().map(of_one).collect();
         Acting { law: self.law, slots: self.slots, ahead, touching, expected, flow }
@@ -125,8 +151,8 @@ impl Acting {
             let normal = self.law.force(contact.overlap, contact.between) + along * expected.parting;
             let [slides, rolls] = contact.memory.shares.map(|share| if share < 1.0 { 1.0 } else { 0.0 });
             let mut memory = contact.memory;
-            memory.force += slip * (across(self.strained(contact), contact.axis) - slides * expected.slip);
-            memory.rolling += roll * (rolled(contact, self.flow.angular_velocity) - rolls * expected.rolling);
+            memory.force += slip * (across(self.flow.strained(contact), contact.axis) - slides * expected.slip);
+            memory.rolling += roll * (self.flow.rolled(contact) - rolls * expected.rolling);
             let [force, torque] = contact.load(normal, &memory);
             loads.forces[contact.rows[0]] += force;
             loads.torques[contact.rows[0]] += torque;
@@ -181,9 +207,9 @@ impl Acting {
             let known = self.law.force(contact.overlap, contact.between);
             let normal = (known - stiffness * (contact.parting(&velocities) - expected.parting)).max(0.0);
             let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
-            let slip = contact.slip(&velocities, &angular, self.strained(contact));
+            let slip = contact.slip(&velocities, &angular, self.flow.strained(contact));
             let force = contact.memory.force + spring * slip;
-            let rolled = contact.rolling(&angular) + rolled(contact, self.flow.angular_velocity);
+            let rolled = contact.rolling(&angular) + self.flow.rolled(contact);
             let rolling = contact.memory.rolling + spring * rolled;
             let most = [self.law.cone(normal), self.law.rolling_friction * normal];
             let shares = [share(force, most[0]), share(rolling, most[1])];
@@ -202,23 +228,11 @@ impl Acting {
         let on = |friction: f64, resistance: f64| if friction > 0.0 { resistance } else { 0.0 };
         [along, on(self.law.friction, slip), on(self.law.rolling_friction, rolling)]
     }
-
-    fn strained(&self, contact: &Touching) -> Vector {
-        strained(contact, self.flow.strain_rate)
-    }
 }
 
 /// How fast a flow's strain moves the centres apart.
 fn strained(contact: &Touching, strain_rate: Traceless) -> Vector {
     strain_rate.tensor() * contact.separation
-}
-
-/// How fast a flow in which a sphere turns as the fluid does rolls it over a wall, which does not turn.
-fn rolled(contact: &Touching, angular_velocity: Vector) -> Vector {
-    match contact.between {
-        Surfaces::Spheres(_) => Vector::ZERO,
-        wall @ Surfaces::Wall(_) => -wall.harmonic_radius() * angular_velocity.cross(contact.axis),
-    }
 }
 
 /// By what a force is to be multiplied not to be larger than some.

@@ -17,6 +17,8 @@ pub struct Touching {
     pub separation: Vector,
     /// The unit vector along it.
     pub axis: Vector,
+    /// Where the surfaces touch.
+    pub place: Vector,
     /// What touches, and the distances of the centres from where it does; none of a wall.
     pub between: Surfaces,
     pub arms: [f64; 2],
@@ -68,6 +70,7 @@ impl AllTouching {
                     other: ids[other],
                     separation,
                     axis,
+                    place: positions[row] + separation * (pair[0] / sum),
                     between: Surfaces::Spheres(pair),
                     arms: pair.map(|a| distance * a / sum),
                     overlap,
@@ -86,6 +89,7 @@ impl AllTouching {
                     other,
                     separation: to.axis * to.distance,
                     axis: to.axis,
+                    place: positions[row] + to.axis * to.distance,
                     between,
                     arms: [to.distance, 0.0],
                     overlap,
@@ -167,7 +171,17 @@ mod tests {
         let memory = Memory { force, rolling, ..Memory::default() };
         let arms = radii.map(|a| distance * a / 2.5);
         let between = Surfaces::Spheres(radii);
-        let one = Touching { rows: [0, 1], other: 1, separation, axis, between, arms, overlap: 0.01, memory };
+        let one = Touching {
+            rows: [0, 1],
+            other: 1,
+            separation,
+            axis,
+            place: Vector::ZERO,
+            between,
+            arms,
+            overlap: 0.01,
+            memory,
+        };
         let reversed = Memory { force: -force, ..memory };
         let swap = |[a, b]: [f64; 2]| [b, a];
         let (between, arms) = (Surfaces::Spheres(swap(radii)), swap(arms));

@@ -20,8 +20,9 @@ pub struct Arrangement<'a> {
     pub ids: &'a [u64],
     pub species: &'a [u32],
     pub neighbours: &'a Neighbours,
-    /// The ambient rate of strain.
+    /// The ambient rate of strain at `z = 0`, and by how much its xz component grows with z.
     pub ambient: Traceless,
+    pub slope: f64,
 }
 
 /// Rows of a rank's particles: their stiff pairs, the others, and their loads and moments by all of them in the ambient
@@ -41,8 +42,8 @@ pub struct Assembly<'a> {
 }
 
 /// Numbers of a pair: those of its coefficients, its axis, 1 where the row's particle is the larger one, the resistances of
-/// its springs along the axis and across, the arms of the smaller and the larger sphere, the resistance to rolling, and
-/// zeros.
+/// its springs along the axis and across, the arms of the smaller and the larger sphere, the resistance to rolling, and by how
+/// much the ambient rate of strain is larger between them.
 const NUMBERS: usize = 56;
 const AXIS: usize = RECORD;
 const IS_LARGER: usize = RECORD + 3;
@@ -50,6 +51,7 @@ const SPRING: usize = RECORD + 4;
 const SLIP: usize = RECORD + 5;
 const ARMS: [usize; 2] = [RECORD + 6, RECORD + 7];
 const ROLLING: usize = RECORD + 8;
+const SLOPING: usize = RECORD + 9;
 
 /// Pairs of one row that wait for a full group.
 struct Waiting {
@@ -104,7 +106,7 @@ impl Assembly<'_> {
 
     #[inline(always)]
     fn assemble<V: Width<f64>>(&self, row: usize, waiting: [&mut Waiting; 2], assembled: &mut Assembled) {
-        let Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient } =
+        let Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient, slope } =
             *self.arrangement;
         let (mut sums, mut strained) = ([Sums::<V>::zero(), Sums::zero()], InStrain::zero());
         for neighbour in neighbours.of(row) {
@@ -136,6 +138,7 @@ impl Assembly<'_> {
             numbers[AXIS..AXIS + 3].copy_from_slice(&axis.to_array());
             numbers[IS_LARGER] = f64::from(u8::from(is_larger));
             numbers[SPRING] = spring;
+            numbers[SLOPING] = slope * (positions[row].z + 0.5 * separation.z);
             if springs.is_some() {
                 set_contact(numbers, [slip, rolling], distance, pair_radii);
                 waiting.touch |= slip + rolling > 0.0;
@@ -208,7 +211,7 @@ impl Waiting {
         let is_larger = Lanes::read(&numbers[IS_LARGER]);
         let chosen = Chosen { is_larger, is_smaller: Lanes::constant(1.0) - is_larger };
         sums.add(&coefficients, &chosen, z);
-        strained.add(&coefficients, &chosen, z, ambient);
+        strained.add(&coefficients, &chosen, z, (ambient, Lanes::read(&numbers[SLOPING])));
         let (group, moments) = part.group();
         group.others = self.others;
         group.axis = [numbers[AXIS], numbers[AXIS + 1], numbers[AXIS + 2]];
@@ -350,10 +353,16 @@ impl<V: Width<f64>> InStrain<V> {
     }
 
     #[inline(always)]
-    fn add(&mut self, c: &Coefficients<Lanes<V>>, chosen: &Chosen<V>, z: [Lanes<V>; 3], ambient: Traceless) {
+    fn add(
+        &mut self,
+        c: &Coefficients<Lanes<V>>,
+        chosen: &Chosen<V>,
+        z: [Lanes<V>; 3],
+        (ambient, sloping): (Traceless, Lanes<V>),
+    ) {
         let [xx, xy, xz, yy, yz] = ambient.0;
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]];
-        let mut across = [Lanes::<V>::constant(0.0); 3];
+        let mut across = [sloping * z[2], Lanes::<V>::constant(0.0), sloping * z[0]];
         for i in 0..3 {
             for j in 0..3 {
                 across[i] = across[i].plus(Lanes::constant(rows[i][j]), z[j]);
@@ -377,6 +386,7 @@ impl<V: Width<f64>> InStrain<V> {
         for (k, component) in ambient.0.into_iter().enumerate() {
             self.moment[k] = self.moment[k].plus(bulk, Lanes::constant(component));
         }
+        self.moment[2] = self.moment[2].plus(bulk, sloping);
     }
 
     #[inline(always)]

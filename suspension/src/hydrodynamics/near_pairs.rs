@@ -60,12 +60,12 @@ pub struct NearPairs {
 }
 
 impl NearPairs {
-    /// Finds the pairs within reach of lubrication or of springs, in a flow whose rate of strain is `ambient`, by lists that
-    /// reach as far. Collective.
+    /// Finds the pairs within reach of lubrication or of springs, in a flow whose rate of strain is `ambient` at `z = 0` and has an
+    /// xz component that grows with z by `slope`, by lists that reach as far. Collective.
     pub fn find(
         (field, springs): (&mut NearField, Option<&Springs>),
         particles: &Particles,
-        (cell, ambient): (&PeriodicBox, Traceless),
+        (cell, (ambient, slope)): (&PeriodicBox, (Traceless, f64)),
         partition: &Partition,
     ) -> Self {
         let owned = particles.len();
@@ -76,7 +76,7 @@ impl NearPairs {
         let (positions, species) = (&positions, &species);
         let ids = &ids;
         let arrangement =
-            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient };
+            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient, slope };
         let part = |k: usize| {
             let first = k * ROWS;
             f64::dispatch(Assembly { arrangement: &arrangement, first, rows: ROWS.min(owned - first) })
@@ -93,7 +93,8 @@ impl NearPairs {
         let (mut stiff, soft, mut loads) = (PairMatrix::new(stiff), PairMatrix::new(soft), Screws(loads));
         let at_walls = at_walls::find(at_walls.as_ref(), springs, particles, cell);
         for at_wall in &at_walls {
-            let (load, moment) = at_wall.in_strain(ambient);
+            let sloping = Traceless([0.0, 0.0, slope * particles.positions[at_wall.row].z, 0.0, 0.0]);
+            let (load, moment) = at_wall.in_strain(ambient + sloping);
             stiff.add_own(at_wall.row, &at_wall.own());
             loads.0[at_wall.row] += load;
             moments[at_wall.row] += moment;

@@ -42,7 +42,7 @@ fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
 }
 
 fn acting(loads: &Loads, strain_rate: Traceless) -> Acting<'_> {
-    Acting { loads, strain_rate, springs: None, ambient: &STILL }
+    Acting { loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &STILL }
 }
 
 fn cube(edge: f64) -> PeriodicBox {

@@ -57,7 +57,11 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
 fn check_walls(p: &Parameters) -> Result<(), ParameterError> {
     let refused = |key: &str, message: &str| Err(ParameterError::new(key, message));
     match p.cell.boundaries() {
-        Boundaries::Periodic => return Ok(()),
+        Boundaries::Periodic => {
+            let has_profile = matches!(p.flow, Flow::Poiseuille { .. });
+            let message = "is \"poiseuille\", which needs two walls: \"walls\" in box.boundaries";
+            return if has_profile { refused("flow.kind", message) } else { Ok(()) };
+        }
         Boundaries::Walls | Boundaries::Wall => {}
         Boundaries::OpenAlongZ | Boundaries::Open => {
             let message = "has open axes without a wall, of which runs know nothing; possible are \"periodic\" along all \
@@ -68,6 +72,9 @@ fn check_walls(p: &Parameters) -> Result<(), ParameterError> {
     if let Flow::Shear { lees_edwards: true, .. } = p.flow {
         let message = "is true, but between walls the box stays as it is; leave it out";
         return refused("flow.lees_edwards", message);
+    }
+    if let (Flow::Poiseuille { .. }, Boundaries::Wall) = (p.flow, p.cell.boundaries()) {
+        return refused("flow.kind", "is \"poiseuille\", which needs two walls: \"walls\" in box.boundaries");
     }
     if let Protocol::Stress(_) = p.protocol {
         let message = "is \"stress\", which only a periodic box can follow; give flow.rate, the speed of the upper wall over \
@@ -88,6 +95,9 @@ fn check_walls(p: &Parameters) -> Result<(), ParameterError> {
 /// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which
 /// the images of a sphere move with the flow.
 fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
+    if let Flow::Poiseuille { pressure_gradient } = p.flow {
+        ParameterError::unless_finite("flow.pressure_gradient", pressure_gradient)?;
+    }
     let Flow::Shear { rate, lees_edwards } = p.flow else {
         let message = "changes, but flow.kind is \"none\"; set flow.kind = \"shear\"";
         return if p.protocol == Protocol::STEADY { Ok(()) } else { Err(ParameterError::new("flow.rate", message)) };

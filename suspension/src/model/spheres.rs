@@ -67,7 +67,14 @@ impl Species {
         ParameterError::unless_positive(&key("radius"), self.radius)?;
         let shortest = cell.edges().min_element();
         if 2.0 * self.radius >= shortest {
-            let (radius, shortest) = (Number(self.radius), Number(shortest));
+            let (radius, is_height) =
+                (Number(self.radius), cell.boundaries().walls() == 2 && cell.edges().z == shortest);
+            let shortest = Number(shortest);
+            if is_height {
+                let message =
+                    format!("is {radius}; a sphere needs to fit between the walls, which are {shortest} apart");
+                return Err(ParameterError::new(key("radius"), message));
+            }
             let message =
                 format!("is {radius}; a sphere needs to be smaller than the box, whose shortest edge is {shortest}");
             return Err(ParameterError::new(key("radius"), message));

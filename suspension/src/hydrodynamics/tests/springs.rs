@@ -34,7 +34,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let mut fluid =
             Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
-            let acting = Acting { loads, strain_rate: strain, springs, ambient: &STILL };
+            let acting = Acting { loads, strain_rate: strain, strain_slope: 0.0, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
         };
         let sprung = solve(&given, Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts }));
@@ -85,7 +85,7 @@ fn springs_push_as_the_motions_say() {
             Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-            let acting = Acting { loads: &loads, strain_rate: strain, springs, ambient: &STILL };
+            let acting = Acting { loads: &loads, strain_rate: strain, strain_slope: 0.0, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let between = |distance: f64, between: Surfaces| match between {
