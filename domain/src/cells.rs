@@ -118,11 +118,15 @@ impl Cells {
         let [nx, ny, _] = self.counts;
         let home = [home % nx, home / nx % ny, home / (nx * ny)].map(|c| c as i32);
         let counts = self.counts.map(|c| c as i32);
-        let range = |axis: usize| {
-            (home[axis] - self.reach[axis]..=home[axis] + self.reach[axis])
-                .map(move |c| (c.rem_euclid(counts[axis]), c.div_euclid(counts[axis])))
+        let ends = |axis: usize| {
+            let (first, last) = (home[axis] - self.reach[axis], home[axis] + self.reach[axis]);
+            if cell.is_periodic(axis) { (first, last) } else { (first.max(0), last.min(counts[axis] - 1)) }
         };
-        let (first, last) = (home[0] - self.reach[0], home[0] + self.reach[0]);
+        let range = |axis: usize| {
+            let (first, last) = ends(axis);
+            (first..=last).map(move |c| (c.rem_euclid(counts[axis]), c.div_euclid(counts[axis])))
+        };
+        let (first, last) = ends(0);
         for (z, up) in range(2) {
             for (y, back) in range(1) {
                 let line = (z * counts[1] + y) * counts[0];

@@ -86,8 +86,12 @@ impl<'a> Pencil<'a> {
         let owned = partition.owned_by(rank);
         let interval = |d: usize| {
             let line = lengths[d] / partition.lines()[d] as f64;
-            let range = &owned[d];
-            (!range.is_empty()).then_some([range.start as f64 * line, range.end as f64 * line])
+            let (range, repeats) = (&owned[d], cell.is_periodic(d + 1));
+            // What lies outside of a box that does not repeat belongs to the ranks at its ends.
+            let low = if repeats || range.start > 0 { range.start as f64 * line } else { f64::NEG_INFINITY };
+            let is_last = range.end == partition.lines()[d];
+            let high = if repeats || !is_last { range.end as f64 * line } else { f64::INFINITY };
+            (!range.is_empty()).then_some([low, high])
         };
         Self { cell, intervals: [interval(0), interval(1)] }
     }
@@ -95,14 +99,15 @@ impl<'a> Pencil<'a> {
     pub fn is_within(&self, reach: Reach, position: Vector) -> bool {
         let (coordinates, slant) = (self.cell.lattice_coordinates(position), self.cell.slant());
         let is_near = |d: usize| {
-            let (coordinate, period) = (coordinates[d + 1], self.cell.edges()[d + 1]);
+            let repeats = self.cell.is_periodic(d + 1);
+            let (coordinate, period) = (coordinates[d + 1], if repeats { self.cell.edges()[d + 1] } else { 0.0 });
             self.intervals[d].is_some_and(|i| distance(i, coordinate, period) <= reach[d] * slant[d + 1])
         };
         is_near(0) && is_near(1)
     }
 }
 
-/// The distance of a coordinate from the nearest image of an interval.
+/// The distance of a coordinate from the nearest image of an interval; without a period, from the interval.
 fn distance([low, high]: [f64; 2], coordinate: f64, period: f64) -> f64 {
     let images = [coordinate - period, coordinate, coordinate + period];
     images.map(|c| (low - c).max(c - high).max(0.0)).into_iter().fold(f64::INFINITY, f64::min)

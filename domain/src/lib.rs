@@ -19,6 +19,7 @@
 //! ```
 
 mod available_memory;
+mod boundaries;
 mod by_id;
 mod bytes;
 mod cells;
@@ -43,8 +44,10 @@ mod rows;
 mod traceless;
 mod units;
 mod verlet_list;
+mod walls;
 
 pub use available_memory::{AvailableMemory, ProcessMemory};
+pub use boundaries::Boundaries;
 pub use by_id::ById;
 pub use bytes::{Bytes, GROWING, readable_bytes};
 pub use comm::{Comm, CommError, Failure, Launcher, Need, NotEnoughMemory, Window};
@@ -67,6 +70,7 @@ pub use resident::Process;
 pub use traceless::Traceless;
 pub use units::{Units, power_of_two};
 pub use verlet_list::{LocalAndGhosts, VerletList};
+pub use walls::ToWall;
 
 /// A vector of three components in `f64`.
 pub type Vector = glam::DVec3;

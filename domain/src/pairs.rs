@@ -100,7 +100,7 @@ fn is_kept(pair: &Pair, ids: &[u64], owned: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Comm, Halo, Particles, Partition};
+    use crate::{Boundaries, Comm, Halo, Particles, Partition};
     use proptest::prelude::*;
 
     fn random(count: u64, cell: &PeriodicBox, seed: f64) -> Vec<Vector> {
@@ -121,6 +121,9 @@ mod tests {
                     let range = range.clone();
                     range.clone().flat_map(move |y| range.clone().map(move |z| [x, y, z]))
                 }) {
+                    if (0..3).any(|axis| steps[axis] != 0 && !cell.is_periodic(axis)) {
+                        continue;
+                    }
                     let distance = (q + cell.lattice(steps) - p).length();
                     if distance < cutoff && (i != j || steps > [0; 3]) {
                         all.push(distance);
@@ -156,6 +159,37 @@ mod tests {
         }
     }
 
+    /// Boxes whose axes do not all repeat, with particles outside of them as well where they are open.
+    fn bounded(edges: Vector, places: &[Vector]) -> Vec<(PeriodicBox, Vec<Vector>)> {
+        let cell = PeriodicBox::new(edges).unwrap();
+        let all = [Boundaries::Walls, Boundaries::Wall, Boundaries::OpenAlongZ, Boundaries::Open];
+        let spread = |cell: &PeriodicBox, &place: &Vector| {
+            let factor = |axis: usize| if cell.is_periodic(axis) || cell.boundaries().walls() == 2 { 1.0 } else { 1.7 };
+            Vector::from_array(std::array::from_fn(|axis| place[axis] * factor(axis) - 0.1 * (factor(axis) - 1.0)))
+        };
+        let with = |boundaries| {
+            let cell = cell.with_boundaries(boundaries).unwrap();
+            (cell, places.iter().map(|place| spread(&cell, place)).collect())
+        };
+        all.map(with).to_vec()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        #[test]
+        fn no_pair_is_beyond_a_face_that_does_not_repeat(
+            seed in 1.0..100.0, cutoff in 0.2..3.5, count in 1_u64..30,
+        ) {
+            let edges = Vector::new(2.0, 1.7, 2.4);
+            let ids: Vec<u64> = (0..count).collect();
+            for (cell, positions) in bounded(edges, &random(count, &PeriodicBox::new(edges).unwrap(), seed)) {
+                let pairs = Pairs::find(&cell, &positions, &ids, count as usize, cutoff);
+                let (found, expected) = (distances(&pairs, &cell, &positions), brute_force(&cell, &positions, cutoff));
+                prop_assert!(close(&found, &expected), "{:?}", cell.boundaries());
+            }
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
         #[test]
@@ -184,23 +218,31 @@ mod tests {
     #[test]
     fn every_pair_is_on_one_rank() {
         let cell = PeriodicBox::sheared(Vector::splat(6.0), 0.3).unwrap();
-        let cutoff = 1.1;
         let everything = random(150, &cell, 7.3);
-        let expected = brute_force(&cell, &everything, cutoff);
-        for ranks in [1, 2, 3, 4, 7, 13, 16, 64] {
+        each_is_on_one_rank(&cell, &everything, &[1, 2, 3, 4, 7, 13, 16, 64]);
+        let straight = random(100, &PeriodicBox::new(Vector::splat(6.0)).unwrap(), 7.3);
+        for (cell, everything) in bounded(Vector::splat(6.0), &straight) {
+            each_is_on_one_rank(&cell, &everything, &[2, 7, 16]);
+        }
+    }
+
+    fn each_is_on_one_rank(cell: &PeriodicBox, everything: &[Vector], sizes: &[usize]) {
+        let cutoff = 1.1;
+        let expected = brute_force(cell, everything, cutoff);
+        for &ranks in sizes {
             let found = Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [12, 12]);
                 let mut particles = Particles::default();
                 for (id, &p) in everything.iter().enumerate().filter(|(id, _)| id % ranks == comm.rank()) {
                     particles.push(id as u64, p, 1.0, 0);
                 }
-                particles.migrate(&partition, &cell);
-                let halo = Halo::plan(&partition, &cell, &particles.positions, [cutoff; 2]);
+                particles.migrate(&partition, cell);
+                let halo = Halo::plan(&partition, cell, &particles.positions, [cutoff; 2]);
                 let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
                 halo.extend(&mut positions);
                 halo.extend(&mut ids);
-                let pairs = Pairs::find(&cell, &positions, &ids, particles.len(), cutoff);
-                distances(&pairs, &cell, &positions)
+                let pairs = Pairs::find(cell, &positions, &ids, particles.len(), cutoff);
+                distances(&pairs, cell, &positions)
             });
             let mut found = found.concat();
             found.sort_by(f64::total_cmp);

@@ -1,6 +1,6 @@
-//! The periodic, possibly sheared box.
+//! The periodic, possibly sheared box, which may have walls or be open.
 
-use crate::{Number, Tensor, Vector};
+use crate::{Boundaries, Number, Tensor, Vector};
 
 /// Why a box is refused.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -23,6 +23,9 @@ pub enum BoxError {
         Number(*.0)
     )]
     Lattice(f64),
+    /// Walls or open faces of a box that is not upright along x, y and z.
+    #[error("a box with {0:?} boundaries has edges along x, y and z; it can be neither sheared nor any other lattice")]
+    Bounded(Boundaries),
 }
 
 /// A periodic box. With Lees-Edwards boundary conditions its lattice vectors are `(Lx, 0, 0)`, `(s Ly, Ly, 0)` and
@@ -35,6 +38,9 @@ pub enum BoxError {
 /// Any other lattice, as extensional flows need, is such a box in axes of its own: the first axis is along the first
 /// lattice vector and the second in the plane of the first two. In these axes the lattice vectors are `(Lx, 0, 0)`,
 /// `Ly (s, 1, 0)` and `Lz (t, r, 1)`, and `y = eta + r zeta`, `x = xi + s eta + t zeta`.
+///
+/// A box with other [`Boundaries`] does not repeat along some axes: there positions are never wrapped, may lie outside
+/// where the fluid is open, and have no images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PeriodicBox {
     edges: Vector,
@@ -43,6 +49,7 @@ pub struct PeriodicBox {
     tilts: [f64; 2],
     /// The axes as columns, where they are not x, y and z.
     axes: Option<Tensor>,
+    boundaries: Boundaries,
 }
 
 impl PeriodicBox {
@@ -61,9 +68,9 @@ impl PeriodicBox {
         if !strain.is_finite() {
             return Err(BoxError::Strain(strain));
         }
-        let period = edges.x / edges.y;
+        let (period, boundaries) = (edges.x / edges.y, Boundaries::Periodic);
         let turns = (strain / period + 0.5).floor();
-        Ok(Self { edges, strain: strain - turns * period, tilts: [0.0; 2], axes: None })
+        Ok(Self { edges, strain: strain - turns * period, tilts: [0.0; 2], axes: None, boundaries })
     }
 
     /// The box of any three lattice vectors in right-handed order, which are kept as they are.
@@ -78,7 +85,28 @@ impl PeriodicBox {
         let y = z.cross(x);
         let edges = Vector::new(a.length(), b.dot(y), c.dot(z));
         let tilts = [c.dot(x) / edges.z, c.dot(y) / edges.z];
-        Ok(Self { edges, strain: b.dot(x) / edges.y, tilts, axes: Some(Tensor::from_cols(x, y, z)) })
+        let (axes, boundaries) = (Some(Tensor::from_cols(x, y, z)), Boundaries::Periodic);
+        Ok(Self { edges, strain: b.dot(x) / edges.y, tilts, axes, boundaries })
+    }
+
+    /// The same box with other boundaries, which only a box that is not sheared and along x, y and z can have.
+    pub fn with_boundaries(&self, boundaries: Boundaries) -> Result<Self, BoxError> {
+        let is_plain = self.strain == 0.0 && self.axes.is_none();
+        if boundaries != Boundaries::Periodic && !is_plain {
+            return Err(BoxError::Bounded(boundaries));
+        }
+        Ok(Self { boundaries, ..*self })
+    }
+
+    /// What lies at its faces.
+    pub fn boundaries(&self) -> Boundaries {
+        self.boundaries
+    }
+
+    /// Whether the box repeats along an axis: 0, 1 and 2 for x, y and z.
+    #[inline]
+    pub fn is_periodic(&self, axis: usize) -> bool {
+        self.boundaries.is_periodic(axis)
     }
 
     /// The same box in other units of length: all lengths times `factor`, a power of two, so that nothing is rounded.
@@ -156,18 +184,19 @@ impl PeriodicBox {
     }
 
     /// The position inside the box that is an image of the given one, and the lattice steps that were taken out of it:
-    /// `position = wrapped + lattice(steps)`.
+    /// `position = wrapped + lattice(steps)`. Along axes that do not repeat nothing is taken out.
     pub fn wrap(&self, position: Vector) -> (Vector, [i32; 3]) {
-        let coordinates = self.lattice_coordinates(position);
-        let mut steps = (coordinates / self.edges).floor();
+        let (coordinates, repeats) = (self.lattice_coordinates(position), self.boundaries.repeats());
+        let mut steps = (coordinates / self.edges).floor() * repeats;
         let mut wrapped = position - self.lattice(whole(steps));
         // Round-off can leave an image on the far face, or just below the near one.
-        let again = (self.lattice_coordinates(wrapped) / self.edges).floor();
+        let again = (self.lattice_coordinates(wrapped) / self.edges).floor() * repeats;
         if again != Vector::ZERO {
             steps += again;
             wrapped = position - self.lattice(whole(steps));
-            let inside = self.lattice_coordinates(wrapped).clamp(Vector::ZERO, self.edges * (1.0 - f64::EPSILON));
-            wrapped = self.at(inside);
+            let coordinates = self.lattice_coordinates(wrapped);
+            let inside = coordinates.clamp(Vector::ZERO, self.edges * (1.0 - f64::EPSILON));
+            wrapped = self.at(Vector::select(repeats.cmpgt(Vector::ZERO), inside, coordinates));
         }
         (wrapped, whole(steps))
     }
@@ -176,6 +205,9 @@ impl PeriodicBox {
     pub fn nearest_image(&self, separation: Vector) -> Vector {
         if self.axes.is_some() {
             return self.nearest_of_any(separation);
+        }
+        if !self.is_periodic(2) {
+            return separation - self.lattice(whole(self.whole_steps(separation)));
         }
         let mut d = separation;
         d.z -= (d.z / self.edges.z).round() * self.edges.z;
@@ -198,6 +230,11 @@ impl PeriodicBox {
             }
         }
         nearest
+    }
+
+    /// The edges that a separation, in lattice coordinates, spans, rounded: none along axes that do not repeat.
+    pub(crate) fn whole_steps(&self, coordinates: Vector) -> Vector {
+        (coordinates / self.edges).round() * self.boundaries.repeats()
     }
 
     /// The shortest of the images of a separation, in a lattice of vectors of which none is much shorter for a multiple of
@@ -299,6 +336,33 @@ mod tests {
             (PeriodicBox::sheared(edges, 0.25).unwrap(), PeriodicBox::sheared(edges, 0.25 + 4.0 / 3.0).unwrap());
         assert!((a.strain() - b.strain()).abs() < 1e-15);
         assert!(PeriodicBox::sheared(edges, 1.0 / 3.0).unwrap().strain() < 0.0, "the upper end belongs to the lower");
+    }
+
+    #[test]
+    fn axes_that_do_not_repeat_have_no_images() {
+        let periodic = PeriodicBox::new(Vector::new(3.0, 4.0, 5.0)).unwrap();
+        let (position, separation) = (Vector::new(-0.5, 9.0, 7.0), Vector::new(1.7, -3.0, 4.9));
+        let slit = [Boundaries::Walls, Boundaries::Wall, Boundaries::OpenAlongZ];
+        for boundaries in slit {
+            let cell = periodic.with_boundaries(boundaries).unwrap();
+            assert_eq!(cell.wrap(position), (Vector::new(2.5, 1.0, 7.0), [-1, 2, 0]));
+            assert!((cell.nearest_image(separation) - Vector::new(-1.3, 1.0, 4.9)).length() < 1e-15);
+            assert_eq!(cell.scaled(2.0).boundaries(), boundaries);
+        }
+        let open = periodic.with_boundaries(Boundaries::Open).unwrap();
+        assert_eq!((open.wrap(position), open.nearest_image(separation)), ((position, [0; 3]), separation));
+        // Just below the near face of an axis that repeats and far above one that does not.
+        let cell = periodic.with_boundaries(Boundaries::Wall).unwrap();
+        let (wrapped, steps) = cell.wrap(Vector::new(-1e-18, 0.0, 11.0));
+        assert!(wrapped.x < 3.0 && wrapped.z == 11.0 && steps[2] == 0, "{wrapped}");
+    }
+
+    #[test]
+    fn only_an_upright_box_has_walls() {
+        let sheared = PeriodicBox::sheared(Vector::splat(3.0), 0.2).unwrap();
+        let error = sheared.with_boundaries(Boundaries::Walls).unwrap_err();
+        assert!(error.to_string().contains("Walls boundaries"), "{error}");
+        assert_eq!(sheared.with_boundaries(Boundaries::Periodic), Ok(sheared));
     }
 
     #[test]

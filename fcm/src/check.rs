@@ -4,7 +4,7 @@ use crate::envelope::Envelope;
 use crate::plan::PlanError;
 use crate::problem::{Fixed, MethodName, Problem};
 use crate::window::Window;
-use domain::{Number, PeriodicBox, Vector};
+use domain::{Boundaries, Number, PeriodicBox, Vector};
 use solver::Grid;
 
 impl Fixed {
@@ -66,6 +66,21 @@ impl Problem {
         PlanError::TooFine { radius, edges: in_short(self.edges), points }
     }
 
+    /// Refuses what only a periodic box can have.
+    fn check_bounded(&self) -> Result<(), PlanError> {
+        let found = [
+            (self.fixed.method == Some(MethodName::Direct)).then_some("hydrodynamics.method \"direct\" is"),
+            self.fixed.grid.map(|_| "hydrodynamics.grid is"),
+            (self.largest_strain > 0.0).then_some("a sheared box is"),
+        ];
+        match found.into_iter().flatten().next() {
+            Some(what) => Err(PlanError::Fixed(format!(
+                "{what} for boxes that repeat along all axes; leave it out where there are walls or open faces"
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Refuses what no plan can do.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         let cell = PeriodicBox::new(self.edges).map_err(|e| PlanError::Box(e.to_string()))?;
@@ -87,6 +102,9 @@ impl Problem {
         }
         if let Some(grid) = self.fixed.grid {
             Grid::new(grid, cell)?;
+        }
+        if self.boundaries != Boundaries::Periodic {
+            self.check_bounded()?;
         }
         self.fixed.check(Envelope::of_sphere(self.largest_radius()).monopole)
     }

@@ -1,6 +1,7 @@
 //! The far field: through the grid.
 
-use crate::envelope::{Envelope, Source};
+use crate::bounded::HIGHEST;
+use crate::envelope::{Common, Envelope, Source};
 use crate::gaussian::{self, Gaussians, Sources, Terms};
 use crate::interpolate::Interpolation;
 use crate::kernel::{Kernel, Load};
@@ -9,12 +10,13 @@ use crate::plan::Plan;
 use crate::problem::Method;
 use crate::spread::Spread;
 use crate::stencil::{Place, places};
-use crate::window::{self, Windowed};
+use crate::window::{self, Window, Windowed};
 use crate::work::{Clock, Work};
-use domain::{Partition, PeriodicBox, Tensor, Vector, power_of_two};
+use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector, power_of_two};
 use rayon::prelude::*;
-use solver::{Field, Grid, Multiplier, Physical, Real, Stokes, Transform};
+use solver::{Channel, ChannelFaces, ChannelWeights, Field, Grid, Multiplier, Physical, Real, Stokes, Transform};
 use std::borrow::Cow;
+use std::f64::consts::PI;
 use std::marker::PhantomData;
 
 /// What particles apply: the forces and dipoles of all present, or none at all of a kind.
@@ -74,13 +76,13 @@ enum Stencils<T> {
 
 impl<T: Real> Far<T> {
     pub fn new(plan: &Plan, partition: &Partition, cell: &PeriodicBox) -> Self {
-        let grid = Grid::new(plan.grid, *cell).expect("a plan has a grid that can be transformed");
+        let grid = Grid::new(plan.grid, lattice(plan, cell)).expect("a plan has a grid that can be transformed");
         let transform = Transform::new(grid.points(), partition, plan.support.lanes);
         let field = transform.field();
         Self {
             plan: plan.clone(),
             partition: partition.clone(),
-            operator: operator(plan, &grid),
+            operator: operator(plan, &grid, partition),
             stencils: Stencils::new(plan, &grid),
             grid,
             transform,
@@ -138,6 +140,22 @@ impl<T: Real> Far<T> {
         spacing.x * spacing.y * spacing.z / unit_volume(&self.plan, &self.grid).powi(2)
     }
 
+    /// The positions in a box that does not repeat along all axes.
+    ///
+    /// # Panics
+    /// If a window goes around the grid along such an axis: what comes out would not be a small error but nonsense.
+    fn arrange_bounded(&mut self, positions: &[Vector]) {
+        let (plan, extent) = (&self.plan, self.stencils.extent(&self.plan));
+        let first = plan.first_point();
+        let positions: Vec<Vector> = positions.iter().map(|&position| position - first).collect();
+        self.places = places(&self.grid, extent, &positions);
+        for axis in (0..3).filter(|&axis| !plan.boundaries.is_periodic(axis)) {
+            let last = plan.grid[axis] - extent[axis];
+            let is_whole = self.places.iter().all(|place| place.first[axis] as usize <= last);
+            assert!(is_whole, "a sphere is outside of a box that does not repeat along its axis {axis}");
+        }
+    }
+
     fn evaluate(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)> {
         let mut clock = Clock::start();
         self.spread(loads, work);
@@ -156,7 +174,7 @@ impl<T: Real> Far<T> {
 /// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for
 /// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point,
 /// which is taken in units of [`unit_volume`] here.
-fn operator<T: Real>(plan: &Plan, grid: &Grid) -> Stokes<T> {
+fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<T> {
     let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
         return Stokes::new(grid, plan.viscosity);
     };
@@ -174,7 +192,38 @@ fn operator<T: Real>(plan: &Plan, grid: &Grid) -> Stokes<T> {
         (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
     };
     let axis = |k3: f64| factor(k3, spacing.z).powi(2);
-    Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening: 0.5 * common.increment })
+    let multiplier = Multiplier { plane, axis, widening: 0.5 * common.increment };
+    let operator = Stokes::with_multiplier(grid, plan.viscosity, &multiplier);
+    match plan.boundaries {
+        Boundaries::Periodic | Boundaries::Open => operator,
+        _ => operator.with_channel(channel(plan, grid, partition, (window, common))),
+    }
+}
+
+/// What walls, and the fluid beyond open faces, add to the periodic solve. The common Gaussian and its bracket act on it as
+/// `1 + (Sigma^2 - D)/2 lap`.
+fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, common): (Window, Common)) -> Channel<T> {
+    let spacing = grid.spacing();
+    let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
+    let plane =
+        |k1: f64, k2: f64| (unit / (window.transform(k1 * spacing.x) * window.transform(k2 * spacing.y))).powi(2);
+    let faces = ChannelFaces { walls: plan.boundaries.walls(), height: plan.edges.z, first: plan.first_point().z };
+    let weights = ChannelWeights {
+        plane,
+        axis: |k: f64| window.growth(k * spacing.z),
+        second_moment: window.second_moment() * spacing.z * spacing.z,
+        smoothing: common.width * common.width - common.increment,
+        highest: HIGHEST * PI / spacing.max_element(),
+    };
+    Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
+}
+
+/// The lattice of the grid's copies: that of the box, unless that does not repeat along all axes.
+fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
+    match plan.boundaries {
+        Boundaries::Periodic => *cell,
+        _ => PeriodicBox::new(plan.period).expect("a plan has a grid"),
+    }
 }
 
 /// The unit in which an operator takes the volume of a point of the grid: that volume to a power of two with the split
@@ -275,9 +324,13 @@ impl<T: Real> Stencils<T> {
 
 impl<T: Real> FarField for Far<T> {
     fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
+        if cell.boundaries() != Boundaries::Periodic {
+            self.arrange_bounded(positions);
+            return;
+        }
         if cell != self.grid.cell() {
             self.grid = self.grid.in_cell(*cell);
-            self.operator = operator(&self.plan, &self.grid);
+            self.operator = operator(&self.plan, &self.grid, &self.partition);
             self.stencils = self.stencils.sheared(&self.plan, &self.grid);
         }
         self.places = places(&self.grid, self.stencils.extent(&self.plan), positions);

@@ -8,12 +8,13 @@
 //! Units are any that fit together. The velocity of a sphere in a periodic box of 32 radii, over its Stokes velocity
 //! `F / (6 pi mu a)`, is `1 - 2.8373 a/L + 4.19 (a/L)^3` (Hasimoto 1959):
 //! ```
-//! use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
+//! use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
 //! use fcm::{Costs, Fixed, Hydrodynamics, Loads, Multipoles, Plan, Problem};
 //!
 //! let (radius, edge, viscosity) = (1.0, 32.0, 1.0);
 //! let plan = Plan::choose(&Problem {
 //!     edges: Vector::splat(edge),
+//!     boundaries: Boundaries::Periodic,
 //!     largest_strain: 0.0,
 //!     radii: vec![(radius, 1)],
 //!     viscosity,
@@ -38,6 +39,7 @@
 //! ```
 
 mod accuracy;
+mod bounded;
 mod boys;
 mod burden;
 mod check;
@@ -67,6 +69,7 @@ mod totals;
 mod window;
 mod work;
 
+pub use bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use conjugate_gradients::{Limits, Linear, Outcome, System, conjugate_gradients};
 pub use costs::Costs;
 pub use described::is_same_way;

@@ -8,7 +8,9 @@ use crate::noise::{self, Components, Drawn, Stream, root_times};
 use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
 use crate::work::{Clock, Work};
-use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList};
+use domain::{
+    Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
+};
 use rayon::prelude::*;
 use solver::Real;
 use std::f64::consts::PI;
@@ -99,10 +101,8 @@ impl Mobility {
         let (cell, positions) = (&cell.scaled(inverse), particles.positions.iter().map(|&x| x * inverse));
         let mut present: Vec<Vector> = positions.collect();
         let owned = present.len();
-        let edges = cell.edges();
-        let spacing = [edges.y / self.plan.grid[1] as f64, edges.z / self.plan.grid[2] as f64];
         let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
-        let reach = spacing.map(|h| (0.5 * self.plan.support.support as f64 * h).max(cutoff));
+        let reach = self.reach(cell).map(|stencil| stencil.max(cutoff));
         let halo = Halo::plan(&self.partition, cell, &present, reach);
         let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
         halo.extend(&mut present);
@@ -118,6 +118,19 @@ impl Mobility {
         }
         self.arrangement = Arrangement { cell: *cell, halo, positions: present, classes };
         clock.stop(&mut self.work.seconds.near);
+    }
+
+    /// How far stencils reach beyond a rank's share of the box along y and z.
+    fn reach(&self, cell: &PeriodicBox) -> [f64; 2] {
+        let half = 0.5 * self.plan.support.support as f64;
+        let grid = &self.plan.grid;
+        if cell.boundaries() == Boundaries::Periodic {
+            let edges = cell.edges();
+            return [edges.y / grid[1] as f64, edges.z / grid[2] as f64].map(|h| half * h);
+        }
+        let own = self.plan.in_units(&self.units);
+        let (spacing, mismatch) = (own.spacing(), own.mismatch());
+        [half * spacing.y + mismatch[0], half * spacing.z + mismatch[1]]
     }
 
     /// The motions that the loads cause. Lists of loads have an entry for each particle that the rank owns, or none.

@@ -5,7 +5,7 @@ use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::window::Window;
-use domain::{Number, PeriodicBox, Units, Vector};
+use domain::{Boundaries, Number, PeriodicBox, Units, Vector};
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -72,6 +72,10 @@ impl From<solver::GridError> for PlanError {
 pub struct Plan {
     /// Edges of the box.
     pub edges: Vector,
+    /// What lies at its faces.
+    pub boundaries: Boundaries,
+    /// Lengths after which the grid repeats: the edges, or longer along axes that do not repeat.
+    pub period: Vector,
     /// Distinct radii, in ascending order.
     pub radii: Vec<f64>,
     /// Viscosity of the fluid.
@@ -120,6 +124,7 @@ impl Plan {
     pub fn on_the_grid_alone(&self, strain: f64) -> Result<Self, PlanError> {
         let problem = Problem {
             edges: self.edges,
+            boundaries: self.boundaries,
             largest_strain: strain.abs(),
             radii: self.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: self.viscosity,
@@ -136,7 +141,8 @@ impl Plan {
 
     /// The box, not sheared.
     pub fn cell(&self) -> PeriodicBox {
-        PeriodicBox::new(self.edges).expect("a plan has a box")
+        let cell = PeriodicBox::new(self.edges).and_then(|cell| cell.with_boundaries(self.boundaries));
+        cell.expect("a plan has a box")
     }
 
     /// Units of length and viscosity in which this plan's are about 1.
@@ -154,6 +160,7 @@ impl Plan {
         };
         Self {
             edges: self.edges / units.length,
+            period: self.period / units.length,
             radii: self.radii.iter().map(|&radius| length(radius)).collect(),
             viscosity: self.viscosity / units.viscosity,
             method,
@@ -170,7 +177,7 @@ impl Plan {
 
     /// Distances between grid points.
     pub(crate) fn spacing(&self) -> Vector {
-        self.edges / Vector::from_array(self.grid.map(|n| n as f64))
+        self.period / Vector::from_array(self.grid.map(|n| n as f64))
     }
 
     /// What the split method spreads in place of the envelopes. The least is left to the grid: with dipoles, nothing of

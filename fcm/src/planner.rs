@@ -1,6 +1,7 @@
 //! Ways to evaluate a problem.
 
 use crate::accuracy::{self, Accuracy, Brackets};
+use crate::bounded::wall_error;
 use crate::cost;
 use crate::envelope::{Common, Envelope};
 use crate::gaussian::STEP;
@@ -8,7 +9,7 @@ use crate::plan::Plan;
 use crate::problem::{Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::window::Window;
-use domain::Vector;
+use domain::{Boundaries, Vector};
 use solver::Grid;
 
 /// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
@@ -46,7 +47,7 @@ impl Problem {
         Self { radii, ..self.clone() }
     }
 
-    fn smallest_radius(&self) -> f64 {
+    pub(crate) fn smallest_radius(&self) -> f64 {
         self.radii.iter().map(|r| r.0).fold(f64::INFINITY, f64::min)
     }
 
@@ -57,7 +58,9 @@ impl Problem {
     /// Plans that keep the tolerance: the best of each method, precision and stencil.
     pub(crate) fn candidates(&self) -> Vec<Plan> {
         let mut best: Vec<Plan> = Vec::new();
-        for candidate in self.direct().into_iter().chain(self.split()) {
+        for mut candidate in self.direct().into_iter().chain(self.split()) {
+            let least = candidate.width / self.coarsest_at_walls();
+            candidate.accuracy.resolution = candidate.accuracy.resolution.max(least);
             for precision in self.precisions() {
                 let is_within = |plan: &Plan| plan.method.cutoff() <= FARTHEST * self.edges.min_element();
                 let Some(plan) = self.plan(&candidate, precision).filter(is_within) else { continue };
@@ -101,7 +104,7 @@ impl Problem {
     }
 
     fn direct(&self) -> Vec<Candidate> {
-        if !self.allows(MethodName::Direct) {
+        if !self.allows(MethodName::Direct) || self.boundaries != Boundaries::Periodic {
             return Vec::new();
         }
         let (method, width) = (MethodName::Direct, self.own_width(self.smallest_radius()));
@@ -185,7 +188,7 @@ impl Problem {
             return Some(grid);
         }
         let sheared = Vector::new(1.0, self.stretch(), 1.0);
-        let needed = self.edges / candidate.width * candidate.accuracy.resolution * sheared;
+        let needed = self.lengths_of(candidate) / candidate.width * candidate.accuracy.resolution * sheared;
         if needed.max_element() > Grid::MOST as f64 {
             return None;
         }
@@ -193,10 +196,30 @@ impl Problem {
         (grid.iter().map(|&n| n as f64).product::<f64>() <= Grid::MOST_IN_ALL).then_some(grid)
     }
 
+    /// Lengths that the grid of a candidate has to have.
+    fn lengths_of(&self, candidate: &Candidate) -> Vector {
+        if self.boundaries == Boundaries::Periodic {
+            return self.edges;
+        }
+        let points = self.fixed.support.unwrap_or(candidate.accuracy.points);
+        let window = points as f64 * candidate.width / candidate.accuracy.resolution;
+        self.lengths(window, self.cutoff(candidate.width))
+    }
+
+    /// Lengths after which the grid of a candidate repeats: spacings of what it needs along axes that do not.
+    fn period(&self, candidate: &Candidate, grid: [usize; 3]) -> Vector {
+        let spacing = candidate.width / candidate.accuracy.resolution;
+        let along = |axis: usize| {
+            if self.boundaries.is_periodic(axis) { self.edges[axis] } else { grid[axis] as f64 * spacing }
+        };
+        Vector::from_array(std::array::from_fn(along))
+    }
+
     fn plan(&self, candidate: &Candidate, precision: Precision) -> Option<Plan> {
         let Candidate { method, width, .. } = *candidate;
         let grid = self.grid(candidate)?;
-        let spacing = self.edges / Vector::from_array(grid.map(|n| n as f64));
+        let period = self.period(candidate, grid);
+        let spacing = period / Vector::from_array(grid.map(|n| n as f64));
         let widest = match method {
             MethodName::Split => width,
             MethodName::Direct => Envelope::of_sphere(self.largest_radius()).monopole,
@@ -211,6 +234,8 @@ impl Problem {
         let round_off = if precision == Precision::Single { accuracy::ROUND_OFF } else { 0.0 };
         let mut plan = Plan {
             edges: self.edges,
+            boundaries: self.boundaries,
+            period,
             radii: self.radii.iter().map(|r| r.0).collect(),
             viscosity: self.viscosity,
             multipoles: self.multipoles,
@@ -264,6 +289,7 @@ impl Problem {
                 let brackets = self.brackets(width);
                 accuracy::split_error(self.multipoles, resolution, support.support, brackets)
                     .hypot(accuracy::cutoff_error(self.multipoles, cutoff / width, brackets))
+                    .hypot(wall_error(self.boundaries, spacing.max_element() / self.smallest_radius()))
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What is to be evaluated, and in which ways it may be.
 
 use crate::costs::Costs;
-use domain::Vector;
+use domain::{Boundaries, Vector};
 
 /// How envelopes are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +50,8 @@ pub enum Multipoles {
 pub struct Problem {
     /// Edges of the box.
     pub edges: Vector,
+    /// What lies at its faces.
+    pub boundaries: Boundaries,
     /// Largest strain of the box that will be met.
     pub largest_strain: f64,
     /// Radius and number of each kind of particle; radii may repeat.

@@ -1,5 +1,6 @@
 //! Short-range repulsion that keeps spheres apart.
 
+use crate::surfaces::Surfaces;
 use domain::{Number, Vector};
 use thiserror::Error;
 
@@ -21,6 +22,9 @@ use thiserror::Error;
 /// ```text
 /// F_ref = strength [2 a_i a_j / (a_i + a_j)]^n
 /// ```
+///
+/// At a wall, the limit of a sphere that is large and flat, with the radius of the other in the place of the mean, the force
+/// on a sphere at a gap `h` is `F_ref [1 - h/(range a)]²`, with a harmonic mean radius of `2 a`.
 ///
 /// Surface forces have `n = 1` (Derjaguin); those with which shear presses a pair together grow with `n = 2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,9 +70,8 @@ impl Barrier {
     }
 
     /// Force at contact of two spheres, `F_ref`.
-    pub fn strength(&self, radii: [f64; 2]) -> f64 {
-        let mean = 2.0 * radii[0] * radii[1] / (radii[0] + radii[1]);
-        self.strength * mean.powi(self.radius_power.into())
+    pub fn strength(&self, between: impl Into<Surfaces>) -> f64 {
+        self.strength * between.into().harmonic_radius().powi(self.radius_power.into())
     }
 
     /// Activation gap over the mean radius.
@@ -76,14 +79,20 @@ impl Barrier {
         self.range
     }
 
-    /// Distance of the centres where the barrier starts, `R_ref`.
-    pub fn reach(&self, radii: [f64; 2]) -> f64 {
-        (radii[0] + radii[1]) * (1.0 + 0.5 * self.range)
+    /// Distance of the centres, or of the centre from a wall, where the barrier starts, `R_ref`.
+    pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
+        between.into().at_gap(self.range)
     }
 
     /// How fast the force falls with the gap, `-dF/dr`: zero beyond the range, and deep in an overlap, where it falls the
     /// other way.
-    pub fn stiffness(&self, gap: f64, radii: [f64; 2]) -> f64 {
+    pub fn stiffness(&self, gap: f64, between: impl Into<Surfaces>) -> f64 {
+        let radii = match between.into() {
+            Surfaces::Spheres(radii) => radii,
+            wall @ Surfaces::Wall(radius) => {
+                return 2.0 * self.strength(wall) * self.depth_at_wall(gap, radius) / (self.range * radius);
+            }
+        };
         let (contact, reach_squared) = (radii[0] + radii[1], self.reach(radii).powi(2));
         let (distance, width) = (contact + gap, reach_squared - contact * contact);
         let depth = (reach_squared - distance * distance) / width;
@@ -93,8 +102,22 @@ impl Barrier {
         self.strength(radii) / contact * depth * (4.0 * distance * distance / width - depth).max(0.0)
     }
 
-    /// Force on the first sphere; `separation` is `x_j - x_i`. The second sphere feels the opposite.
-    pub fn force(&self, separation: Vector, radii: [f64; 2]) -> Vector {
+    /// How far a sphere is in the barrier of a wall, over its range.
+    fn depth_at_wall(&self, gap: f64, radius: f64) -> f64 {
+        (1.0 - gap / (self.range * radius)).max(0.0)
+    }
+
+    /// Force on the first sphere; `separation` is `x_j - x_i`, or from the sphere's centre to the nearest point of a wall. The
+    /// second sphere feels the opposite.
+    pub fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
+        let radii = match between.into() {
+            Surfaces::Spheres(radii) => radii,
+            wall @ Surfaces::Wall(radius) => {
+                let distance = separation.length();
+                let depth = self.depth_at_wall(distance - radius, radius);
+                return -self.strength(wall) * depth * depth / distance * separation;
+            }
+        };
         let reach_squared = self.reach(radii).powi(2);
         let distance_squared = separation.length_squared();
         if distance_squared >= reach_squared {
@@ -158,6 +181,26 @@ mod tests {
         }
         let nowhere = [0.2, -2.0].map(|gap| barrier.stiffness(gap, radii));
         assert!(nowhere.iter().all(|&k| k == 0.0), "beyond its reach, and deep in an overlap: {nowhere:?}");
+    }
+
+    /// Spheres of growing size, with the barrier's range that they count in their growing mean radius, lead to the wall.
+    #[test]
+    fn a_wall_is_a_large_sphere() {
+        let (large, range) = (1e7, 0.1);
+        for power in [0, 1, 2] {
+            let wall = Barrier::new(3.0, range).unwrap().growing(power);
+            let sphere = Barrier::new(3.0, range * 2.0 / (1.0 + large)).unwrap().growing(power);
+            for gap in [-0.02, 0.0, 0.03, 0.0999, 0.2] {
+                let [at_wall, at_sphere] = [
+                    wall.force(Vector::Z * (1.0 + gap), Surfaces::Wall(1.0)),
+                    sphere.force(Vector::Z * (1.0 + large + gap), [1.0, large]),
+                ];
+                // The ratio of the radii, and digits of the large distance.
+                assert!((at_wall - at_sphere).length() < 1e-5, "gap {gap}: {at_wall}, not {at_sphere}");
+                let stiffness = [wall.stiffness(gap, Surfaces::Wall(1.0)), sphere.stiffness(gap, [1.0, large])];
+                assert!((stiffness[0] - stiffness[1]).abs() < 1e-4, "gap {gap}: {stiffness:?}");
+            }
+        }
     }
 
     #[test]

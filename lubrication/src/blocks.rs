@@ -76,6 +76,12 @@ pub fn from_gap_coordinates(radii: [f64; 2]) -> Square<4> {
     ]
 }
 
+/// Axial motions `(U, e)` of a sphere of radius 1 at a wall at rest from `(w, e)`: `w = -U - sqrt(2/3) e` is the speed at which
+/// the facing surfaces part, as in [`from_gap_coordinates`].
+pub fn from_pole_coordinates() -> Square<2> {
+    [[-1.0, -(2.0_f64 / 3.0).sqrt()], [0.0, 1.0]]
+}
+
 /// A resistance in other coordinates, `T^T R T` where the motions are `T` times the new ones.
 pub fn change<const N: usize>(block: &Square<N>, from: &Square<N>) -> Square<N> {
     product(&transpose(from), &product(block, from))

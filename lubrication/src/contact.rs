@@ -1,5 +1,6 @@
 //! Contact of rough spheres: elastic, with friction.
 
+use crate::surfaces::Surfaces;
 use domain::{ParameterError, Vector};
 
 /// How the force of a contact grows with its overlap.
@@ -12,7 +13,7 @@ pub enum Elasticity {
     Hertz,
 }
 
-/// The law of contacts between rough elastic spheres of radii `a_i` and `a_j`, mean radius `a = (a_i + a_j) / 2` and
+/// The law of contacts between rough elastic spheres, or a sphere and a wall (see [`Surfaces`]), of radii `a_i` and `a_j`, mean radius `a = (a_i + a_j) / 2` and
 /// gap `h` of their smooth surfaces (Cundall & Strack, Geotechnique 29, 47, 1979; Gallier et al., J. Fluid Mech. 757, 514,
 /// 2014). They touch where the overlap of their asperities is positive,
 ///
@@ -71,37 +72,37 @@ impl Contact {
         ParameterError::unless_positive("contacts.stiffness", self.stiffness).map(drop)
     }
 
-    /// Distance of the centres up to which spheres touch.
-    pub fn reach(&self, radii: [f64; 2]) -> f64 {
-        (radii[0] + radii[1]) * (1.0 + 0.5 * self.roughness)
+    /// Distance of the centres up to which spheres touch, or of the centre from a wall.
+    pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
+        between.into().at_gap(self.roughness)
     }
 
     /// Overlap of the asperities of spheres at a distance of their centres; negative for those apart.
-    pub fn overlap(&self, distance: f64, radii: [f64; 2]) -> f64 {
-        self.reach(radii) - distance
+    pub fn overlap(&self, distance: f64, between: impl Into<Surfaces>) -> f64 {
+        self.reach(between) - distance
     }
 
     /// The normal force of an overlap; none where that is negative.
-    pub fn force(&self, overlap: f64, radii: [f64; 2]) -> f64 {
+    pub fn force(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
         let depth = overlap.max(0.0);
         match self.elasticity {
-            Elasticity::Linear => self.stiffness * mean(radii) * depth,
-            Elasticity::Hertz => self.stiffness * harmonic(radii).sqrt() * depth * depth.sqrt(),
+            Elasticity::Linear => self.stiffness * between.into().mean_radius() * depth,
+            Elasticity::Hertz => self.stiffness * between.into().harmonic_radius().sqrt() * depth * depth.sqrt(),
         }
     }
 
     /// How fast the normal force grows with the overlap.
-    pub fn normal_stiffness(&self, overlap: f64, radii: [f64; 2]) -> f64 {
+    pub fn normal_stiffness(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
         let depth = overlap.max(0.0);
         match self.elasticity {
-            Elasticity::Linear => self.stiffness * mean(radii),
-            Elasticity::Hertz => 1.5 * self.stiffness * (harmonic(radii) * depth).sqrt(),
+            Elasticity::Linear => self.stiffness * between.into().mean_radius(),
+            Elasticity::Hertz => 1.5 * self.stiffness * (between.into().harmonic_radius() * depth).sqrt(),
         }
     }
 
     /// How fast the force across the line of centres grows with slip.
-    pub fn tangential_stiffness(&self, overlap: f64, radii: [f64; 2]) -> f64 {
-        self.tangential_ratio * self.normal_stiffness(overlap, radii)
+    pub fn tangential_stiffness(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
+        self.tangential_ratio * self.normal_stiffness(overlap, between)
     }
 
     /// The largest force across the line of centres under a normal force: beyond, the contact slides.
@@ -110,24 +111,17 @@ impl Contact {
     }
 
     /// The elastic energy of an overlap and of the forces across the line of centres.
-    pub fn energy(&self, overlap: f64, radii: [f64; 2], across: [Vector; 2]) -> f64 {
+    pub fn energy(&self, overlap: f64, between: impl Into<Surfaces>, across: [Vector; 2]) -> f64 {
+        let between = between.into();
         let power = match self.elasticity {
             Elasticity::Linear => 0.5,
             Elasticity::Hertz => 0.4,
         };
         let springs: f64 = across.iter().map(|force| force.length_squared()).sum();
-        let stiffness = self.tangential_stiffness(overlap, radii);
+        let stiffness = self.tangential_stiffness(overlap, between);
         let sheared = if springs > 0.0 { 0.5 * springs / stiffness } else { 0.0 };
-        power * self.force(overlap, radii) * overlap.max(0.0) + sheared
+        power * self.force(overlap, between) * overlap.max(0.0) + sheared
     }
-}
-
-fn mean(radii: [f64; 2]) -> f64 {
-    0.5 * (radii[0] + radii[1])
-}
-
-fn harmonic(radii: [f64; 2]) -> f64 {
-    2.0 * radii[0] * radii[1] / (radii[0] + radii[1])
 }
 
 #[cfg(test)]
@@ -148,8 +142,9 @@ mod tests {
 
     #[test]
     fn forces_are_slopes_of_the_energy_and_stiffnesses_of_forces() {
-        let radii = [1.0, 1.7];
-        for law in [law(Elasticity::Linear), law(Elasticity::Hertz)] {
+        let laws = [law(Elasticity::Linear), law(Elasticity::Hertz)];
+        let between = [Surfaces::Spheres([1.0, 1.7]), Surfaces::Wall(1.3)];
+        for (law, radii) in laws.into_iter().flat_map(|law| between.map(|surfaces| (law, surfaces))) {
             for overlap in [1e-4, 3e-3] {
                 let slope = |of: &dyn Fn(f64) -> f64| (of(overlap * 1.001) - of(overlap * 0.999)) / (0.002 * overlap);
                 let force = slope(&|d| law.energy(d, radii, [Vector::ZERO; 2]));
@@ -167,6 +162,8 @@ mod tests {
         assert!((law.reach(radii) - 3.015).abs() < 1e-15);
         assert!((law.overlap(3.005, radii) - 0.01).abs() < 1e-14);
         assert!((law.force(0.01, radii) - 450.0).abs() < 1e-12);
+        let wall = Surfaces::Wall(2.0);
+        assert!((law.reach(wall) - 2.02).abs() < 1e-15 && (law.force(0.01, wall) - 600.0).abs() < 1e-12);
     }
 
     #[test]

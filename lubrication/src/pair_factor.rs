@@ -186,7 +186,7 @@ impl<const N: usize> Default for Block<N> {
 }
 
 /// Right-handed axes with the given third one, which turn smoothly with it away from one direction.
-fn frame(z: Vector) -> Tensor {
+pub(crate) fn frame(z: Vector) -> Tensor {
     if z.z < -0.999 {
         let mirrored = frame(-z);
         return Tensor::from_cols(mirrored.y_axis, mirrored.x_axis, z);

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::root_table::{CLOSEST, FARTHEST};
+use crate::wall_table;
 
 /// Gaps between which the lubrication correction acts: where it ends over the larger radius of a pair, which says how
 /// far what the method misses reaches, and where it grows no more over the mean radius.
@@ -59,6 +60,12 @@ impl Range {
     /// Gap below which the correction grows no more, over the mean radius.
     pub fn closest(&self) -> f64 {
         self.closest
+    }
+
+    /// That of a sphere and a wall, both gaps over its radius: what the method misses does not reach as far as between spheres.
+    #[must_use]
+    pub fn at_wall(self) -> Self {
+        Self { cutoff: self.cutoff.min(wall_table::FARTHEST), ..self }
     }
 
     /// Factor of the root of the correction at a gap over the larger radius, the square root of a quintic step from 1

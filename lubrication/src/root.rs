@@ -13,7 +13,7 @@ const FAINT: f64 = 1e-5;
 /// Numbers in a flattened pair, filled up with zeros to whole vectors.
 pub const LANES: usize = 40;
 
-/// One block of the resistance: `N` velocities `u` and the two spheres' rate of strain `e` cause the loads
+/// One block of the resistance: `N` velocities `u` and the two spheres' rate of strain `e`, or one's alone, cause the loads
 ///
 /// ```text
 /// f = L L^T u + C e,        m = C^T u + M e.
@@ -22,13 +22,13 @@ pub const LANES: usize = 40;
 /// Spheres are rigid, so `e` is known, minus the ambient rate of strain; only `L L^T` is part of a system of equations,
 /// and any `L` makes that positive semi-definite. `C` and `M` are exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part<const N: usize> {
+pub struct Part<const N: usize, const K: usize = 2> {
     /// `L`; rows are velocities, columns modes.
     pub root: Square<N>,
     /// `C`
-    pub coupling: [[f64; 2]; N],
+    pub coupling: [[f64; K]; N],
     /// `M`
-    pub strain: Square<2>,
+    pub strain: Square<K>,
 }
 
 /// The blocks of a pair's resistance.
@@ -99,8 +99,14 @@ impl Roots {
     }
 }
 
-impl<const N: usize> Part<N> {
-    fn from_lanes(lanes: &mut impl Iterator<Item = f64>, scales: &[f64; N], strain: &[f64; 2], factor: f64) -> Self {
+impl<const N: usize, const K: usize> Part<N, K> {
+    /// From the next lanes, for a resistance that is `factor` squared times as large.
+    pub fn from_lanes(
+        lanes: &mut impl Iterator<Item = f64>,
+        scales: &[f64; N],
+        strain: &[f64; K],
+        factor: f64,
+    ) -> Self {
         let columns = strain.map(|s| factor * factor * s);
         Self {
             root: scaled(symmetric(lanes), scales, [factor; N]),
@@ -110,16 +116,16 @@ impl<const N: usize> Part<N> {
     }
 }
 
-/// Lanes of a block of `N` velocities and two rates of strain, `M` of them together.
-fn part<const N: usize, const M: usize>(
+/// Lanes of a block of `N` velocities and `K` rates of strain, `M` of them together.
+pub fn part<const N: usize, const K: usize, const M: usize>(
     block: &Square<M>,
     scales: &[f64; N],
-    strain: &[f64; 2],
+    strain: &[f64; K],
     root: impl Fn(&Square<N>) -> Square<N>,
 ) -> Vec<f64> {
     let velocities = std::array::from_fn(|i| std::array::from_fn(|j| block[i][j]));
-    let strains: Square<2> = std::array::from_fn(|i| std::array::from_fn(|j| block[N + i][N + j]));
-    let coupling = (0..N).flat_map(|i| (0..2).map(move |j| block[i][N + j] / (scales[i] * strain[j])));
+    let strains: Square<K> = std::array::from_fn(|i| std::array::from_fn(|j| block[N + i][N + j]));
+    let coupling = (0..N).flat_map(|i| (0..K).map(move |j| block[i][N + j] / (scales[i] * strain[j])));
     let root = root(&reduced(&velocities, scales));
     lower(&root).chain(coupling).chain(lower(&reduced(&strains, strain))).collect()
 }
@@ -162,7 +168,7 @@ fn bordered_root(matrix: &Square<2>) -> Square<2> {
 
 /// Symmetric root of the positive part: eigenvalues `v` become `(v + sqrt(v² + 4 d²))/2` with a small `d`, smooth where
 /// one changes sign.
-fn root<const N: usize>(matrix: &Square<N>) -> Square<N> {
+pub fn root<const N: usize>(matrix: &Square<N>) -> Square<N> {
     let (values, vectors) = eigen(*matrix);
     let softness = SOFTNESS * values.iter().map(|v| v.abs()).sum::<f64>();
     let roots = values.map(|v| positive_part(v, softness).sqrt());
@@ -174,6 +180,7 @@ fn positive_part(value: f64, softness: f64) -> f64 {
     if value > 0.0 { 0.5 * (value + size) } else { 2.0 * softness * softness / (size - value).max(f64::MIN_POSITIVE) }
 }
 
-fn difference<const N: usize>(a: &Square<N>, b: &Square<N>) -> Square<N> {
+/// `a - b`
+pub fn difference<const N: usize>(a: &Square<N>, b: &Square<N>) -> Square<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - b[i][j]))
 }

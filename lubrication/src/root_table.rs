@@ -16,9 +16,9 @@ pub const CLOSEST: f64 = 1e-7;
 /// Largest tabulated gap over the larger radius.
 pub const FARTHEST: f64 = 8.0;
 /// Intervals of interpolation grow by this factor.
-const GROWTH: f64 = std::f64::consts::SQRT_2;
+pub const GROWTH: f64 = std::f64::consts::SQRT_2;
 /// Points of interpolation in each.
-const NODES: usize = 8;
+pub const NODES: usize = 8;
 
 /// Roots of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1, interpolated piece by piece in the gap `h` relative
 /// to the piece's geometric mean `m`, as functions of `(h - m) / (h + m)`: half the logarithm of `h / m`, nearly, and as

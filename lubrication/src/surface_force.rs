@@ -1,11 +1,13 @@
 //! Forces between the surfaces of two spheres, along their line of centres.
 
 use crate::barrier::Barrier;
+use crate::surfaces::Surfaces;
 use domain::Vector;
 use std::f64::consts::PI;
 
 /// A force between two spheres of radii `a_i` and `a_j` at a gap `h` between their surfaces, with the mean radius `a` and the
-/// harmonic mean `a_h = 2 a_i a_j / (a_i + a_j)`; a repulsion has a positive sign.
+/// harmonic mean `a_h = 2 a_i a_j / (a_i + a_j)`; a repulsion has a positive sign. It may be one between a sphere and a wall (see
+/// [`Surfaces`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SurfaceForce {
     /// The barrier of the force-coupling method.
@@ -55,42 +57,46 @@ pub enum SurfaceForce {
 const LENGTHS: f64 = 16.0;
 
 impl SurfaceForce {
-    /// The distance of the centres up to which it acts.
-    pub fn reach(&self, radii: [f64; 2]) -> f64 {
-        let contact = radii[0] + radii[1];
+    /// The distance of the centres, or of the centre from a wall, up to which it acts.
+    pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
+        let between = between.into();
+        let contact = between.contact();
         match self {
-            Self::Barrier(barrier) => barrier.reach(radii),
+            Self::Barrier(barrier) => barrier.reach(between),
             Self::Screened { length, .. } => contact + LENGTHS * length,
-            Self::VanDerWaals { range, .. } => contact * (1.0 + 0.5 * range),
+            Self::VanDerWaals { range, .. } => between.at_gap(*range),
             Self::Depletion { thickness, .. } => contact + 2.0 * thickness,
         }
     }
 
-    /// Force on the first sphere; `separation` is `x_j - x_i`. The second sphere feels the opposite.
-    pub fn force(&self, separation: Vector, radii: [f64; 2]) -> Vector {
+    /// Force on the first sphere; `separation` is `x_j - x_i`, or from the sphere's centre to the nearest point of a wall. The
+    /// second sphere feels the opposite.
+    pub fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
+        let between = between.into();
         if let Self::Barrier(barrier) = self {
-            return barrier.force(separation, radii);
+            return barrier.force(separation, between);
         }
         let distance = separation.length();
-        if distance >= self.reach(radii) {
+        if distance >= self.reach(between) {
             return Vector::ZERO;
         }
-        separation * (-self.magnitude_and_slope(distance, radii)[0] / distance)
+        separation * (-self.magnitude_and_slope(distance, between)[0] / distance)
     }
 
     /// How fast the force falls with the distance, `-dF/dr`, where it does; else 0.
-    pub fn stiffness(&self, gap: f64, radii: [f64; 2]) -> f64 {
+    pub fn stiffness(&self, gap: f64, between: impl Into<Surfaces>) -> f64 {
+        let between = between.into();
         if let Self::Barrier(barrier) = self {
-            return barrier.stiffness(gap, radii);
+            return barrier.stiffness(gap, between);
         }
-        let distance = radii[0] + radii[1] + gap;
-        if distance >= self.reach(radii) { 0.0 } else { (-self.magnitude_and_slope(distance, radii)[1]).max(0.0) }
+        let distance = between.contact() + gap;
+        if distance >= self.reach(between) { 0.0 } else { (-self.magnitude_and_slope(distance, between)[1]).max(0.0) }
     }
 
     /// The force and its derivative with the distance of the centres, within reach.
-    fn magnitude_and_slope(&self, distance: f64, radii: [f64; 2]) -> [f64; 2] {
-        let contact = radii[0] + radii[1];
-        let (mean, harmonic, gap) = (0.5 * contact, 2.0 * radii[0] * radii[1] / contact, distance - contact);
+    fn magnitude_and_slope(&self, distance: f64, between: Surfaces) -> [f64; 2] {
+        let (mean, harmonic) = (between.mean_radius(), between.harmonic_radius());
+        let gap = distance - between.contact();
         match *self {
             Self::Barrier(_) => unreachable!("a barrier has its own"),
             Self::Screened { strength, radius_power, length } => {
@@ -104,6 +110,11 @@ impl SurfaceForce {
                 [factor * (at_end.powi(-2) - apart.powi(-2)), is_apart * 2.0 * factor * apart.powi(-3)]
             }
             Self::Depletion { pressure, thickness } => {
+                let Surfaces::Spheres(radii) = between else {
+                    // The wall's shell ends in a plane.
+                    let (shell, along) = (between.contact() + thickness, distance - thickness);
+                    return [-pressure * PI * (shell * shell - along * along).max(0.0), pressure * PI * 2.0 * along];
+                };
                 let [first, second] = radii.map(|radius| (radius + thickness).powi(2));
                 let along = (distance * distance + first - second) / (2.0 * distance);
                 let slope = (distance * distance - first + second) / (2.0 * distance * distance);
@@ -130,6 +141,25 @@ mod tests {
 
     fn along(force: &SurfaceForce, gap: f64) -> f64 {
         -force.force(Vector::X * (RADII[0] + RADII[1] + gap), RADII).x
+    }
+
+    /// A wall of radius 1e7, where lengths are not counted in the mean radius.
+    #[test]
+    fn a_wall_is_a_large_sphere() {
+        let (large, unit) = (1e7, 2.0 / (1e7 + 1.3));
+        let attraction =
+            |unit: f64| SurfaceForce::VanDerWaals { hamaker: 0.6, closest: 0.01 * unit, range: 0.5 * unit };
+        let [_, screened, _, depletion] = all();
+        for (wall, sphere) in [(screened, screened), (attraction(1.0), attraction(1.3 * unit)), (depletion, depletion)]
+        {
+            for gap in [0.0, 0.05, 0.2, 0.7] {
+                let at_wall = wall.force(Vector::X * (1.3 + gap), Surfaces::Wall(1.3)).x;
+                let at_sphere = sphere.force(Vector::X * (1.3 + large + gap), [1.3, large]).x;
+                assert!((at_wall - at_sphere).abs() < 1e-4 * (0.1 + at_wall.abs()), "{wall:?}: {at_wall}, {at_sphere}");
+                let [a, b] = [wall.stiffness(gap, Surfaces::Wall(1.3)), sphere.stiffness(gap, [1.3, large])];
+                assert!((a - b).abs() < 1e-4 * (0.1 + a), "{wall:?}: {a}, {b}");
+            }
+        }
     }
 
     #[test]

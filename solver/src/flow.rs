@@ -28,6 +28,11 @@ impl BackgroundFlow {
         Self { gradient: Tensor::from_cols(Vector::ZERO, Vector::new(rate, 0.0, 0.0), Vector::ZERO) }
     }
 
+    /// Simple shear `u = rate z e_x`, between walls across z of which that at `z = 0` rests.
+    pub fn couette(rate: f64) -> Self {
+        Self { gradient: Tensor::from_cols(Vector::ZERO, Vector::ZERO, Vector::new(rate, 0.0, 0.0)) }
+    }
+
     /// The flow of a velocity gradient; component `ij` of a tensor is `gradient.col(j)[i]`.
     pub fn with_gradient(gradient: Tensor) -> Result<Self, FlowError> {
         let trace = gradient.x_axis.x + gradient.y_axis.y + gradient.z_axis.z;

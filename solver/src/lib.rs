@@ -17,6 +17,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod channel;
 mod divergence;
 mod field;
 mod flow;
@@ -31,6 +32,7 @@ pub mod simd;
 mod stokes;
 mod transform;
 
+pub use channel::{Channel, ChannelFaces, ChannelWeights};
 pub use divergence::divergence;
 pub use field::{Field, Physical, Spectral, Tile};
 pub use flow::{BackgroundFlow, FlowError};

@@ -1,7 +1,7 @@
 //! From force density to velocity.
 
 use crate::simd::{Vector, Work};
-use crate::{Grid, Real};
+use crate::{Channel, Grid, Real};
 
 /// The Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`], which it
 /// completes with the factor `1 / (nx ny nz)`: a force density goes to the velocity that it drives.
@@ -24,6 +24,7 @@ pub struct Stokes<T> {
     k3: Vec<T>,
     axis: Vec<T>,
     widening: T,
+    channel: Option<Channel<T>>,
 }
 
 /// A multiplier `m(k) = plane(k1, k2) axis(k3) (1 + widening k^2)^2` of the wavevector `k = (k1, k2, k3)` of the box,
@@ -79,7 +80,19 @@ impl<T: Real> Stokes<T> {
             k3: (0..nz).map(|m3| T::from_f64(k3(m3))).collect(),
             axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),
             widening: T::from_f64(*widening),
+            channel: None,
         }
+    }
+
+    /// The solve between walls, above a wall, or in a layer that is open along z.
+    #[must_use]
+    pub fn with_channel(self, channel: Channel<T>) -> Self {
+        Self { channel: Some(channel), ..self }
+    }
+
+    /// What is added to the periodic solve.
+    pub(crate) fn channel(&self) -> Option<&Channel<T>> {
+        self.channel.as_ref()
     }
 
     /// What it multiplies a transverse mode `m1 < nx/2` by; the others are set to zero.
@@ -125,7 +138,7 @@ impl<T: Real> Work<T> for Multiply<'_, T> {
 
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Stokes { points, k1, k2, plane, inverse, k3, axis, widening } = self.operator;
+        let Stokes { points, k1, k2, plane, inverse, k3, axis, widening, .. } = self.operator;
         let nz = points[2];
         let [block, mode] = self.place;
         let column = block * T::LANES;

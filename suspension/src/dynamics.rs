@@ -21,14 +21,18 @@ use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::substeps;
 use crate::warm_start::WarmStart;
-use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
-use lubrication::Range;
+use lubrication::{Range, Surfaces};
 use simulation::Clock;
 use solver::BackgroundFlow;
 
 /// Edges of the box that a particle may be away from it at the end of a step, as far as counting them goes.
 const FARTHEST: f64 = 1e9;
+
+/// Distance of a sphere's centre from a wall, in radii, below which it has sunk into it: at 0.8 the mobility of its envelopes is
+/// no longer positive.
+const SUNK: f64 = 0.85;
 
 /// How the solve of one evaluation went.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -161,7 +165,7 @@ impl Dynamics {
     pub fn evaluate_now(&mut self, particles: &mut Particles, clock: &Clock) -> Result<Outcome, StepError> {
         let now = Moment::in_step(clock, 0.0, self.steps_before(clock));
         let outcome = self.evaluate(particles, &now)?;
-        let rate = self.flow().shear_rate();
+        let rate = self.moving.shear_rate();
         if let Some(driven) = self.moving.driven() {
             driven.start_from(rate);
         }
@@ -217,7 +221,8 @@ impl Dynamics {
         };
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
-        let with = (contacts::Ahead { along, across }, velocities, [self.flow().strain_rate(), besides]);
+        let flow = contacts::Flow::of(&self.moving, besides);
+        let with = (contacts::Ahead { along, across }, velocities, flow);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
         let outcome = self.solve((particles, &cell), (&loads, &touching.springs(), &STILL), guess, moment)?;
@@ -254,9 +259,11 @@ impl Dynamics {
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
         let forces = &self.forces;
-        let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
+        let resistance =
+            moment.implicit.map(|time| move |d: f64, between: Surfaces| forces.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
-        let acting = Acting { loads, strain_rate: self.flow().strain_rate(), springs: springs.as_ref(), ambient };
+        let (strain_rate, strain_slope) = self.moving.strain_rate();
+        let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         self.record(particles, &solved);
@@ -274,7 +281,8 @@ impl Dynamics {
     /// A column of velocities less those of the background flow.
     fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
         let velocities = particles.vectors(name).to_vec();
-        velocities.iter().zip(&particles.positions).map(|(&v, &x)| v - self.moving.flow_at(x)).collect()
+        let places = particles.positions.iter().zip(&particles.radii);
+        velocities.iter().zip(places).map(|(&v, (&x, &a))| v - self.moving.carried_velocity_of(x, a)).collect()
     }
 
     /// Adds what velocities are relative to while particles move, so many times.
@@ -314,21 +322,42 @@ impl Dynamics {
                 particles.positions[row]
             )
         };
-        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)
+        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)?;
+        self.check_walls(particles, clock)
+    }
+
+    /// Refuses spheres whose centres are so near a wall that the flow of their envelopes is none that spheres can have.
+    fn check_walls(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
+        let sunk = |row: &usize| {
+            let walls = self.cell().to_walls(particles.positions[*row]);
+            walls.into_iter().any(|to| to.distance < SUNK * particles.radii[*row])
+        };
+        let message = |row: usize| {
+            format!(
+                "step {}: particle {} of radius {} was driven into a wall: its centre is at z = {}; give the scene a \
+                 [repulsion], or a larger repulsion.strength, hydrodynamics.lubrication = true, or a smaller time.step",
+                clock.step(),
+                particles.ids[row],
+                Number(particles.radii[row]),
+                Number(particles.positions[row].z)
+            )
+        };
+        let found = (0..particles.len()).find(sunk).map_or(Ok(()), |row| Err(message(row)));
+        self.partition.comm().agree(found).map_err(StepError::IntoWall)
     }
 
     /// Writes what was solved for into the particles' columns, the background flow included as far as velocities have it while
     /// particles move.
     fn record(&self, particles: &mut Particles, solved: &Solved) {
-        let carried = particles.positions.iter().zip(&solved.motion.velocities);
-        let velocities: Vec<_> = carried.map(|(&x, &v)| v + self.moving.flow_at(x)).collect();
+        let places = particles.positions.iter().zip(&particles.radii);
+        let carried = places.zip(&solved.motion.velocities);
+        let velocities: Vec<_> = carried.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
         particles.vectors(VELOCITY).copy_from_slice(&velocities);
         if self.rigid {
-            let rotation = self.flow().angular_velocity();
-            let turning = particles.vectors(ANGULAR_VELOCITY);
-            for (turning, &own) in turning.iter_mut().zip(&solved.motion.angular_velocities) {
-                *turning = own + rotation;
-            }
+            let own = &solved.motion.angular_velocities;
+            let turned = particles.positions.iter().zip(own).map(|(&x, &own)| own + self.moving.angular_velocity_at(x));
+            let turned: Vec<_> = turned.collect();
+            particles.vectors(ANGULAR_VELOCITY).copy_from_slice(&turned);
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
             particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
             self.warm_start.record(particles, solved);
@@ -364,6 +393,25 @@ impl Dynamics {
     /// Each particle's share of the first moments of repulsion or attraction, or nothing without it. Collective.
     pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
         self.forces.moments(which, particles, (self.cell(), &self.partition), None)
+    }
+
+    /// The shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
+    pub fn wall_stress(&self, particles: &Particles, stress: &Tensor) -> Vec<[f64; 2]> {
+        let cell = self.cell();
+        let mut sums = self.forces.sums_along_walls(particles);
+        self.partition.comm().sum(&mut sums);
+        let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
+        let flow = [self.viscosity * self.moving.shear_rate(), 0.0];
+        let height = cell.edges().z;
+        let driven =
+            self.moving.profile().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
+        let upper = [flow[0] + driven[1] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
+        let forces = [fx * height + driven[0] - driven[1], fy * height];
+        match cell.boundaries() {
+            Boundaries::Walls => vec![[upper[0] + forces[0], upper[1] + forces[1]], upper],
+            Boundaries::Wall => vec![[flow[0] + forces[0], flow[1] + forces[1]]],
+            _ => Vec::new(),
+        }
     }
 
     /// What contacts amount to, if there can be any. Collective.

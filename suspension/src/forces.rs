@@ -2,9 +2,10 @@
 
 use crate::model::{Attraction, Model, Repulsion, Species};
 use crate::near::Near;
-use domain::{Particles, Partition, PeriodicBox, Tensor, Traceless, Vector};
+use domain::{Particles, Partition, PeriodicBox, Tensor, ToWall, Traceless, Vector};
 use fcm::Loads;
-use lubrication::{Barrier, BarrierError, SurfaceForce};
+use lubrication::{Barrier, BarrierError, SurfaceForce, Surfaces};
+use std::ops::AddAssign;
 
 /// Steady forces and torques by species, weight, repulsion and attraction.
 pub struct Forces {
@@ -62,8 +63,9 @@ impl SurfaceForces {
         self.all().map(|force| force.reach(radii)).reduce(f64::max)
     }
 
-    fn force(&self, separation: Vector, radii: [f64; 2]) -> Vector {
-        self.all().map(|force| force.force(separation, radii)).reduce(|sum, force| sum + force).unwrap_or_default()
+    fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
+        let between = between.into();
+        self.all().map(|force| force.force(separation, between)).reduce(|sum, force| sum + force).unwrap_or_default()
     }
 }
 
@@ -111,6 +113,13 @@ impl Forces {
             };
             let repulsion = near.summed(near.pairs().enumerate().map(on_pair));
             forces.iter_mut().zip(repulsion).for_each(|(force, repulsion)| *force += repulsion);
+            if cell.boundaries().walls() > 0 {
+                let at_wall = |row, to: ToWall, radius| {
+                    self.surface.force(to.axis * to.distance, Surfaces::Wall(radius))
+                        + ahead.map_or(Vector::ZERO, |ahead| self.expected_at_wall(ahead, row, (to, radius)))
+                };
+                add_at_walls(&mut forces, (particles, cell), at_wall);
+            }
         }
         Loads { forces, torques: self.torques(particles), stresslets: Vec::new() }
     }
@@ -127,10 +136,22 @@ impl Forces {
         near.pairs().zip(relative).map(of_pair).collect()
     }
 
-    /// By how much the repulsion of two spheres at a distance falls in some time if they part at unit velocity.
-    pub fn resistance(&self, time: f64, distance: f64, radii: [f64; 2]) -> f64 {
-        let gap = distance - radii[0] - radii[1];
-        self.surface.repulsion.map_or(0.0, |repulsion| time * repulsion.stiffness(gap, radii))
+    /// The same of a sphere and a wall, which in any flow does not move across itself.
+    fn expected_at_wall(&self, ahead: &Ahead, row: usize, (to, radius): (ToWall, f64)) -> Vector {
+        let resistance = self.resistance(ahead.time, to.distance, Surfaces::Wall(radius));
+        let velocity = ahead.velocities[row] - ahead.strain_rate.tensor() * (to.axis * to.distance);
+        to.axis * (resistance * to.axis.dot(velocity))
+    }
+
+    /// By how much the repulsion of two spheres, or of one and a wall, at a distance falls in some time if they part at unit
+    /// velocity.
+    pub fn resistance(&self, time: f64, distance: f64, between: impl Into<Surfaces>) -> f64 {
+        let between = between.into();
+        let gap = match between {
+            Surfaces::Spheres(radii) => distance - radii[0] - radii[1],
+            Surfaces::Wall(radius) => distance - radius,
+        };
+        self.surface.repulsion.map_or(0.0, |repulsion| time * repulsion.stiffness(gap, between))
     }
 
     /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
@@ -144,7 +165,8 @@ impl Forces {
     }
 
     /// For each particle that this rank owns, its share of the first moments of repulsion or attraction: of a pair at
-    /// `x_i` and `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Without such forces there are none.
+    /// `x_i` and `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`, and a sphere at a wall has all of it
+    /// with the wall's nearest point as `x_j`. Without such forces there are none.
     /// Where it is to be that at the end of some time, repulsion changes by [`Self::resistance`] to velocities beyond those
     /// expected. Collective.
     pub fn moments(
@@ -166,7 +188,29 @@ impl Forces {
             let half = Tensor::from_cols(separation * force.x, separation * force.y, separation * force.z) * 0.5;
             [half, half]
         };
-        near.summed(near.pairs().enumerate().map(of_pair))
+        let mut moments = near.summed(near.pairs().enumerate().map(of_pair));
+        let at_wall = |row, to: ToWall, radius| {
+            let taken_back = beyond.map_or(Vector::ZERO, |ahead| self.expected_at_wall(ahead, row, (to, radius)));
+            let force = force.force(to.axis * to.distance, Surfaces::Wall(radius)) - taken_back;
+            let arm = to.axis * to.distance;
+            Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z)
+        };
+        add_at_walls(&mut moments, (particles, cell), at_wall);
+        moments
+    }
+
+    /// Sums over this rank's particles of the forces along x and y of their species, and of the first moments of forces and
+    /// torques along x and y over z.
+    pub fn sums_along_walls(&self, particles: &Particles) -> [f64; 4] {
+        let (forces, torques) = (self.steady_forces(particles), self.torques(particles));
+        let at = |list: &[Vector], row: usize| list.get(row).copied().unwrap_or_default();
+        let mut sums = [0.0; 4];
+        for (row, place) in particles.positions.iter().enumerate() {
+            let (f, t) = (at(&forces, row), at(&torques, row));
+            let own = [f.x, f.y, place.z * f.x + 0.5 * t.y, place.z * f.y - 0.5 * t.x];
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        sums
     }
 
     fn steady_forces(&self, particles: &Particles) -> Vec<Vector> {
@@ -182,5 +226,18 @@ impl Forces {
             return Vec::new();
         }
         particles.species.iter().map(|&s| self.species[s as usize].torque).collect()
+    }
+}
+
+/// Adds to each particle what its walls give to it, by its row and radius.
+fn add_at_walls<T: AddAssign>(
+    sums: &mut [T],
+    (particles, cell): (&Particles, &PeriodicBox),
+    at_wall: impl Fn(usize, ToWall, f64) -> T,
+) {
+    for (row, sum) in sums.iter_mut().enumerate() {
+        for to in cell.to_walls(particles.positions[row]) {
+            *sum += at_wall(row, to, particles.radii[row]);
+        }
     }
 }

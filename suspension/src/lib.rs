@@ -53,6 +53,7 @@ mod observed;
 mod outline;
 mod overlaps;
 mod plan;
+mod poiseuille;
 mod relative_motion;
 mod rheology;
 mod sampling;

@@ -163,7 +163,13 @@ impl Mobility {
                     induced_angular_velocities: ambient.angular_velocities.clone(),
                     ..Guess::default()
                 };
-                let acting = Acting { loads: &loads, strain_rate: Traceless::ZERO, springs: None, ambient: &ambient };
+                let acting = Acting {
+                    loads: &loads,
+                    strain_rate: Traceless::ZERO,
+                    strain_slope: 0.0,
+                    springs: None,
+                    ambient: &ambient,
+                };
                 motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;
                 motion.strain_rates.clear();
             }
@@ -205,7 +211,7 @@ impl Mobility {
         }
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = background.strain_rate();
-            let acting = Acting { loads: &loads, strain_rate, springs: None, ambient: &STILL };
+            let acting = Acting { loads: &loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &STILL };
             return self.hydrodynamics.solve(cell, particles, &acting, &Guess::default());
         }
         if stresslets {
@@ -231,6 +237,7 @@ const NUMBERS: usize = 32;
 fn problem(parameters: &MobilityParameters) -> Problem {
     Problem {
         edges: parameters.cell.edges(),
+        boundaries: parameters.cell.boundaries(),
         largest_strain: parameters.cell.strain().abs(),
         radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
         viscosity: parameters.viscosity,

@@ -3,7 +3,8 @@
 use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::ShearRates;
-use domain::{Comm, Particles, PeriodicBox, Traceless, Vector};
+use crate::poiseuille::Poiseuille;
+use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use simulation::Clock;
 use solver::BackgroundFlow;
 
@@ -23,6 +24,8 @@ pub struct MovingBox {
     start: PeriodicBox,
     rates: ShearRates,
     driven: Option<Driven>,
+    /// A flow by a pressure gradient besides.
+    profile: Option<Poiseuille>,
     shears: bool,
     /// The flow as it is, and the step at which it became so.
     flow: BackgroundFlow,
@@ -38,10 +41,48 @@ impl MovingBox {
     /// it shears, or does not.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
         let (rate, began) = rates.before(clock.step());
-        let (flow, time) = (BackgroundFlow::shear(rate), clock.time());
-        let mut moving = Self { start, rates, driven: None, shears, flow, began, time, cell: start, turns: 0 };
+        let (flow, time) = (shear(&start, rate), clock.time());
+        let mut moving =
+            Self { start, rates, driven: None, profile: None, shears, flow, began, time, cell: start, turns: 0 };
         (moving.cell, moving.turns) = moving.shape_at(time);
         moving
+    }
+
+    /// The same with a flow by a pressure gradient besides, if there is one.
+    #[must_use]
+    pub fn with_profile(self, profile: Option<Poiseuille>) -> Self {
+        Self { profile, ..self }
+    }
+
+    /// The flow by a pressure gradient, if there is one.
+    pub fn profile(&self) -> Option<&Poiseuille> {
+        self.profile.as_ref()
+    }
+
+    /// The velocity of a free sphere of a radius at a place of the background flow.
+    pub fn velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        let sheared = self.flow.velocity(place);
+        self.profile.map_or(sheared, |profile| sheared + profile.velocity_of(place.z, radius))
+    }
+
+    /// What velocities have of that while particles move.
+    pub fn carried_velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        if self.carries() { Vector::ZERO } else { self.velocity_of(place, radius) }
+    }
+
+    /// The angular velocity of a free sphere at a place of the background flow.
+    pub fn angular_velocity_at(&self, place: Vector) -> Vector {
+        let sheared = self.flow.angular_velocity();
+        self.profile.map_or(sheared, |profile| sheared + profile.angular_velocity(place.z))
+    }
+
+    /// The rate of strain of the background flow at `z = 0`, and by how much its xz component grows with z.
+    pub fn strain_rate(&self) -> (Traceless, f64) {
+        let sheared = self.flow.strain_rate();
+        self.profile.map_or((sheared, 0.0), |profile| {
+            let (strain_rate, slope) = profile.strain_rate();
+            (sheared + strain_rate, slope)
+        })
     }
 
     /// The same with a rate of shear that a stress in a fluid of a viscosity drives, by solves of a tolerance, as
@@ -49,7 +90,7 @@ impl MovingBox {
     #[must_use]
     pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
         let driven = Driven::start(stress, self.flow.shear_rate()).recalled(particles, comm);
-        (self.driven, self.flow) = (Some(driven), BackgroundFlow::shear(driven.rate()));
+        (self.driven, self.flow) = (Some(driven), shear(&self.start, driven.rate()));
         (self.cell, self.turns) = self.shape_at(self.time);
         self
     }
@@ -66,13 +107,13 @@ impl MovingBox {
 
     /// Goes on with another rate of shear.
     pub fn set_rate(&mut self, rate: f64) {
-        self.flow = BackgroundFlow::shear(rate);
+        self.flow = shear(&self.start, rate);
     }
 
     /// The rate of strain that was expected besides that of the flow.
     pub fn expected_besides(&self) -> Traceless {
         let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.flow.shear_rate());
-        BackgroundFlow::shear(missing).strain_rate()
+        shear(&self.start, missing).strain_rate()
     }
 
     /// Whether a stress drives it that has next to no effect.
@@ -100,9 +141,9 @@ impl MovingBox {
         }
     }
 
-    /// What velocities have of the background flow while particles move.
-    pub fn flow_at(&self, place: Vector) -> Vector {
-        if self.carries() { Vector::ZERO } else { self.flow.velocity(place) }
+    /// The rate of shear of the flow.
+    pub fn shear_rate(&self) -> f64 {
+        self.flow.gradient().col(self.start.gradient_axis()).x
     }
 
     /// The background flow.
@@ -114,7 +155,7 @@ impl MovingBox {
     pub fn begin(&mut self, step: u64) -> bool {
         let changed = self.rates.changed_at(step);
         if let Some(rate) = changed {
-            (self.flow, self.began) = (BackgroundFlow::shear(rate), step);
+            (self.flow, self.began) = (shear(&self.start, rate), step);
         }
         changed.is_some()
     }
@@ -143,10 +184,13 @@ impl MovingBox {
 
     /// The velocity of the image that is `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
-        if self.shears { self.flow_at(self.cell.lattice(steps)) } else { Vector::ZERO }
+        if self.shears && !self.carries() { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
     }
 
     fn shape_at(&self, time: f64) -> (PeriodicBox, i32) {
+        if self.start.boundaries() != Boundaries::Periodic {
+            return (self.start, 0);
+        }
         let strain = self.start.strain() + if self.shears { self.strain(time) } else { 0.0 };
         let cell = PeriodicBox::sheared(self.start.edges(), strain).expect("times and rates are finite");
         let period = cell.edges().x / cell.edges().y;
@@ -156,11 +200,12 @@ impl MovingBox {
     /// Brings the box to a time and the particles into it.
     pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
         if let Some(driven) = &mut self.driven {
-            shear_by(driven.go(), particles);
-            self.flow = BackgroundFlow::shear(driven.expected());
+            shear_by(driven.go(), self.start.gradient_axis(), particles);
+            self.flow = shear(&self.start, driven.expected());
         } else if self.carries() {
-            shear_by(self.rates.strain(time) - self.rates.strain(self.time), particles);
-            self.flow = BackgroundFlow::shear(self.rates.before_time(time));
+            let strain = self.rates.strain(time) - self.rates.strain(self.time);
+            shear_by(strain, self.start.gradient_axis(), particles);
+            self.flow = shear(&self.start, self.rates.before_time(time));
         }
         self.time = time;
         let (cell, turns) = self.shape_at(time);
@@ -197,9 +242,14 @@ fn velocities(particles: &mut Particles) -> impl Iterator<Item = &mut [Vector]> 
     columns.map(|column| bytemuck::cast_slice_mut(&mut column.values))
 }
 
+/// The shear flow of a rate in a box: with a gradient along y, or along z where walls are across that.
+fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
+    if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
+}
+
 /// Carries particles along with a shear by a strain, and their velocities relative to it.
-fn shear_by(strain: f64, particles: &mut Particles) {
-    let shear = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| vector.x += strain * vector.y);
+fn shear_by(strain: f64, gradient: usize, particles: &mut Particles) {
+    let shear = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| vector.x += strain * vector[gradient]);
     shear(&mut particles.positions);
     velocities(particles).for_each(shear);
 }

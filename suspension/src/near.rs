@@ -68,11 +68,11 @@ impl Near {
     }
 }
 
-/// The smallest gap between the surfaces of any two particles, or of one and its own image: size by size, from the
+/// The smallest gap between the surfaces of any two particles, of one and its own image, or of one and a wall: size by size, from the
 /// largest down, of those from half a size up to it and all that are smaller, so that small ones are not sought as far
 /// as large ones reach. Collective.
 pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> f64 {
-    let (mut smallest, mut limit) = (f64::INFINITY, f64::INFINITY);
+    let (mut smallest, mut limit) = (smallest_gap_at_walls(particles, cell, partition), f64::INFINITY);
     loop {
         let below = particles.radii.iter().copied().filter(|&a| a < limit);
         let mut largest = [below.fold(0.0, f64::max)];
@@ -84,6 +84,18 @@ pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Parti
         smallest = smallest_gap_of(sizes, smallest, (particles, cell, partition));
         limit = sizes[0].next_up();
     }
+}
+
+/// The smallest gap of a particle and a wall; infinite without walls. Collective.
+fn smallest_gap_at_walls(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> f64 {
+    if cell.boundaries().walls() == 0 {
+        return f64::INFINITY;
+    }
+    let of_one = |(&place, &radius): (&Vector, &f64)| cell.to_walls(place).map(move |to| to.distance - radius);
+    let gaps = particles.positions.iter().zip(&particles.radii).flat_map(of_one);
+    let mut smallest = [gaps.fold(f64::INFINITY, f64::min)];
+    partition.comm().min(&mut smallest);
+    smallest[0]
 }
 
 /// The gap that is looked for first at least, over the shortest edge of the box, so that the search is short whatever the

@@ -20,6 +20,8 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
+    /// How many walls there are.
+    walls: usize,
     /// Thermal energy over the volume of the box, if there is heat.
     heat: Option<f64>,
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts; and the largest seen.
@@ -61,6 +63,7 @@ impl Observer {
             last,
             overlaps: Overlaps::default(),
             repels,
+            walls: model.cell.boundaries().walls(),
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| contacts.overlap),
             deepest: 0.0,
@@ -104,6 +107,11 @@ impl Observer {
             Quantity::vectors("velocity_variance", "length^2/time^2", &self.species),
         ];
         quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
+        if self.walls > 0 {
+            let (rows, columns) = (&["lower", "upper"][..self.walls], ["x", "y"]);
+            let table = Some((rows.iter().map(|&row| row.to_owned()).collect(), columns.map(String::from).to_vec()));
+            quantities.push(Quantity { name: "wall_shear_stress", unit: "force/length^2", table });
+        }
         quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
         if self.aim.is_some() {
@@ -128,9 +136,13 @@ impl Observer {
         let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
         self.overlaps.see(smallest_gap);
         let mut row = vec![components(&means), components(&variances)];
-        let stress = (self.rheology.is_some() || self.heat.is_some()).then(|| suspension.stress(self.species.len()));
+        let is_wanted = self.rheology.is_some() || self.heat.is_some() || self.walls > 0;
+        let stress = is_wanted.then(|| suspension.stress(self.species.len()));
         if let (Some(rheology), Some(stress)) = (&self.rheology, &stress) {
             row.extend(rheology.row(stress, suspension.shear()));
+        }
+        if let Some(stress) = stress.as_ref().filter(|_| self.walls > 0) {
+            row.push(suspension.wall_stress(&ParticleStress::sum(stress)).into_flattened());
         }
         if let (Some(heat), Some(stress)) = (self.heat, &stress) {
             row.push(vec![heat * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);

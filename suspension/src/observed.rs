@@ -85,7 +85,8 @@ impl Simulation for Observed {
 
     fn frame(&self) -> Frame {
         let particles = self.suspension.gathered(Some(&FRAME));
-        Frame { particles, cell: *self.suspension.cell(), periodic: [true; 3] }
+        let periodic = [0, 1, 2].map(|axis| self.suspension.cell().is_periodic(axis));
+        Frame { particles, cell: *self.suspension.cell(), periodic }
     }
 
     fn frame_share(&self) -> Frame {

@@ -77,6 +77,7 @@ pub fn problem(model: &Model, radii: &Radii) -> Problem {
     let costs = model.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
     Problem {
         edges: model.cell.edges(),
+        boundaries: model.cell.boundaries(),
         largest_strain: largest_strain(model),
         radii: radii.0.clone(),
         viscosity: model.viscosity,

@@ -3,7 +3,7 @@
 use crate::moving_box::MovingBox;
 use crate::near::Near;
 use bytemuck::{Pod, Zeroable};
-use domain::{Comm, Particles, Partition, Vector};
+use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
 use std::ops::AddAssign;
 
 /// Pairs are watched up to this gap over the largest radius.
@@ -19,14 +19,24 @@ const SLACK: f64 = 0.1;
 pub struct RelativeMotion<const N: usize> {
     near: Near,
     pairs: Vec<MovingPair<N>>,
-    /// By how much the box shears separations besides.
-    carry: f64,
+    at_walls: Vec<MovingAtWall<N>>,
+    /// By how much the flow shears separations besides, per length along each axis.
+    carry: Vector,
+    gradient: Vector,
 }
 
 struct MovingPair<const N: usize> {
     separation: Vector,
     velocities: [Vector; N],
     radii: [f64; 2],
+}
+
+/// A sphere at a wall, by its row: along the axis, to the wall, which does not move.
+struct MovingAtWall<const N: usize> {
+    row: usize,
+    to: ToWall,
+    velocities: [f64; N],
+    radius: f64,
 }
 
 impl<const N: usize> RelativeMotion<N> {
@@ -42,12 +52,14 @@ impl<const N: usize> RelativeMotion<N> {
             MovingPair { separation, velocities, radii }
         };
         let pairs = near.pairs().enumerate().map(pair).collect();
-        Self { near, pairs, carry: 0.0 }
+        let at_walls = at_walls(particles, moving.cell(), columns);
+        let gradient = Vector::AXES[moving.cell().gradient_axis()];
+        Self { near, pairs, at_walls, carry: Vector::ZERO, gradient }
     }
 
     /// The same with separations that are sheared by a strain too, after they changed by displacements.
     pub fn sheared_by(&mut self, carry: f64) -> &Self {
-        self.carry = carry;
+        self.carry = carry * self.gradient;
         self
     }
 
@@ -58,14 +70,12 @@ impl<const N: usize> RelativeMotion<N> {
     pub fn after(&self, [weights, lower]: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
         let mut change = Change { gap: f64::INFINITY, loss: 0.0, error: 0.0 };
         for pair in &self.pairs {
-            let gap = pair.gap();
-            change.gap = change.gap.min(gap);
-            let sizes = least.map(|least| gap.max(least * pair.mean_radius()));
-            if sizes[0] > 0.0 {
-                let [after, other] = [weights, lower].map(|weights| pair.gap_after(weights, self.carry));
-                change.loss = change.loss.max((gap - after) / sizes[0]);
-                change.error = change.error.max((after - other).abs() / sizes[1]);
-            }
+            let after = |weights| pair.gap_after(weights, self.carry);
+            change.note(pair.gap(), [weights, lower].map(after), least.map(|least| least * pair.mean_radius()));
+        }
+        for sphere in &self.at_walls {
+            let after = |weights| sphere.gap_after(weights);
+            change.note(sphere.gap(), [weights, lower].map(after), least.map(|least| least * sphere.radius));
         }
         let mut least = [change.gap, -change.loss, -change.error];
         comm.min(&mut least);
@@ -90,10 +100,13 @@ impl<const N: usize> RelativeMotion<N> {
             let between = self.near.differences(&displacements);
             let pushes: Vec<[Push; 2]> =
                 (0..self.pairs.len()).map(|k| self.pairs[k].push(separations[k] + between[k], closest)).collect();
-            if !comm.any(pushes.iter().any(|[push, _]| push.pairs > 0.0)) {
+            let by_walls: Vec<(usize, Push)> =
+                self.at_walls.iter().filter_map(|sphere| sphere.push(weights, &displacements, closest)).collect();
+            if !comm.any(!by_walls.is_empty() || pushes.iter().any(|[push, _]| push.pairs > 0.0)) {
                 return (displacements, true);
             }
-            let sums = self.near.summed(pushes.into_iter());
+            let mut sums = self.near.summed(pushes.into_iter());
+            by_walls.into_iter().for_each(|(row, push)| sums[row] += push);
             for (displacement, push) in displacements.iter_mut().zip(sums).filter(|(_, push)| push.pairs > 0.0) {
                 *displacement += push.displacement / push.pairs;
             }
@@ -113,6 +126,18 @@ pub struct Change {
     pub error: f64,
 }
 
+impl Change {
+    /// Notes a gap before and after, by two sets of weights, over those that it counts as at least.
+    fn note(&mut self, gap: f64, [after, other]: [f64; 2], least: [f64; 2]) {
+        self.gap = self.gap.min(gap);
+        let sizes = least.map(|least| gap.max(least));
+        if sizes[0] > 0.0 {
+            self.loss = self.loss.max((gap - after) / sizes[0]);
+            self.error = self.error.max((after - other).abs() / sizes[1]);
+        }
+    }
+}
+
 /// How pairs move a sphere apart from others: the sum of what they ask for, and how many they are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -128,6 +153,38 @@ impl AddAssign for Push {
     }
 }
 
+/// The spheres that are near walls.
+fn at_walls<const N: usize>(particles: &mut Particles, cell: &PeriodicBox, columns: [&str; N]) -> Vec<MovingAtWall<N>> {
+    if cell.boundaries().walls() == 0 {
+        return Vec::new();
+    }
+    let velocities = columns.map(|name| particles.vectors(name).to_vec());
+    let of_row = |(row, (&place, &radius)): (usize, (&Vector, &f64))| {
+        let (own, watched) = (velocities.each_ref().map(|of| of[row]), (1.0 + WATCHED) * radius);
+        let near = cell.to_walls(place).filter(move |to| to.distance < watched);
+        near.map(move |to| MovingAtWall { row, to, velocities: own.map(|v| v.dot(to.axis)), radius })
+    };
+    particles.positions.iter().zip(&particles.radii).enumerate().flat_map(of_row).collect()
+}
+
+impl<const N: usize> MovingAtWall<N> {
+    fn gap(&self) -> f64 {
+        self.to.distance - self.radius
+    }
+
+    fn gap_after(&self, weights: [f64; N]) -> f64 {
+        self.gap() - self.velocities.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>()
+    }
+
+    /// As of a pair, besides displacements.
+    fn push(&self, weights: [f64; N], displacements: &[Vector], closest: f64) -> Option<(usize, Push)> {
+        let gap = self.gap_after(weights) - displacements[self.row].dot(self.to.axis);
+        let wanted = closest * self.radius;
+        let missing = wanted - gap;
+        (missing > SLACK * wanted).then(|| (self.row, Push { displacement: -self.to.axis * missing, pairs: 1.0 }))
+    }
+}
+
 impl<const N: usize> MovingPair<N> {
     fn mean_radius(&self) -> f64 {
         0.5 * (self.radii[0] + self.radii[1])
@@ -137,12 +194,12 @@ impl<const N: usize> MovingPair<N> {
         self.separation.length() - 2.0 * self.mean_radius()
     }
 
-    fn separation_after(&self, weights: [f64; N], carry: f64) -> Vector {
+    fn separation_after(&self, weights: [f64; N], carry: Vector) -> Vector {
         let moved = self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>();
-        moved + Vector::X * (carry * moved.y)
+        moved + Vector::X * carry.dot(moved)
     }
 
-    fn gap_after(&self, weights: [f64; N], carry: f64) -> f64 {
+    fn gap_after(&self, weights: [f64; N], carry: Vector) -> f64 {
         self.separation_after(weights, carry).length() - 2.0 * self.mean_radius()
     }
 

@@ -5,12 +5,14 @@ use crate::stress::ParticleStress;
 use domain::Tensor;
 use simulation::Quantity;
 
-/// The rows of the time series that tell of stress, in a shear flow `u = rate y e_x`.
+/// The rows of the time series that tell of stress, in a shear flow `u = rate y e_x`, or `u = rate z e_x` between walls.
 pub struct Rheology {
     species: Vec<String>,
     viscosity: f64,
     /// Whether the rate of shear changes.
     changes: bool,
+    /// The axis along which the flow grows.
+    gradient: usize,
     origins: Vec<Origin>,
 }
 
@@ -35,7 +37,13 @@ impl Rheology {
         ];
         let species = model.species.iter().map(|s| s.name.clone()).collect();
         let origins = all.into_iter().filter(|(present, _)| *present).map(|(_, origin)| origin).collect();
-        Some(Self { species, viscosity: model.viscosity, changes: !rates.is_constant(), origins })
+        Some(Self {
+            species,
+            viscosity: model.viscosity,
+            changes: !rates.is_constant(),
+            gradient: model.cell.gradient_axis(),
+            origins,
+        })
     }
 
     /// The stress by origin and species, and what it amounts to: with `s` the sum of all of it,
@@ -43,6 +51,8 @@ impl Rheology {
     /// ```text
     /// shear stress = mu rate + s_xy,  relative viscosity = 1 + s_xy / (mu rate),  N1 = s_xx - s_yy,  N2 = s_yy - s_zz,  particle pressure = -tr(s) / 3
     /// ```
+    ///
+    /// and between walls, where the flow grows along z, y and z exchanged.
     pub fn quantities(&self) -> Vec<Quantity> {
         let unit = "force/length^2";
         let table = |&(name, _): &Origin| {
@@ -66,7 +76,8 @@ impl Rheology {
         let of_all = |&(_, part): &Origin| stress.iter().flat_map(|s| components(&part(s))).collect();
         let mut row: Vec<Vec<f64>> = self.origins.iter().map(of_all).collect();
         let total = ParticleStress::sum(stress);
-        let [xx, xy, _, yy, _, zz] = components(&total);
+        let [xx, xy, xz, yy, _, zz] = components(&total);
+        let [xy, yy, zz] = if self.gradient == 2 { [xz, zz, yy] } else { [xy, yy, zz] };
         let fluid = self.viscosity * rate;
         if self.changes {
             row.extend([rate, strain, fluid + xy].map(|number| vec![number]));

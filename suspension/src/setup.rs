@@ -8,8 +8,9 @@ use crate::model::{Flow, Model};
 use crate::moving_box::MovingBox;
 use crate::near::smallest_gap;
 use crate::plan::{Radii, plan};
+use crate::poiseuille::Poiseuille;
 use crate::relative_motion::RelativeMotion;
-use domain::{Comm, Failure, GivenPositions, Particles, Partition};
+use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition};
 use fcm::{Plan, PlanError};
 use simulation::Clock;
 
@@ -101,10 +102,12 @@ impl Setup {
         (comm, step): (&Comm, u64),
     ) -> Result<Self, StartError> {
         let partition = partition(&plan, comm);
-        let shears = !matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
+        let is_straight = matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
+        let shears = model.cell.boundaries() == Boundaries::Periodic && !is_straight;
         let rates = model.shear_rates();
         let stress = rates.stress();
         let moving = MovingBox::at(&Clock::at(step, model.time_step), model.cell, rates, shears);
+        let moving = moving.with_profile(profile(model));
         let moving = match stress {
             Some(stress) => {
                 moving.driven_by((stress, model.viscosity, model.hydrodynamics.tolerance), &particles, comm)
@@ -131,6 +134,12 @@ impl Setup {
         let length = smallest_gap(&self.particles, self.moving.cell(), &self.partition);
         Gap { length, radius: self.radii.smallest() }
     }
+}
+
+/// The flow that a pressure gradient drives, if one does.
+fn profile(model: &Model) -> Option<Poiseuille> {
+    let Flow::Poiseuille { pressure_gradient } = model.flow else { return None };
+    Some(Poiseuille { curvature: pressure_gradient / model.viscosity, height: model.cell.edges().z })
 }
 
 /// The radii of a scene's particles, and how the fluid is computed.

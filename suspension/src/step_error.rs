@@ -10,6 +10,9 @@ pub enum StepError {
     /// A position that is no place.
     #[error("{0}")]
     NotFinite(Failure),
+    /// A sphere that has sunk into a wall.
+    #[error("{0}")]
+    IntoWall(Failure),
     /// Near pairs come together faster than steps can follow.
     #[error(
         "step {step}: two spheres {gap} apart come together faster than any time step can follow; give the scene a \

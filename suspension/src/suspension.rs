@@ -13,7 +13,7 @@ use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::stress::ParticleStress;
 use crate::{adaptive, given_positions, implicit, initial, near};
-use domain::{Comm, GivenPositions, Interrupt, Particles, PeriodicBox, Vector};
+use domain::{Comm, GivenPositions, Interrupt, Particles, PeriodicBox, Tensor, Vector};
 use fcm::PlanError;
 use simulation::{Clock, LoadFunction, State};
 
@@ -246,14 +246,15 @@ impl Suspension {
     pub fn velocities_in_flow(&self) -> Vec<Vector> {
         let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
         let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
-        let flow = self.dynamics.flow();
-        velocities.iter().zip(&self.particles.positions).map(|(&v, &x)| v - flow.velocity(x)).collect()
+        let (moving, particles) = (self.dynamics.moving_box(), &self.particles);
+        let places = particles.positions.iter().zip(&particles.radii);
+        velocities.iter().zip(places).map(|(&v, (&x, &a))| v - moving.velocity_of(x, a)).collect()
     }
 
     /// The rate of shear of the flow that the velocities belong to, and the strain so far.
     pub fn shear(&self) -> [f64; 2] {
         let moving = self.dynamics.moving_box();
-        [moving.flow().shear_rate(), moving.strain(self.clock.time())]
+        [moving.shear_rate(), moving.strain(self.clock.time())]
     }
 
     /// Whether a stress drives the flow that has next to no effect any more.
@@ -265,6 +266,19 @@ impl Suspension {
     /// which it has where spheres overlap.
     pub fn clipped(&self) -> f64 {
         self.dynamics.clipped()
+    }
+
+    /// The shear stress, along x and y, on the wall at `z = 0` and, if there is one, on that at `z = Lz`, as the fluid and the
+    /// particles of a stress bring it there; nothing without walls. With `F` and `T` the steady forces and torques of the species,
+    ///
+    /// ```text
+    /// on the upper one: mu du/dz + s_xz - sum (z F_x + T_y / 2) / V,      on the lower one: + sum F_x / A besides
+    /// ```
+    ///
+    /// and likewise along y: the first moments of all that acts on the fluid. Below unbounded fluid nothing but forces and the flow
+    /// act on a wall. Collective.
+    pub fn wall_stress(&self, stress: &Tensor) -> Vec<[f64; 2]> {
+        self.dynamics.wall_stress(&self.particles, stress)
     }
 
     /// The stress of the particles of each of so many species. Collective.

@@ -60,6 +60,13 @@ fn push(
             worst = worst.max(1.0 - distance / contact);
         }
     }
+    for (i, &place) in positions.iter().enumerate() {
+        let contact = sizes[i] * (1.0 + margin);
+        for to in cell.to_walls(place).filter(|to| to.distance < contact) {
+            forces[i] -= to.axis * (contact - to.distance);
+            worst = worst.max(1.0 - to.distance / contact);
+        }
+    }
     worst
 }
 

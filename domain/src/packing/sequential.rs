@@ -91,7 +91,7 @@ impl Placing<'_> {
     fn settle_one(&self, sphere: &mut [Waiting], mates: &Occupied) -> Vector {
         loop {
             let Waiting { id, size, free, .. } = sphere[0];
-            let place = self.own.tries(id, free.unwrap_or(TRIES)).next().expect("tries have no end");
+            let place = self.own.tries((id, size), free.unwrap_or(TRIES)).next().expect("tries have no end");
             if free.is_none() || mates.is_free(size, place, None) {
                 return place;
             }
@@ -126,15 +126,15 @@ impl Own<'_> {
     /// The first of the next few tries of a sphere that is in this rank's share and free; else the number of all tries.
     fn first_free(&self, &Waiting { id, size, tried, .. }: &Waiting) -> u64 {
         let until = (tried + self.at_once).min(TRIES);
-        let mut tries = (tried..until).zip(self.tries(id, tried));
+        let mut tries = (tried..until).zip(self.tries((id, size), tried));
         let free = tries.find(|&(_, place)| self.has(place) && self.occupied.is_free(size, place, None));
         free.map_or(TRIES, |(number, _)| number)
     }
 
-    /// The random positions of a sphere, from one on.
-    fn tries(&self, id: u64, first: u64) -> impl Iterator<Item = Vector> {
+    /// The random positions of a sphere of some size, off walls, from one on.
+    fn tries(&self, (id, size): (u64, f64), first: u64) -> impl Iterator<Item = Vector> {
         let mut random = Random::new(self.seed, id);
         random.skip(3 * first);
-        std::iter::repeat_with(move || self.cell.wrap(random.point() * self.cell.edges()).0)
+        std::iter::repeat_with(move || self.cell.wrap(self.cell.off_walls(random.point() * self.cell.edges(), size)).0)
     }
 }

@@ -22,7 +22,8 @@ pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector],
             let mut random = Random::new(seed ^ (sweep << 48), sphere as u64);
             let step = (random.point() * 2.0 - Vector::ONE) * longest;
             let place = cell.wrap(positions[sphere] + step).0;
-            if occupied.is_free(sizes[sphere], place, Some(sphere)) {
+            let is_off_walls = cell.to_walls(place).all(|to| to.distance >= sizes[sphere]);
+            if is_off_walls && occupied.is_free(sizes[sphere], place, Some(sphere)) {
                 occupied.shift(sphere, place);
                 positions[sphere] = place;
                 accepted += 1;

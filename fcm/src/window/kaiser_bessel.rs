@@ -69,6 +69,20 @@ impl Window {
         2.0 * half * quotient / self.peak
     }
 
+    /// Its transform at the imaginary wavenumber `i k`, and `k` times the logarithmic derivative of that by `k`.
+    pub fn growth(self, k: f64) -> [f64; 2] {
+        let half = 0.5 * self.points as f64;
+        let root = (self.shape * self.shape + k * k * half * half).sqrt();
+        let level = k * k * half * half * (1.0 / root.tanh() - 1.0 / root) / root;
+        [2.0 * half * root.sinh() / (root * self.peak), level]
+    }
+
+    /// The mean of `x^2` over it.
+    pub fn second_moment(self) -> f64 {
+        let half = 0.5 * self.points as f64;
+        half * half * (1.0 / self.shape.tanh() - 1.0 / self.shape) / self.shape
+    }
+
     /// `beta`: the larger, the more compact the transform, and the smaller the errors.
     pub fn shape(self) -> f64 {
         self.shape
@@ -142,6 +156,23 @@ mod tests {
                 assert!((window.transform(k) - integral).abs() < 1e-10, "{points} points at {k}");
             }
         }
+    }
+
+    #[test]
+    fn moments_are_those_of_the_window() {
+        let (window, k) = (Window::new(7, 1.3), 1.7);
+        let integral = |weight: &dyn Fn(f64) -> f64| {
+            let (count, half) = (20_000, 3.5);
+            let step = 2.0 * half / f64::from(count);
+            let x = |i: i32| (f64::from(i) + 0.5) * step - half;
+            (0..count).map(|i| weight(x(i)) * window.derivatives(x(i))[0]).sum::<f64>() * step
+        };
+        let [transform, level] = window.growth(k);
+        // The midpoint rule errs by the jumps of the window's slope at its ends.
+        assert!((transform / integral(&|x| (k * x).exp()) - 1.0).abs() < 1e-7);
+        assert!((level * transform / integral(&|x| k * x * (k * x).exp()) - 1.0).abs() < 1e-7);
+        assert!((window.second_moment() * integral(&|_| 1.0) / integral(&|x| x * x) - 1.0).abs() < 1e-7);
+        assert!((window.growth(0.0)[0] / window.transform(0.0) - 1.0).abs() < 1e-14);
     }
 
     #[test]

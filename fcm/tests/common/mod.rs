@@ -6,9 +6,11 @@
 mod dense;
 mod measure;
 mod ranks;
+mod reference;
 mod suspension;
 mod wavevectors;
 
 pub use measure::{at_surfaces, difference, error, errors, tensors, vectors, worst};
 pub use ranks::on_ranks;
+pub use reference::Reference;
 pub use suspension::Suspension;

@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All of them.
-pub static TEMPLATES: [Template; 16] = [
+pub static TEMPLATES: [Template; 19] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -29,6 +29,9 @@ pub static TEMPLATES: [Template; 16] = [
     template!("dense", "Rough spheres that touch with friction in a shear flow, at 45% by volume"),
     template!("reversal", "The same with a flow that is reversed"),
     template!("thickening", "The same under a given stress, with friction above a critical load"),
+    template!("couette", "Spheres between walls of which one moves, at 20% by volume"),
+    template!("poiseuille", "Spheres between walls in the flow of a pressure gradient"),
+    template!("sediment", "Rough spheres that settle on a bottom"),
     template!("colloid", "Charged colloids that diffuse, at 20% by volume"),
     template!("brownian-shear", "The same in a shear flow"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
@@ -56,6 +59,6 @@ mod tests {
             Scene::parse(template.text, template.name, &[]).unwrap();
             assert_eq!(Template::named(template.name), Some(template));
         }
-        assert_eq!(Template::named("sediment"), None);
+        assert_eq!(Template::named("sediments"), None);
     }
 }

@@ -3,18 +3,27 @@
 use std::f64::consts::PI;
 
 use super::bispherical::{self, Drive, Load, Shape};
-use super::functions::{Function, Pairwise, ResistanceFunctions};
+use super::functions::{Function, Pairwise, ResistanceFunctions, WallFunctions};
 use super::geometry::Geometry;
 
 /// All functions for radii 1 and `ratio` at a positive, finite `gap`, in units of the first radius.
 pub fn resistance(ratio: f64, gap: f64) -> ResistanceFunctions {
-    let geometry = Geometry::new(ratio, gap);
+    of(&Geometry::new(ratio, gap), ratio)
+}
+
+/// Those of a sphere of radius 1 that moves at a positive, finite `gap` from a plane wall at rest.
+pub fn wall_resistance(gap: f64) -> WallFunctions {
+    let both = of(&Geometry::at_wall(gap), 1.0);
+    WallFunctions(both.0.map(|pairwise| pairwise[0][0]))
+}
+
+fn of(geometry: &Geometry, ratio: f64) -> ResistanceFunctions {
     let scales = Scales { focus: geometry.focus.value(), ratio };
     let mut functions = ResistanceFunctions([Pairwise::default(); 11]);
-    axial(&geometry, &scales, &mut functions.0);
-    transverse(&geometry, &scales, &mut functions.0);
-    planar(&geometry, &scales, &mut functions.0);
-    functions.0[Function::XC as usize] = scales.normalise(3, PI, &bispherical::spin(&geometry));
+    axial(geometry, &scales, &mut functions.0);
+    transverse(geometry, &scales, &mut functions.0);
+    planar(geometry, &scales, &mut functions.0);
+    functions.0[Function::XC as usize] = scales.normalise(3, PI, &bispherical::spin(geometry));
     functions
 }
 

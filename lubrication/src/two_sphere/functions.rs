@@ -60,6 +60,18 @@ pub struct ResistanceFunctions(pub(crate) [Pairwise; 11]);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MobilityFunctions(pub(crate) [Pairwise; 11]);
 
+/// The resistance functions of a sphere at one gap from a plane wall at rest, in the same normalisation with `s = 2 a`: loads by
+/// the sphere's own motion, with `d` from its centre to the wall. A sphere alone has A = C = M = 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallFunctions(pub(crate) [f64; 11]);
+
+impl Index<Function> for WallFunctions {
+    type Output = f64;
+    fn index(&self, function: Function) -> &f64 {
+        &self.0[function as usize]
+    }
+}
+
 impl Index<Function> for ResistanceFunctions {
     type Output = Pairwise;
     fn index(&self, function: Function) -> &Pairwise {

@@ -2,7 +2,8 @@
 //!
 //! [`TwoSphere::with_ratio`] gives the tables of one ratio of radii; [`TwoSphere::resistance`] and
 //! [`TwoSphere::mobility`] evaluate them at any positive gap to a relative 1e-8 (an absolute one where a function
-//! changes sign). Radii may differ by a factor of up to 20.
+//! changes sign). Radii may differ by a factor of up to 20. A sphere at a plane wall, the limit of a flat second sphere, is
+//! [`SphereWall`].
 //!
 //! ```
 //! use lubrication::two_sphere::{Function, TwoSphere, named};
@@ -17,12 +18,15 @@ mod bispherical;
 mod double_double;
 mod exact;
 mod functions;
+mod gap_table;
 mod geometry;
 mod mobility;
 mod near;
 mod singular;
 mod table;
 mod tridiagonal;
+mod wall;
 
-pub use functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions, named, named_mobility};
+pub use functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions, WallFunctions, named, named_mobility};
 pub use table::{TwoSphere, TwoSphereError};
+pub use wall::SphereWall;

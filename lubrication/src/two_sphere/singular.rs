@@ -81,6 +81,44 @@ pub fn other(function: Function, l: f64) -> Singularity {
     series.map(|g| g * hat)
 }
 
+/// Singularity of the load on a sphere from its own motion at a wall, in powers of the gap over its radius, `h`: the limit of
+/// [`own`] for a second sphere that is flat, where `xi = 2 h/(1 + lambda)` vanishes for any `h`. What is left of the logarithm
+/// of the ratio is a constant.
+pub fn at_wall(function: Function) -> Singularity {
+    match function {
+        Function::XA => [1.0, 1.0 / 5.0, 1.0 / 21.0],
+        Function::YA => [0.0, 8.0 / 15.0, 64.0 / 375.0],
+        Function::YB => [0.0, -1.0 / 5.0, -43.0 / 125.0],
+        Function::XC => [0.0, 0.0, -1.0 / 2.0],
+        Function::YC => [0.0, 2.0 / 5.0, 66.0 / 125.0],
+        Function::XG => [3.0 / 2.0, -6.0 / 5.0, -13.0 / 14.0],
+        Function::YG => [0.0, 7.0 / 10.0, 221.0 / 250.0],
+        Function::YH => [0.0, -1.0 / 10.0, 1.0 / 125.0],
+        Function::XM => [3.0 / 5.0, -27.0 / 25.0, -83.0 / 35.0],
+        Function::YM => [0.0, 24.0 / 25.0, 1182.0 / 625.0],
+        Function::ZM => [0.0, 0.0, -3.0 / 5.0],
+    }
+}
+
 fn poly(x: f64, coefficients: &[f64]) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `g1/xi`, `g2 ln(1/xi)` and `g3 xi ln(1/xi)` with `xi = 2 h/(1 + lambda)`: for a ratio of 1e7, `1 + lambda` is as good as
+    /// infinite but for one part in 1e7 times the largest coefficient of a polynomial, 1322.
+    #[test]
+    fn a_wall_is_a_sphere_of_any_large_radius() {
+        let ratio = 1e7;
+        for function in Function::ALL {
+            let [g1, g2, g3] = own(function, ratio);
+            let limit = [g1 * (1.0 + ratio) / 2.0, g2, g3 * 2.0 / (1.0 + ratio)];
+            for (found, limit) in at_wall(function).into_iter().zip(limit) {
+                assert!((found - limit).abs() < 2e-5, "{function:?}: {found}, not {limit}");
+            }
+        }
+    }
 }

@@ -4,21 +4,14 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use domain::Number;
-use rayon::prelude::*;
 use thiserror::Error;
 
 use super::exact;
 use super::functions::{Function, MobilityFunctions, ResistanceFunctions};
+use super::gap_table::{GapTable, Tabulated};
 use super::mobility::mobility;
-use super::near::NearContact;
-use crate::chebyshev::{Chebyshev, Samples};
+use super::singular::{self, Singularity};
 
-/// Smallest gap, over the smaller radius, where values are computed; closer, the near-contact expansion holds.
-const NEAREST: f64 = 2e-3;
-/// Intervals of interpolation grow by this factor.
-const GROWTH: f64 = 4.0;
-/// Points of interpolation in each.
-const NODES: usize = 14;
 /// Radii may differ by at most this factor.
 const LARGEST_RATIO: f64 = 20.0;
 
@@ -30,10 +23,7 @@ const LARGEST_RATIO: f64 = 20.0;
 #[derive(Debug, Clone)]
 pub struct TwoSphere {
     ratio: f64,
-    near: NearContact,
-    pieces: Vec<Chebyshev<44, NODES>>,
-    far: Chebyshev<44, NODES>,
-    far_from: f64,
+    table: GapTable<44>,
 }
 
 /// The tables of one ratio, computed by whoever asks first while others wait.
@@ -81,66 +71,34 @@ impl TwoSphere {
 
     /// All functions at a positive gap.
     pub(crate) fn at(&self, gap: f64) -> ResistanceFunctions {
-        let nearest = NEAREST * self.ratio.min(1.0);
-        let t = (1.0 + self.ratio) / (1.0 + self.ratio + gap);
-        let flat = if gap < nearest {
-            self.near.at(gap)
-        } else if gap < self.far_from {
-            let log = gap.ln();
-            let piece = (log - nearest.ln()) / GROWTH.ln();
-            times_leading(&self.pieces[(piece as usize).min(self.pieces.len() - 1)].at(log), t)
-        } else {
-            times_leading(&self.far.at(t * t), t)
-        };
+        let flat = self.table.at(gap);
         ResistanceFunctions(std::array::from_fn(|f| [0, 1].map(|i| [0, 1].map(|j| flat[4 * f + 2 * i + j]))))
     }
 
     fn compute(ratio: f64) -> Self {
-        let nearest = NEAREST * ratio.min(1.0);
-        let count = ((1.0 + ratio) / nearest).log(GROWTH).ceil() as usize;
-        let edges: Vec<f64> = (0..=count).map(|k| nearest * GROWTH.powi(k as i32)).collect();
-        let far_from = edges[count];
-        let piece = |edge: &[f64]| {
-            let (from, to) = (edge[0].ln(), edge[1].ln());
-            Chebyshev::through(from, to, &sampled(from, to, |log| reduced(ratio, log.exp())))
-        };
-        let nearest_far = ((1.0 + ratio) / (1.0 + ratio + far_from)).powi(2);
-        Self {
-            ratio,
-            near: NearContact::fit(ratio, nearest),
-            pieces: edges.par_windows(2).map(piece).collect(),
-            far: Chebyshev::through(
-                0.0,
-                nearest_far,
-                &sampled(0.0, nearest_far, |square| reduced(ratio, (1.0 + ratio) * (1.0 / square.sqrt() - 1.0))),
-            ),
-            far_from,
-        }
+        let leading = std::array::from_fn(|i| LEADING[i / 4][usize::from(i % 4 == 1 || i % 4 == 2)]);
+        let size = 1.0 + ratio;
+        let tabulated = Tabulated { size, least: ratio.min(1.0), unit: 0.5 * size, is_even: true, leading };
+        let exact = |gap: f64| flatten(&exact::resistance(ratio, gap));
+        Self { ratio, table: GapTable::compute(tabulated, singularities(ratio), exact) }
     }
-}
-
-/// Values at the nodes of an interval, in parallel.
-fn sampled(from: f64, to: f64, function: impl Fn(f64) -> [f64; 44] + Send + Sync) -> Samples<44, NODES> {
-    let values: Vec<_> = Chebyshev::<44, NODES>::nodes(from, to).into_par_iter().map(function).collect();
-    std::array::from_fn(|j| values[j])
 }
 
 /// Lowest power of `t = (a1 + a2)/r` in a function: of a sphere's own motion, of the other's.
 const LEADING: [[usize; 2]; Function::ALL.len()] =
     [[0, 1], [0, 1], [3, 2], [0, 3], [0, 3], [3, 2], [5, 4], [6, 3], [0, 3], [0, 3], [0, 5]];
 
-/// The functions over their leading power of `t`: smooth down to `t = 0`, and even in it.
-fn reduced(ratio: f64, gap: f64) -> [f64; 44] {
-    times_leading(&flatten(&exact::resistance(ratio, gap)), (1.0 + ratio + gap) / (1.0 + ratio))
-}
-
-fn times_leading(values: &[f64; 44], t: f64) -> [f64; 44] {
-    let powers = powers(t);
-    std::array::from_fn(|i| values[i] * powers[LEADING[i / 4][usize::from(i % 4 == 1 || i % 4 == 2)]])
-}
-
-fn powers(t: f64) -> [f64; 7] {
-    std::array::from_fn(|k| t.powi(k as i32))
+/// Singularities of the functions in table order, for both spheres.
+fn singularities(ratio: f64) -> [Singularity; 44] {
+    std::array::from_fn(|i| {
+        let function = Function::ALL[i / 4];
+        let (bears, moves) = (i / 2 % 2, i % 2);
+        let (lambda, flip) =
+            if bears == 0 { (ratio, 1.0) } else { (1.0 / ratio, if function.is_odd() { -1.0 } else { 1.0 }) };
+        let singularity =
+            if bears == moves { singular::own(function, lambda) } else { singular::other(function, lambda) };
+        singularity.map(|g| g * flip)
+    })
 }
 
 fn flatten(functions: &ResistanceFunctions) -> [f64; 44] {
@@ -173,7 +131,7 @@ mod tests {
     #[test]
     fn tables_have_no_gap_where_the_far_one_begins() {
         for ratio in [0.5, 1.25, 2.0] {
-            let far_from = TwoSphere::with_ratio(ratio).unwrap().far_from;
+            let far_from = TwoSphere::with_ratio(ratio).unwrap().table.far_from();
             let error = worst(ratio, [far_from.next_down(), far_from].into_iter());
             assert!(error < 1e-8, "ratio {ratio}: {error}");
         }

@@ -139,12 +139,17 @@ impl<T: Real> Share<T> {
                 // SAFETY: the panel belongs to one thread, and the desk has room for its three components.
                 unsafe {
                     let work = [0, 1, 2].map(|c| At { first: panel.add(c * self.room), stride });
+                    let channel = operator.channel();
+                    let added = channel.and_then(|channel| channel.amplitudes([block, mode], components));
                     for (columns, work) in components.into_iter().zip(work) {
                         self.along_z.run(Direction::Forward, columns, work, buffers);
                     }
                     operator.multiply([block, mode], work.map(|w| w.first));
                     for (columns, work) in components.into_iter().zip(work) {
                         self.along_z.run(Direction::Backward, work, columns, buffers);
+                    }
+                    if let (Some(channel), Some(added)) = (channel, &added) {
+                        channel.add([block, mode], added, components);
                     }
                 }
             });

@@ -2,7 +2,7 @@
 
 use super::touching::AllTouching;
 use domain::{Comm, Particles, Tensor};
-use lubrication::Contact;
+use lubrication::{Contact, Surfaces};
 
 /// What contacts amount to.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ impl Measured {
         let mut moments = vec![Tensor::ZERO; particles.len()];
         let mut sums = Sums { particles: particles.len() as f64, ..Sums::default() };
         for contact in &touching.list {
-            let normal = law.force(contact.overlap, contact.radii);
+            let normal = law.force(contact.overlap, contact.between);
             let [force, _] = contact.load(normal, &contact.memory);
             let arm = contact.arms[0] * contact.axis;
             let moment = Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z);
@@ -40,8 +40,10 @@ impl Measured {
             sums.frictional += f64::from(u8::from(law.cone(normal) > 0.0));
             sums.sliding += f64::from(u8::from(contact.memory.shares[0] < 1.0));
             let across = [contact.memory.force, contact.memory.rolling];
-            sums.energy += 0.5 * law.energy(contact.overlap, contact.radii, across);
-            let roughness = 0.5 * law.roughness * (contact.radii[0] + contact.radii[1]);
+            // Of two spheres each sees it.
+            let share = if let Surfaces::Wall(_) = contact.between { 1.0 } else { 0.5 };
+            sums.energy += share * law.energy(contact.overlap, contact.between, across);
+            let roughness = law.roughness * contact.between.mean_radius();
             sums.overlap = sums.overlap.max(contact.overlap / roughness);
         }
         Self { moments, sums }

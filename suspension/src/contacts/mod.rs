@@ -5,11 +5,12 @@ mod measured;
 mod touching;
 
 use crate::hydrodynamics::ContactSprings;
+use crate::moving_box::MovingBox;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
-use lubrication::Contact;
+use lubrication::{Contact, Surfaces};
 pub use measured::Measured;
 use touching::{AllTouching, Touching, across};
 
@@ -52,7 +53,41 @@ pub struct Acting {
     touching: AllTouching,
     /// Of each that touches.
     expected: Vec<Expected>,
+    flow: Flow,
+}
+
+/// The flow that velocities are relative to.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow {
+    /// The rate of strain and the angular velocity at `z = 0`, and by how much the xz component of the one and the y component of
+    /// the other grow with z.
     strain_rate: Traceless,
+    turning: Vector,
+    slope: f64,
+    /// The rate of strain expected besides.
+    besides: Traceless,
+}
+
+impl Flow {
+    /// That of a box, and the rate of strain that is expected besides.
+    pub fn of(moving: &MovingBox, besides: Traceless) -> Self {
+        let (strain_rate, slope) = moving.strain_rate();
+        Self { strain_rate, turning: moving.angular_velocity_at(Vector::ZERO), slope, besides }
+    }
+
+    /// How fast its strain where the surfaces touch moves the centres apart: so spheres that the flow turns each in its own way
+    /// slip as they do.
+    fn strained(&self, contact: &Touching) -> Vector {
+        let sloping = Traceless([0.0, 0.0, self.slope * contact.place.z, 0.0, 0.0]);
+        strained(contact, self.strain_rate + sloping)
+    }
+
+    /// How fast a sphere that turns as the fluid does rolls over a wall, which does not turn.
+    fn rolled(&self, contact: &Touching) -> Vector {
+        let Surfaces::Wall(_) = contact.between else { return Vector::ZERO };
+        let turning = self.turning + Vector::Y * (self.slope * (contact.place - contact.separation).z);
+        -contact.between.harmonic_radius() * turning.cross(contact.axis)
+    }
 }
 
 /// What is expected of a contact.
@@ -77,13 +112,13 @@ impl Contacts {
         Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count) }
     }
 
-    /// The contacts of particles whose velocities relative to a flow of some rate of strain are expected to be given ones and
-    /// those of another flow, after the motions of the solution before. Collective.
+    /// The contacts of particles whose velocities relative to a flow are expected to be given ones and those that it has
+    /// besides, after the motions of the solution before. Collective.
     pub fn acting(
         &self,
         particles: &Particles,
         place: (&PeriodicBox, &Partition),
-        (ahead, expected, [strain_rate, besides]): (Ahead, &[Vector], [Traceless; 2]),
+        (ahead, expected, flow): (Ahead, &[Vector], Flow),
         before: &Motion,
     ) -> Acting {
         let touching = AllTouching::find(&self.law, particles, place, self.reach);
@@ -91,12 +126,12 @@ impl Contacts {
         let velocities = touching.present(&before.velocities);
         let angular = touching.present(&before.angular_velocities);
         let of_one = |contact: &Touching| Expected {
-            parting: contact.parting(&parting) + contact.axis.dot(strained(contact, besides)),
-            slip: contact.slip(&velocities, &angular, strained(contact, strain_rate)),
-            rolling: contact.rolling(&angular),
+            parting: contact.parting(&parting) + contact.axis.dot(strained(contact, flow.besides)),
+            slip: contact.slip(&velocities, &angular, flow.strained(contact)),
+            rolling: contact.rolling(&angular) + flow.rolled(contact),
         };
         let expected = touching.list.iter().map(of_one).collect();
-        Acting { law: self.law, slots: self.slots, ahead, touching, expected, strain_rate }
+        Acting { law: self.law, slots: self.slots, ahead, touching, expected, flow }
     }
 
     /// What contacts amount to. Collective.
@@ -113,11 +148,11 @@ impl Acting {
         loads.torques.resize(owned, Vector::ZERO);
         for (contact, expected) in self.touching.list.iter().zip(&self.expected) {
             let [along, slip, roll] = self.resistances(contact);
-            let normal = self.law.force(contact.overlap, contact.radii) + along * expected.parting;
+            let normal = self.law.force(contact.overlap, contact.between) + along * expected.parting;
             let [slides, rolls] = contact.memory.shares.map(|share| if share < 1.0 { 1.0 } else { 0.0 });
             let mut memory = contact.memory;
-            memory.force += slip * (across(self.strained(contact), contact.axis) - slides * expected.slip);
-            memory.rolling -= roll * rolls * expected.rolling;
+            memory.force += slip * (across(self.flow.strained(contact), contact.axis) - slides * expected.slip);
+            memory.rolling += roll * (self.flow.rolled(contact) - rolls * expected.rolling);
             let [force, torque] = contact.load(normal, &memory);
             loads.forces[contact.rows[0]] += force;
             loads.torques[contact.rows[0]] += torque;
@@ -168,13 +203,14 @@ impl Acting {
         let velocities = self.touching.present(&motion.velocities);
         let angular = self.touching.present(&motion.angular_velocities);
         let end = |(contact, expected): (&Touching, &Expected)| {
-            let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.radii);
-            let known = self.law.force(contact.overlap, contact.radii);
+            let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
+            let known = self.law.force(contact.overlap, contact.between);
             let normal = (known - stiffness * (contact.parting(&velocities) - expected.parting)).max(0.0);
-            let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.radii);
-            let slip = contact.slip(&velocities, &angular, self.strained(contact));
+            let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
+            let slip = contact.slip(&velocities, &angular, self.flow.strained(contact));
             let force = contact.memory.force + spring * slip;
-            let rolling = contact.memory.rolling + spring * contact.rolling(&angular);
+            let rolled = contact.rolling(&angular) + self.flow.rolled(contact);
+            let rolling = contact.memory.rolling + spring * rolled;
             let most = [self.law.cone(normal), self.law.rolling_friction * normal];
             let shares = [share(force, most[0]), share(rolling, most[1])];
             let memory = Memory { force: shares[0] * force, rolling: shares[1] * rolling, normal, shares };
@@ -185,16 +221,12 @@ impl Acting {
 
     /// Along the line of centres, to slip and to rolling.
     fn resistances(&self, contact: &Touching) -> [f64; 3] {
-        let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.radii);
-        let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.radii);
+        let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
+        let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
         let of_share = |share: f64| if share < 1.0 { CUT * share * spring } else { spring };
         let [slip, rolling] = contact.memory.shares.map(of_share);
         let on = |friction: f64, resistance: f64| if friction > 0.0 { resistance } else { 0.0 };
         [along, on(self.law.friction, slip), on(self.law.rolling_friction, rolling)]
-    }
-
-    fn strained(&self, contact: &Touching) -> Vector {
-        strained(contact, self.strain_rate)
     }
 }
 

@@ -1,23 +1,26 @@
 //! The contacts of the particles that a rank owns.
 
 use super::history::{CONTACTS, Memory, recall};
+use crate::hydrodynamics::ContactSprings;
 use domain::{Halo, Neighbours, Particles, Partition, PeriodicBox, Vector};
-use lubrication::Contact;
+use lubrication::{Contact, Surfaces};
 
 /// A contact as one of its two particles sees it. The other, on this rank or another, sees the same with its axis and force
 /// reversed, to the last bit.
 #[derive(Debug, Clone, Copy)]
 pub struct Touching {
-    /// Rows of the particle and, among local particles and ghosts, of the other.
+    /// Rows of the particle and, among local particles and ghosts, of the other, which for a wall is the row after the last.
     pub rows: [usize; 2],
-    /// The id of the other.
+    /// The id of the other, or what stands for that of a wall.
     pub other: u64,
-    /// From the particle's centre to the other's image.
+    /// From the particle's centre to the other's image, or to the nearest point of a wall.
     pub separation: Vector,
     /// The unit vector along it.
     pub axis: Vector,
-    /// Both radii, and the distances of the centres from where the surfaces touch.
-    pub radii: [f64; 2],
+    /// Where the surfaces touch.
+    pub place: Vector,
+    /// What touches, and the distances of the centres from where it does; none of a wall.
+    pub between: Surfaces,
     pub arms: [f64; 2],
     pub overlap: f64,
     /// What it remembers, with forces turned into the present plane across the axis.
@@ -67,10 +70,30 @@ impl AllTouching {
                     other: ids[other],
                     separation,
                     axis,
-                    radii: pair,
+                    place: positions[row] + separation * (pair[0] / sum),
+                    between: Surfaces::Spheres(pair),
                     arms: pair.map(|a| distance * a / sum),
                     overlap,
                     memory: turned(memory, axis),
+                });
+            }
+            for to in cell.to_walls(particles.positions[row]) {
+                let between = Surfaces::Wall(radii[row]);
+                let (overlap, other) = (law.overlap(to.distance, between), ContactSprings::wall(to.wall));
+                if overlap <= 0.0 {
+                    continue;
+                }
+                let memory = known.and_then(|column| recall(column, row, other)).unwrap_or_default();
+                list.push(Touching {
+                    rows: [row, positions.len()],
+                    other,
+                    separation: to.axis * to.distance,
+                    axis: to.axis,
+                    place: positions[row] + to.axis * to.distance,
+                    between,
+                    arms: [to.distance, 0.0],
+                    overlap,
+                    memory: turned(memory, to.axis),
                 });
             }
             list[first..].sort_unstable_by_key(|touching| touching.other);
@@ -78,11 +101,13 @@ impl AllTouching {
         Self { halo, list }
     }
 
-    /// Values of all particles present, from those of this rank's. Collective.
+    /// Values relative to the flow of all particles present, from those of this rank's, and of walls, which move as the flow
+    /// does. Collective.
     pub fn present(&self, values: &[Vector]) -> Vec<Vector> {
         let mut present = values.to_vec();
         present.resize(self.halo.owned(), Vector::ZERO);
         self.halo.extend(&mut present);
+        present.push(Vector::ZERO);
         present
     }
 }
@@ -100,7 +125,7 @@ impl Touching {
     /// The velocity of rolling over each other.
     pub fn rolling(&self, angular: &[Vector]) -> Vector {
         let [own, other] = self.rows;
-        self.harmonic_radius() * (angular[other] - angular[own]).cross(self.axis)
+        self.between.harmonic_radius() * (angular[other] - angular[own]).cross(self.axis)
     }
 
     /// How fast the centres move apart.
@@ -112,12 +137,8 @@ impl Touching {
     /// The force and the torque on the particle by a normal force and what the contact remembers.
     pub fn load(&self, normal: f64, memory: &Memory) -> [Vector; 2] {
         let force = memory.force - normal * self.axis;
-        let torque = self.axis.cross(self.arms[0] * memory.force + self.harmonic_radius() * memory.rolling);
+        let torque = self.axis.cross(self.arms[0] * memory.force + self.between.harmonic_radius() * memory.rolling);
         [force, torque]
-    }
-
-    fn harmonic_radius(&self) -> f64 {
-        2.0 * self.radii[0] * self.radii[1] / (self.radii[0] + self.radii[1])
     }
 }
 
@@ -149,16 +170,27 @@ mod tests {
         let rolling = across(Vector::new(-0.2, 0.1, 0.4), axis);
         let memory = Memory { force, rolling, ..Memory::default() };
         let arms = radii.map(|a| distance * a / 2.5);
-        let one = Touching { rows: [0, 1], other: 1, separation, axis, radii, arms, overlap: 0.01, memory };
+        let between = Surfaces::Spheres(radii);
+        let one = Touching {
+            rows: [0, 1],
+            other: 1,
+            separation,
+            axis,
+            place: Vector::ZERO,
+            between,
+            arms,
+            overlap: 0.01,
+            memory,
+        };
         let reversed = Memory { force: -force, ..memory };
         let swap = |[a, b]: [f64; 2]| [b, a];
-        let (radii, arms) = (swap(radii), swap(arms));
+        let (between, arms) = (Surfaces::Spheres(swap(radii)), swap(arms));
         let other = Touching {
             rows: [1, 0],
             other: 0,
             separation: -separation,
             axis: -axis,
-            radii,
+            between,
             arms,
             memory: reversed,
             ..one

@@ -21,8 +21,10 @@ impl Dynamics {
         let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
         let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, stream));
         self.clipped = self.clipped.max(drawn.clipped);
-        let carried = motion.velocities.iter().zip(&particles.positions);
-        let velocities: Vec<Vector> = carried.map(|(&v, &x)| v * amplitude + self.moving.flow_at(x)).collect();
+        let places = particles.positions.iter().zip(&particles.radii);
+        let carried = motion.velocities.iter().zip(places);
+        let velocities: Vec<Vector> =
+            carried.map(|(&v, (&x, &a))| v * amplitude + self.moving.carried_velocity_of(x, a)).collect();
         particles.vectors(PAST[0]).copy_from_slice(&velocities);
         let values = &mut particles.column(AMBIENT, AMBIENT_NUMBERS).values;
         for (row, values) in values.chunks_exact_mut(AMBIENT_NUMBERS).enumerate() {

@@ -23,8 +23,9 @@ pub struct Arrangement<'a> {
     pub ids: &'a [u64],
     pub species: &'a [u32],
     pub neighbours: &'a Neighbours,
-    /// The ambient rate of strain.
+    /// The ambient rate of strain at `z = 0`, and by how much its xz component grows with z.
     pub ambient: Traceless,
+    pub slope: f64,
 }
 
 /// Rows of a rank's particles: their stiff pairs, the others, and their loads and moments by all of them in the ambient
@@ -56,6 +57,8 @@ struct Listed {
 struct NearPair {
     separation: Vector,
     distance: f64,
+    /// The height half-way between them.
+    height: f64,
     other: u32,
     species: [u32; 2],
     is_lubricated: bool,
@@ -72,6 +75,8 @@ struct Packed {
     records: [[f64; NUMBERS]; LANES],
     /// Unit vectors from the smaller sphere to the larger.
     axis: [[f64; LANES]; 3],
+    /// By how much the xz component of the ambient rate of strain is larger between them.
+    sloping: [f64; LANES],
     others: [u32; LANES],
     touching: Touching,
     /// Whether any of them touch.
@@ -139,7 +144,8 @@ impl Assembly<'_> {
         let holds = |(_, stiffness): (&PairForce, &Stiffness)| gap.is_some_and(|gap| stiffness.holds(pair, gap));
         let list = if spring > 0.0 || lubrication.is_some_and(holds) { stiff } else { soft };
         let (other, is_lubricated) = (neighbour.row, gap.is_some());
-        list.pairs.push(NearPair { separation, distance, other, species: pair, is_lubricated });
+        let height = positions[row].z + 0.5 * separation.z;
+        list.pairs.push(NearPair { separation, distance, height, other, species: pair, is_lubricated });
         list.springs.extend(resisted);
     }
 
@@ -181,7 +187,7 @@ impl Assembly<'_> {
 
     #[inline(always)]
     fn pack<V: Width<f64>>(&self, (listed, pair): (&Listed, usize), lane: usize, packed: &mut Packed) {
-        let NearPair { separation, distance, other, species, is_lubricated } = listed.pairs[pair];
+        let NearPair { separation, distance, height, other, species, is_lubricated } = listed.pairs[pair];
         let [own, others] = [self.arrangement.radii[species[0] as usize], self.arrangement.radii[species[1] as usize]];
         let is_larger = own > others;
         let numbers = &mut packed.records[lane];
@@ -191,6 +197,7 @@ impl Assembly<'_> {
         }
         numbers[IS_LARGER] = f64::from(u8::from(is_larger));
         packed.others[lane] = other;
+        packed.sloping[lane] = self.arrangement.slope * height;
         let axis = separation * (if is_larger { -1.0 } else { 1.0 } / distance);
         for k in 0..3 {
             packed.axis[k][lane] = axis[k];
@@ -230,6 +237,7 @@ impl Packed {
         Self {
             records: [[0.0; NUMBERS]; LANES],
             axis: [[0.0; LANES]; 3],
+            sloping: [0.0; LANES],
             others: [row; LANES],
             touching: Touching::default(),
             touch: false,
@@ -268,7 +276,7 @@ impl Packed {
         let is_larger = Lanes::read(&numbers[IS_LARGER]);
         let view = RowView::new(is_larger);
         sums.add(&coefficients, &view, z);
-        strained.add(&coefficients, &view, z, ambient);
+        strained.add(&coefficients, &view, z, (ambient, Lanes::read(&self.sloping)));
         group.others = self.others;
         group.axis = self.axis;
         group.set(&coefficients, &view);

@@ -1,6 +1,7 @@
 //! Rigid spheres with lubrication: the far field and the near field, solved together.
 
 mod assembly;
+mod at_walls;
 mod block;
 mod coupled;
 mod lanes;
@@ -20,7 +21,7 @@ mod touching;
 use coupled::{Coupled, Unknowns, resisted};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, SolveError, Stream, conjugate_gradients};
-use lubrication::{PairForce, PairForceError, Range};
+use lubrication::{PairForce, PairForceError, Range, WallForce};
 use near_pairs::{NearField, NearPairs};
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
@@ -53,8 +54,10 @@ pub struct ShortRange {
 pub struct Acting<'a> {
     /// Forces and torques; stresslets are ignored and solved for.
     pub loads: &'a Loads,
-    /// The rate of strain of the background flow.
+    /// The rate of strain of the background flow; where that is not uniform, at `z = 0`.
     pub strain_rate: Traceless,
+    /// By how much its xz component grows with z.
+    pub strain_slope: f64,
     /// Springs whose resistance goes with the loads, if there are any.
     pub springs: Option<&'a Springs<'a>>,
     /// How the fluid moves at the particles besides, each its own, such as by heat; no entries stand for none.
@@ -121,9 +124,11 @@ impl Hydrodynamics {
         });
         let reaches =
             [lubrication.as_ref().map(|(force, _)| force.reach()), short_range.springs.map(|r| r / units.length)];
+        let at_walls = short_range.lubrication.filter(|_| plan.boundaries.walls() > 0);
+        let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
         let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
             let lists = VerletList::new(reach, partition);
-            NearField { lubrication, lists, radii, reach }
+            NearField { lubrication, at_walls, lists, radii, reach }
         });
         let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
         Ok(Self { far, near, units, preconditioned: true, partition })
@@ -159,11 +164,14 @@ impl Hydrodynamics {
         acting: &Acting,
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
-        let Acting { loads, strain_rate: background, springs, ambient } = *acting;
+        let Acting { loads, strain_rate: background, strain_slope, springs, ambient } = *acting;
+        let sloping = sloping(strain_slope, particles, ambient);
+        let ambient = sloping.as_ref().unwrap_or(ambient);
         if let Some(field) = &mut self.near {
             let (units, own) = (self.units, scaled::particles(particles, &self.units));
             let scaled_background = background * (1.0 / units.rate());
-            let flow = (&cell.scaled(1.0 / units.length), scaled_background);
+            let slope = strain_slope * units.length / units.rate();
+            let flow = (&cell.scaled(1.0 / units.length), (scaled_background, slope));
             let resistance = springs.map(|springs| scaled::resistance(springs, &units));
             let contacts = springs.map(|springs| scaled::contacts(springs, &units)).unwrap_or_default();
             let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts });
@@ -223,6 +231,16 @@ impl Hydrodynamics {
 
 fn in_units(lengths: &[f64], unit: f64) -> Vec<f64> {
     lengths.iter().map(|length| length / unit).collect()
+}
+
+/// How the fluid moves at particles besides the background flow at `z = 0`, whose rate of strain slopes, if it does.
+fn sloping(slope: f64, particles: &Particles, ambient: &Motion) -> Option<Motion> {
+    let at = |place: &Vector| Traceless([0.0, 0.0, slope * place.z, 0.0, 0.0]);
+    (slope != 0.0).then(|| {
+        let mut strain_rates: Vec<Traceless> = particles.positions.iter().map(at).collect();
+        strain_rates.iter_mut().zip(&ambient.strain_rates).for_each(|(sum, &own)| *sum += own);
+        Motion { strain_rates, ..ambient.clone() }
+    })
 }
 
 /// As [`Hydrodynamics::solve`], in the units of lubrication.

@@ -1,19 +1,22 @@
 //! The pairs that feel lubrication, and their resistance.
 
 use super::assembly::{Arrangement, Assembled, Assembly};
+use super::at_walls::{self, AtWall};
 use super::pair_matrix::{Padded, PairMatrix, ROWS};
 use super::screw::Screws;
 use super::springs::Springs;
 use super::stiffness::Stiffness;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Linear;
-use lubrication::PairForce;
+use lubrication::{PairForce, WallForce};
 use rayon::prelude::*;
 use solver::Real;
 
 /// Forces between near particles, and the lists of who is near.
 pub struct NearField {
     pub lubrication: Option<(PairForce, Stiffness)>,
+    /// Lubrication at walls, if there are any.
+    pub at_walls: Option<WallForce>,
     pub lists: VerletList,
     /// Radii by species.
     pub radii: Vec<f64>,
@@ -50,31 +53,33 @@ impl NearField {
 /// The resistance of the near pairs of the particles that a rank owns, with what is needed of ghosts.
 pub struct NearPairs {
     halo: Halo,
+    /// With what walls resist.
     stiff: PairMatrix,
     soft: PairMatrix,
+    at_walls: Vec<AtWall>,
     /// Loads and moments in the ambient flow of particles that do not move relative to it.
     loads: Screws,
     moments: Vec<Traceless>,
 }
 
 impl NearPairs {
-    /// Finds the pairs within reach of lubrication or of springs, in a flow whose rate of strain is `ambient`, by lists that
-    /// reach as far. Collective.
+    /// Finds the pairs within reach of lubrication or of springs, in a flow whose rate of strain is `ambient` at `z = 0` and has an
+    /// xz component that grows with z by `slope`, by lists that reach as far. Collective.
     pub fn find(
         (field, springs): (&mut NearField, Option<&Springs>),
         particles: &Particles,
-        (cell, ambient): (&PeriodicBox, Traceless),
+        (cell, (ambient, slope)): (&PeriodicBox, (Traceless, f64)),
         partition: &Partition,
     ) -> Self {
         let owned = particles.len();
         let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
-        let NearField { lubrication, lists, radii, .. } = field;
+        let NearField { lubrication, at_walls, lists, radii, .. } = field;
         let neighbours = lists.neighbours();
         let lubrication = lubrication.as_ref().map(|(force, stiffness)| (force, stiffness));
         let (positions, species) = (&positions, &species);
         let ids = &ids;
         let arrangement =
-            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient };
+            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient, slope };
         let part = |k: usize| {
             let first = k * ROWS;
             f64::dispatch(Assembly { arrangement: &arrangement, first, rows: ROWS.min(owned - first) })
@@ -88,16 +93,24 @@ impl NearPairs {
             stiff.push(part.stiff);
             soft.push(part.soft);
         }
-        let (stiff, soft, loads) = (PairMatrix::new(stiff), PairMatrix::new(soft), Screws(loads));
-        Self { halo, stiff, soft, loads, moments }
+        let (mut stiff, soft, mut loads) = (PairMatrix::new(stiff), PairMatrix::new(soft), Screws(loads));
+        let at_walls = at_walls::find(at_walls.as_ref(), springs, particles, cell);
+        for at_wall in &at_walls {
+            let sloping = Traceless([0.0, 0.0, slope * particles.positions[at_wall.row].z, 0.0, 0.0]);
+            let (load, moment) = at_wall.in_strain(ambient + sloping);
+            stiff.add_own(at_wall.row, &at_wall.own());
+            loads.0[at_wall.row] += load;
+            moments[at_wall.row] += moment;
+        }
+        Self { halo, stiff, soft, at_walls, loads, moments }
     }
 
-    /// Whether no particle of this rank is near another.
+    /// Whether no particle of this rank is near another or a wall.
     pub fn is_empty(&self) -> bool {
-        self.stiff.is_empty() && self.soft.is_empty()
+        self.stiff.is_empty() && self.soft.is_empty() && self.at_walls.is_empty()
     }
 
-    /// What resists motions of stiff pairs.
+    /// What resists motions of stiff pairs, and of spheres at walls.
     pub fn stiff(&self) -> &PairMatrix {
         &self.stiff
     }
@@ -129,6 +142,7 @@ impl NearPairs {
         let mut by_motions = vec![Traceless::ZERO; self.moments.len()];
         self.stiff.add_moments(&present, &mut by_motions);
         self.soft.add_moments(&present, &mut by_motions);
+        self.at_walls.iter().for_each(|at_wall| by_motions[at_wall.row] += at_wall.moment(motions));
         self.moments.iter().zip(by_motions).map(|(&by_strain, by_motion)| by_strain - by_motion).collect()
     }
 

@@ -135,6 +135,14 @@ impl PairMatrix {
         self.parts.iter().all(|part| part.groups.is_empty())
     }
 
+    /// Adds to the block on the diagonal of a row.
+    pub fn add_own(&mut self, row: usize, own: &Own) {
+        let sum = &mut self.parts[row / ROWS].own[row % ROWS];
+        sum.force.iter_mut().zip(own.force).for_each(|(sum, value)| *sum += value);
+        sum.torque.iter_mut().zip(own.torque).for_each(|(sum, value)| *sum += value);
+        sum.coupling.iter_mut().zip(own.coupling).for_each(|(sum, value)| *sum += value);
+    }
+
     /// The block on the diagonal of a row.
     pub fn block(&self, row: usize) -> Block {
         self.parts[row / ROWS].own[row % ROWS].block()
@@ -177,7 +185,7 @@ impl Own {
     }
 
     #[inline(always)]
-    fn times(&self, motion: &Padded) -> [f64; 6] {
+    pub fn times(&self, motion: &Padded) -> [f64; 6] {
         let [ux, uy, uz, ox, oy, oz, ..] = motion.0;
         let ([a, b, c, d, e, f], [p, q, r, s, t, u]) = (self.force, self.torque);
         let [x, y, z] = self.coupling;

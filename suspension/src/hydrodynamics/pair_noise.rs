@@ -4,13 +4,14 @@ use super::lanes::Lanes;
 use super::near_pairs::{NearField, Present};
 use domain::{Neighbours, Particles, Partition, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};
-use lubrication::{PairFactor, PairForce};
+use lubrication::{PairFactor, PairForce, WallFactor, WallForce};
 use rayon::prelude::*;
 use solver::Real;
 use solver::simd::{Vector as Width, Work};
 
-/// Random numbers of pairs.
+/// Random numbers of pairs, and of spheres at walls.
 const OF_PAIR: u64 = 3;
+const OF_WALL: u64 = 4;
 
 /// Rows that a thread goes through at a time.
 const BATCH: usize = 64;
@@ -39,6 +40,9 @@ pub fn loads(
     for (row, [force, torque]) in parts.into_iter().flatten() {
         sums[row][0] += force;
         sums[row][1] += torque;
+    }
+    if let Some(force) = &field.at_walls {
+        add_at_walls(&mut sums, force, (particles, cell), stream);
     }
     let of = |k: usize| sums.iter().map(|sum| sum[k]).collect();
     Loads { forces: of(0), torques: of(1), stresslets: Vec::new() }
@@ -88,6 +92,26 @@ impl Work<f64> for Pairs<'_> {
             }
         }
         sums
+    }
+}
+
+/// Adds the random loads of the walls on each sphere.
+fn add_at_walls(
+    sums: &mut [[Vector; 2]],
+    force: &WallForce,
+    (particles, cell): (&Particles, &PeriodicBox),
+    stream: Stream,
+) {
+    for (row, sum) in sums.iter_mut().enumerate() {
+        for to in cell.to_walls(particles.positions[row]) {
+            let Some(factor) = force.factor(to.axis, to.distance, particles.radii[row]) else { continue };
+            let mut random = stream.of(OF_WALL, 2 * particles.ids[row] + to.wall as u64);
+            let mut modes = [0.0; WallFactor::MODES];
+            modes.chunks_exact_mut(2).for_each(|pair| pair.copy_from_slice(&random.normal()));
+            let loads = factor.loads(&modes);
+            sum[0] += loads.force;
+            sum[1] += loads.torque;
+        }
     }
 }
 

@@ -74,12 +74,18 @@ impl<V: Width<f64>> InStrain<V> {
         Self { force: [zero; 3], torque: [zero; 3], moment: [zero; 5] }
     }
 
-    /// Adds a pair of each row, along these axes.
+    /// Adds a pair of each row, along these axes, in an ambient rate of strain whose xz component is larger there.
     #[inline(always)]
-    pub fn add(&mut self, c: &Coefficients<Lanes<V>>, view: &RowView<V>, z: [Lanes<V>; 3], ambient: Traceless) {
+    pub fn add(
+        &mut self,
+        c: &Coefficients<Lanes<V>>,
+        view: &RowView<V>,
+        z: [Lanes<V>; 3],
+        (ambient, sloping): (Traceless, Lanes<V>),
+    ) {
         let [xx, xy, xz, yy, yz] = ambient.0;
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]];
-        let mut across = [Lanes::<V>::constant(0.0); 3];
+        let mut across = [sloping * z[2], Lanes::<V>::constant(0.0), sloping * z[0]];
         for i in 0..3 {
             for j in 0..3 {
                 across[i] = across[i].plus(Lanes::constant(rows[i][j]), z[j]);
@@ -103,6 +109,7 @@ impl<V: Width<f64>> InStrain<V> {
         for (k, component) in ambient.0.into_iter().enumerate() {
             self.moment[k] = self.moment[k].plus(bulk, Lanes::constant(component));
         }
+        self.moment[2] = self.moment[2].plus(bulk, sloping);
     }
 
     /// The load and the moment of each row.

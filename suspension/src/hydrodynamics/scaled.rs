@@ -4,6 +4,7 @@
 use super::{ContactSprings, Guess, Solved, Springs};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
+use lubrication::Surfaces;
 
 /// A mobility in such units.
 pub struct Scaled<'a> {
@@ -26,9 +27,9 @@ impl Scaled<'_> {
 }
 
 /// Resistances of springs by distances and radii.
-pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, [f64; 2]) -> f64 + Sync + 'a {
+pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, Surfaces) -> f64 + Sync + 'a {
     let (length, velocity) = (units.length, units.velocity());
-    move |distance, radii| (springs.resistance)(distance * length, radii.map(|a| a * length)) * velocity
+    move |distance, between| (springs.resistance)(distance * length, between.times(length)) * velocity
 }
 
 /// Contacts of the particles that a rank owns.

@@ -1,11 +1,13 @@
 //! Short-range forces that change while particles move.
 
+use lubrication::Surfaces;
+
 /// Forces between near particles, taken not as they are but as they will be after some time: a pair that opens at the rate
 /// `w` then pushes with a force that is less by `resistance w`, the force's decay with distance times that time. So it
 /// resists to motions like lubrication, and however stiff it is, no motion overshoots.
 pub struct Springs<'a> {
-    /// Resistance, force over velocity, of two particles of some radii by the distance of their centres.
-    pub resistance: &'a (dyn Fn(f64, [f64; 2]) -> f64 + Sync),
+    /// Resistance, force over velocity, of two particles, or of one and a wall, by the distance of their centres.
+    pub resistance: &'a (dyn Fn(f64, Surfaces) -> f64 + Sync),
     /// The particles that touch each of those that the rank owns, in their order; or nothing.
     pub contacts: &'a [Vec<ContactSprings>],
 }
@@ -13,7 +15,7 @@ pub struct Springs<'a> {
 /// What a contact resists to the motions of two particles, force over velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSprings {
-    /// The id of the other particle.
+    /// The id of the other particle, or that which stands for a wall.
     pub other: u64,
     /// Along the line of centres.
     pub normal: f64,
@@ -25,6 +27,11 @@ pub struct ContactSprings {
 }
 
 impl ContactSprings {
+    /// What stands for the id of a wall: no particle has such, and it is a whole number that a double holds.
+    pub fn wall(wall: usize) -> u64 {
+        (1 << 52) + wall as u64
+    }
+
     /// The same in another unit of velocity.
     #[must_use]
     pub fn times(&self, unit: f64) -> Self {
@@ -36,9 +43,18 @@ impl ContactSprings {
 impl Springs<'_> {
     /// What a particle in a row and another, of an id, of some radii and at a distance of their centres resist: along their
     /// line, across it, and to rolling.
-    pub fn between(&self, (row, other): (usize, u64), distance: f64, radii: [f64; 2]) -> [f64; 3] {
+    pub fn between(&self, rows: (usize, u64), distance: f64, radii: [f64; 2]) -> [f64; 3] {
+        self.of(rows, distance, radii.into())
+    }
+
+    /// The same of a particle in a row and a wall.
+    pub fn at_wall(&self, (row, wall): (usize, usize), distance: f64, radius: f64) -> [f64; 3] {
+        self.of((row, ContactSprings::wall(wall)), distance, Surfaces::Wall(radius))
+    }
+
+    fn of(&self, (row, other): (usize, u64), distance: f64, between: Surfaces) -> [f64; 3] {
         let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
-        [(self.resistance)(distance, radii) + normal, tangential, rolling]
+        [(self.resistance)(distance, between) + normal, tangential, rolling]
     }
 }

@@ -3,6 +3,7 @@
 mod springs;
 mod system;
 mod units;
+mod walls;
 
 use super::*;
 use domain::random_packing;
@@ -12,6 +13,7 @@ use lubrication::PairMotion;
 fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
     Plan::choose(&Problem {
         edges: Vector::splat(edge),
+        boundaries: domain::Boundaries::Periodic,
         largest_strain: 0.0,
         radii: radii.iter().map(|&a| (a, 1)).collect(),
         viscosity: 1.0,
@@ -36,11 +38,11 @@ fn placed(positions: &[Vector], radii: &[f64]) -> Particles {
 }
 
 fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
-    ShortRange { lubrication, springs: None }
+    ShortRange { lubrication, ..ShortRange::default() }
 }
 
 fn acting(loads: &Loads, strain_rate: Traceless) -> Acting<'_> {
-    Acting { loads, strain_rate, springs: None, ambient: &STILL }
+    Acting { loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &STILL }
 }
 
 fn cube(edge: f64) -> PeriodicBox {

@@ -2,7 +2,7 @@
 
 use super::spheres::check_species;
 use super::{Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion};
-use domain::{Number, ParameterError};
+use domain::{Boundaries, Number, ParameterError};
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
 
@@ -17,7 +17,8 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     ParameterError::unless_positive("fluid.viscosity", p.viscosity)?;
     check_heat(p)?;
     ParameterError::unless_finite_vector("gravity.acceleration", p.gravity)?;
-    p.start.check(&p.species)?;
+    p.start.check(&p.species, &p.cell)?;
+    check_walls(p)?;
     check_flow(p)?;
     p.repulsion.as_ref().map_or(Ok(()), check_repulsion)?;
     p.attraction.as_ref().map_or(Ok(()), |attraction| attraction.check(p))?;
@@ -52,14 +53,57 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
     Ok(())
 }
 
+/// What a run in a box that does not repeat along all axes can't have.
+fn check_walls(p: &Parameters) -> Result<(), ParameterError> {
+    let refused = |key: &str, message: &str| Err(ParameterError::new(key, message));
+    match p.cell.boundaries() {
+        Boundaries::Periodic => {
+            let has_profile = matches!(p.flow, Flow::Poiseuille { .. });
+            let message = "is \"poiseuille\", which needs two walls: \"walls\" in box.boundaries";
+            return if has_profile { refused("flow.kind", message) } else { Ok(()) };
+        }
+        Boundaries::Walls | Boundaries::Wall => {}
+        Boundaries::OpenAlongZ | Boundaries::Open => {
+            let message = "has open axes without a wall, of which runs know nothing; possible are \"periodic\" along all \
+                           axes, and \"walls\" or \"wall\" along the third";
+            return refused("box.boundaries", message);
+        }
+    }
+    if let Flow::Shear { lees_edwards: true, .. } = p.flow {
+        let message = "is true, but between walls the box stays as it is; leave it out";
+        return refused("flow.lees_edwards", message);
+    }
+    if let (Flow::Poiseuille { .. }, Boundaries::Wall) = (p.flow, p.cell.boundaries()) {
+        return refused("flow.kind", "is \"poiseuille\", which needs two walls: \"walls\" in box.boundaries");
+    }
+    if let Protocol::Stress(_) = p.protocol {
+        let message = "is \"stress\", which only a periodic box can follow; give flow.rate, the speed of the upper wall over \
+                       its height";
+        return refused("flow.control", message);
+    }
+    if p.thermal_energy.is_some() {
+        let message = "can't be between walls; leave it out, or make box.boundaries periodic";
+        return refused("fluid.thermal_energy", message);
+    }
+    if p.statistics.is_some() {
+        let message = "are those of a box that repeats along all axes; leave them out where box.boundaries has walls";
+        return refused("statistics", message);
+    }
+    Ok(())
+}
+
 /// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which
 /// the images of a sphere move with the flow.
 fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
+    if let Flow::Poiseuille { pressure_gradient } = p.flow {
+        ParameterError::unless_finite("flow.pressure_gradient", pressure_gradient)?;
+    }
     let Flow::Shear { rate, lees_edwards } = p.flow else {
         let message = "changes, but flow.kind is \"none\"; set flow.kind = \"shear\"";
         return if p.protocol == Protocol::STEADY { Ok(()) } else { Err(ParameterError::new("flow.rate", message)) };
     };
     let (rates, end) = (p.shear_rates(), p.end());
+    let is_straight = !lees_edwards && p.cell.boundaries() == Boundaries::Periodic;
     rates.check()?;
     if rates.largest_strain(end) > MAX_STRAIN {
         let (rate, end, largest) = (Number(rate), Number(end), Number(MAX_STRAIN));
@@ -68,7 +112,7 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
         return Err(ParameterError::new("flow.rate", message));
     }
     let carried = [("flow.oscillation", rates.frequency().is_some()), ("flow.control", rates.stress().is_some())];
-    if let Some((key, _)) = carried.into_iter().find(|(_, is_set)| *is_set && !lees_edwards) {
+    if let Some((key, _)) = carried.into_iter().find(|(_, is_set)| *is_set && is_straight) {
         let message = "is set, but with flow.lees_edwards = false the box stays straight; leave flow.lees_edwards out";
         return Err(ParameterError::new(key, message));
     }
@@ -91,7 +135,7 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
             return Err(ParameterError::new("statistics.every", message));
         }
     }
-    if p.hydrodynamics.lubrication && !lees_edwards {
+    if p.hydrodynamics.lubrication && is_straight {
         let message = "is true, but with flow.lees_edwards = false the box stays straight, and spheres on either side of \
                        its y boundary would rub against images that do not move with the flow; set \
                        flow.lees_edwards = true, or lubrication = false";

@@ -127,7 +127,8 @@ impl Contacts {
     /// A contact is known by the ids of its two spheres.
     fn check_images(&self, p: &Parameters) -> Result<(), ParameterError> {
         let largest = p.species.iter().map(|s| s.radius).fold(0.0, f64::max);
-        let (shortest, least) = (p.cell.edges().min_element(), 4.0 * largest * (1.0 + 0.5 * self.roughness));
+        let repeating = (0..3).filter(|&axis| p.cell.is_periodic(axis)).map(|axis| p.cell.edges()[axis]);
+        let (shortest, least) = (repeating.fold(f64::INFINITY, f64::min), 4.0 * largest * (1.0 + 0.5 * self.roughness));
         if shortest < least {
             let [shortest, least] = [shortest, least].map(Number);
             let message = format!(

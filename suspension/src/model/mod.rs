@@ -107,12 +107,17 @@ impl Parameters {
 pub enum Flow {
     /// None.
     None,
-    /// `u = rate y e_x`.
+    /// `u = rate y e_x`, or `u = rate z e_x` between walls.
     Shear {
         /// One over time; at the start, where it changes.
         rate: f64,
         /// Whether the box shears with the flow, so that images of spheres move with it.
         lees_edwards: bool,
+    },
+    /// Between walls, `u = pressure_gradient z (Lz - z) / (2 viscosity) e_x`.
+    Poiseuille {
+        /// By how much the pressure falls per length along x.
+        pressure_gradient: f64,
     },
 }
 

@@ -67,7 +67,14 @@ impl Species {
         ParameterError::unless_positive(&key("radius"), self.radius)?;
         let shortest = cell.edges().min_element();
         if 2.0 * self.radius >= shortest {
-            let (radius, shortest) = (Number(self.radius), Number(shortest));
+            let (radius, is_height) =
+                (Number(self.radius), cell.boundaries().walls() == 2 && cell.edges().z == shortest);
+            let shortest = Number(shortest);
+            if is_height {
+                let message =
+                    format!("is {radius}; a sphere needs to fit between the walls, which are {shortest} apart");
+                return Err(ParameterError::new(key("radius"), message));
+            }
             let message =
                 format!("is {radius}; a sphere needs to be smaller than the box, whose shortest edge is {shortest}");
             return Err(ParameterError::new(key("radius"), message));
@@ -119,13 +126,13 @@ fn too_many(count: f64) -> String {
 }
 
 impl Start {
-    pub(super) fn check(&self, species: &[Species]) -> Result<(), ParameterError> {
+    pub(super) fn check(&self, species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {
         match self {
             Self::Random { minimum_gap } if !(*minimum_gap >= 0.0 && minimum_gap.is_finite()) => {
                 let message = format!("is {}; it needs to be 0 or more", Number(*minimum_gap));
                 Err(ParameterError::new("particles.minimum_gap", message))
             }
-            Self::Positions(places) => check_places(places, species),
+            Self::Positions(places) => check_places(places, species, cell),
             _ => self.check_counts(species),
         }
     }
@@ -139,7 +146,7 @@ impl Start {
     }
 }
 
-fn check_places(places: &[Vector], species: &[Species]) -> Result<(), ParameterError> {
+fn check_places(places: &[Vector], species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {
     let counted: u64 = species.iter().filter_map(|s| s.count).sum();
     if places.len() as u64 != counted {
         let message = format!("has {} places, but the species count {counted} spheres", places.len());
@@ -147,6 +154,15 @@ fn check_places(places: &[Vector], species: &[Species]) -> Result<(), ParameterE
     }
     for (row, &place) in places.iter().enumerate() {
         ParameterError::unless_finite_vector(&format!("particles.positions[{row}]"), place)?;
+    }
+    let radii = species.iter().flat_map(|s| std::iter::repeat_n(s.radius, s.count.unwrap_or(0) as usize));
+    for (row, (&place, radius)) in places.iter().zip(radii).enumerate() {
+        if let Some(to) = cell.to_walls(place).find(|to| to.distance < radius * (1.0 - 1e-12)) {
+            let wall = if to.wall == 0 { 0.0 } else { cell.edges().z };
+            let [z, radius, wall] = [place.z, radius, wall].map(Number);
+            let message = format!("has z = {z}: a sphere of radius {radius} there reaches into the wall at z = {wall}");
+            return Err(ParameterError::new(format!("particles.positions[{row}]"), message));
+        }
     }
     Ok(())
 }

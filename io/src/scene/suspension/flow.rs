@@ -9,10 +9,15 @@ use suspension::{Flow, Protocol, RateChange};
 /// A time may be off a step by this part of it.
 const ROUND_OFF: f64 = 1e-6;
 
-/// The flow at first, and how its rate changes, in steps of a length.
-pub fn flow(raw: Option<&raw::Flow>, (viscosity, time_step): (f64, f64)) -> Result<(Flow, Protocol), Fault> {
+/// The flow at first, and how its rate changes, in steps of a length, in a box that shears with it unless the scene says
+/// otherwise, or does not.
+pub fn flow(
+    raw: Option<&raw::Flow>,
+    (viscosity, time_step): (f64, f64),
+    shears: bool,
+) -> Result<(Flow, Protocol), Fault> {
     let Some(raw) = raw else { return Ok((Flow::None, Protocol::STEADY)) };
-    if let raw::FlowKind::None = raw.kind {
+    if raw.kind != raw::FlowKind::Shear {
         let keys = [
             ("flow.rate", raw.rate.is_some()),
             ("flow.reversal_at", raw.reversal_at.is_some()),
@@ -21,12 +26,17 @@ pub fn flow(raw: Option<&raw::Flow>, (viscosity, time_step): (f64, f64)) -> Resu
             ("flow.stress", raw.stress.is_some()),
         ];
         return match keys.into_iter().find(|(_, is_set)| *is_set) {
-            None => Ok((Flow::None, Protocol::STEADY)),
+            None => without_shear(raw),
             Some((key, _)) => {
-                let message = "is set, but flow.kind is \"none\"; set flow.kind = \"shear\" or leave it out";
+                let kind = if raw.kind == raw::FlowKind::None { "none" } else { "poiseuille" };
+                let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"shear\" or leave it out");
                 Err(Fault::new(key, message))
             }
         };
+    }
+    if raw.pressure_gradient.is_some() {
+        let message = "is set, but flow.kind is \"shear\"; set flow.kind = \"poiseuille\" or leave it out";
+        return Err(Fault::new("flow.pressure_gradient", message));
     }
     let (rate, protocol) = match (raw.control, raw.stress) {
         (Some(raw::Control::Stress), Some(stress)) => driven(raw, stress, viscosity)?,
@@ -39,7 +49,19 @@ pub fn flow(raw: Option<&raw::Flow>, (viscosity, time_step): (f64, f64)) -> Resu
         }
         _ => rates(raw, time_step)?,
     };
-    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) }, protocol))
+    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(shears) }, protocol))
+}
+
+fn without_shear(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
+    let error = |message: &str| Err(Fault::new("flow.pressure_gradient", message));
+    match (raw.kind, raw.pressure_gradient) {
+        (raw::FlowKind::Poiseuille, Some(pressure_gradient)) => {
+            Ok((Flow::Poiseuille { pressure_gradient }, Protocol::STEADY))
+        }
+        (raw::FlowKind::Poiseuille, None) => error("is missing; flow.kind = \"poiseuille\" needs it"),
+        (_, Some(_)) => error("is set, but flow.kind is \"none\"; set flow.kind = \"poiseuille\" or leave it out"),
+        _ => Ok((Flow::None, Protocol::STEADY)),
+    }
 }
 
 fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {

@@ -7,7 +7,7 @@ mod species;
 use super::checks::positive;
 use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
-use domain::{PeriodicBox, Vector};
+use domain::{Boundaries, PeriodicBox, Vector};
 pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,8 @@ impl SuspensionScene {
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, path) = start(&raw.particles)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
-        let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step))?;
+        let shears = cell.boundaries() == Boundaries::Periodic;
+        let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step), shears)?;
         let parameters = Parameters {
             seed: raw.seed,
             cell,
@@ -77,7 +78,25 @@ fn cell(raw: &raw::Box) -> Result<PeriodicBox, Fault> {
     for (axis, length) in raw.edges.iter().enumerate() {
         positive(&format!("box.edges[{axis}]"), *length)?;
     }
-    PeriodicBox::new(Vector::from_array(raw.edges)).map_err(|e| Fault::new("box.edges", e.to_string()))
+    let cell = PeriodicBox::new(Vector::from_array(raw.edges)).map_err(|e| Fault::new("box.edges", e.to_string()))?;
+    let boundaries = boundaries(raw.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
+    cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))
+}
+
+fn boundaries(axes: [raw::Boundary; 3]) -> Result<Boundaries, Fault> {
+    use raw::Boundary::{Open, Periodic, Wall, Walls};
+    match axes {
+        [Periodic, Periodic, Periodic] => Ok(Boundaries::Periodic),
+        [Periodic, Periodic, Walls] => Ok(Boundaries::Walls),
+        [Periodic, Periodic, Wall] => Ok(Boundaries::Wall),
+        [Periodic, Periodic, Open] => Ok(Boundaries::OpenAlongZ),
+        [Open, Open, Open] => Ok(Boundaries::Open),
+        _ => {
+            let message = "is none that is possible: all \"periodic\"; or \"periodic\", \"periodic\" and along the third axis \
+                           \"walls\", one at 0 and one at the edge, or \"wall\", one at 0 with open fluid above";
+            Err(Fault::new("box.boundaries", message))
+        }
+    }
 }
 
 /// Where the spheres start, and the file that says so.

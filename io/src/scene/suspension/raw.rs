@@ -50,8 +50,23 @@ pub(in crate::scene) struct Raw {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Box {
-    /// Edges along x, y and z.
+    /// Edges along x, y and z; between walls their distance.
     pub(super) edges: [f64; 3],
+    /// What each axis is; "periodic" by default.
+    pub(super) boundaries: Option<[Boundary; 3]>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Boundary {
+    /// The box repeats.
+    Periodic,
+    /// Two walls, at 0 and at the edge.
+    Walls,
+    /// A wall at 0, and open fluid above it.
+    Wall,
+    /// Open fluid.
+    Open,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -151,7 +166,7 @@ pub(super) enum Initial {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
-    /// The flow: none, or the shear u = rate y along x.
+    /// The flow along x: none, the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls.
     pub(super) kind: FlowKind,
     /// Shear rate; or a table of times, from 0 on, and the rates from then on.
     pub(super) rate: Option<Rate>,
@@ -163,6 +178,8 @@ pub(super) struct Flow {
     pub(super) control: Option<Control>,
     /// Shear stress, for control = "stress".
     pub(super) stress: Option<f64>,
+    /// By how much the pressure falls per length along x, for "poiseuille".
+    pub(super) pressure_gradient: Option<f64>,
     /// Whether the box shears with the flow (default), or stays straight.
     pub(super) lees_edwards: Option<bool>,
 }
@@ -191,11 +208,12 @@ pub(super) enum Rate {
     Table(Vec<[f64; 2]>),
 }
 
-#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum FlowKind {
     None,
     Shear,
+    Poiseuille,
 }
 
 #[derive(Deserialize, JsonSchema)]

@@ -1,6 +1,7 @@
 //! Springs of repulsion and of contacts in the solve.
 
 use super::*;
+use lubrication::Surfaces;
 
 /// With contacts the motions are those without, under the forces and torques that their springs make of them: along the line
 /// of centres, against slip where the surfaces touch, and against rolling; in any units.
@@ -30,9 +31,10 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let contacts: Vec<Vec<ContactSprings>> = (0..count).map(of_one).collect();
         assert!(contacts.iter().map(Vec::len).sum::<usize>() >= 4, "some touch");
         let lubrication = Some(Range::new(2.5, 1e-6).unwrap());
-        let mut fluid = Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }).unwrap();
+        let mut fluid =
+            Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
-            let acting = Acting { loads, strain_rate: strain, springs, ambient: &STILL };
+            let acting = Acting { loads, strain_rate: strain, strain_slope: 0.0, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
         };
         let sprung = solve(&given, Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts }));
@@ -83,10 +85,14 @@ fn springs_push_as_the_motions_say() {
             Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-            let acting = Acting { loads: &loads, strain_rate: strain, springs, ambient: &STILL };
+            let acting = Acting { loads: &loads, strain_rate: strain, strain_slope: 0.0, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
-        let sprung = solve(&forces, Some(&Springs { resistance: &resistance, contacts: &[] }));
+        let between = |distance: f64, between: Surfaces| match between {
+            Surfaces::Spheres(radii) => resistance(distance, radii),
+            Surfaces::Wall(_) => 0.0,
+        };
+        let sprung = solve(&forces, Some(&Springs { resistance: &between, contacts: &[] }));
         let mut pushed = forces.clone();
         for i in 0..particles.len() {
             for j in (0..particles.len()).filter(|&j| j != i) {

@@ -48,8 +48,8 @@ impl Setting {
         let stiffness = Stiffness::new(&force, &alone);
         let (reach, radii) = (force.reach(), plan.radii.clone());
         let (lubrication, lists) = (Some((force, stiffness)), VerletList::new(reach, &partition));
-        let mut field = NearField { lubrication, lists, radii, reach };
-        let near = NearPairs::find((&mut field, None), &particles, (&cell, Traceless::ZERO), &partition);
+        let mut field = NearField { lubrication, at_walls: None, lists, radii, reach };
+        let near = NearPairs::find((&mut field, None), &particles, (&cell, (Traceless::ZERO, 0.0)), &partition);
         let mut mobility = Mobility::new(&plan, &partition);
         mobility.arrange(&cell, &particles);
         let radii = &particles.radii;

@@ -1,0 +1,47 @@
+//! What the axes of a box are.
+
+use crate::Vector;
+
+/// What lies at the faces of a box. Its special axis is z; whoever takes a box with another special axis from a user turns
+/// vectors and tensors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Boundaries {
+    /// The box repeats along all axes.
+    #[default]
+    Periodic,
+    /// No-slip walls at `z = 0` and `z = Lz`; periodic along x and y.
+    Walls,
+    /// A no-slip wall at `z = 0` and unbounded fluid above it, in which `Lz` is about the height of what is in it; periodic
+    /// along x and y.
+    Wall,
+    /// Unbounded fluid along z, in which `Lz` is about the extent of what is in it; periodic along x and y.
+    OpenAlongZ,
+    /// Unbounded fluid; the edges are about the extent of what is in it.
+    Open,
+}
+
+impl Boundaries {
+    /// Whether the box repeats along an axis: 0, 1 and 2 for x, y and z.
+    #[inline]
+    pub fn is_periodic(self, axis: usize) -> bool {
+        match self {
+            Self::Periodic => true,
+            Self::Open => false,
+            Self::Walls | Self::Wall | Self::OpenAlongZ => axis < 2,
+        }
+    }
+
+    /// How many walls there are: the first at `z = 0`, the second at `z = Lz`.
+    pub fn walls(self) -> usize {
+        match self {
+            Self::Walls => 2,
+            Self::Wall => 1,
+            Self::Periodic | Self::OpenAlongZ | Self::Open => 0,
+        }
+    }
+
+    /// 1 for each axis along which the box repeats, else 0.
+    pub(crate) fn repeats(self) -> Vector {
+        Vector::from_array(std::array::from_fn(|axis| f64::from(u8::from(self.is_periodic(axis)))))
+    }
+}

@@ -1,0 +1,114 @@
+//! Grids of boxes that do not repeat along all axes.
+
+use crate::plan::Plan;
+use crate::problem::Problem;
+use domain::{Boundaries, Number, PeriodicBox, Vector};
+
+/// The least distance of a sphere's centre from a wall, in radii: below about 0.8 the mobility is not positive definite.
+pub const NEAREST_WALL: f64 = 0.85;
+
+/// Wavenumbers that the flow of walls has on a grid, in units of the highest: windows err beyond.
+pub(crate) const HIGHEST: f64 = 0.85;
+
+/// A sphere that is too near a wall, or not in the box at all.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "sphere {id} of radius {} is at {axis} = {}; the box is {} long there with {what}, and its centre needs to be from {} to \
+     {}",
+    Number(*radius), Number(*place), Number(*edge), Number(allowed[0]), Number(allowed[1])
+)]
+pub struct OutsideError {
+    /// Its id.
+    pub id: u64,
+    /// Its radius.
+    pub radius: f64,
+    /// x, y or z.
+    pub axis: char,
+    /// The coordinate of its centre.
+    pub place: f64,
+    /// The box's edge along the axis.
+    pub edge: f64,
+    /// What lies at the faces.
+    pub what: &'static str,
+    /// Where centres may be.
+    pub allowed: [f64; 2],
+}
+
+/// Refuses a sphere that is nearer a wall than [`NEAREST_WALL`] of its radius, or outside of the box where that does not
+/// repeat.
+pub fn check_inside(cell: &PeriodicBox, id: u64, position: Vector, radius: f64) -> Result<(), OutsideError> {
+    for (axis, name) in "xyz".chars().enumerate().filter(|(axis, _)| !cell.is_periodic(*axis)) {
+        let (place, edge) = (position[axis], cell.edges()[axis]);
+        let allowed = allowed(cell.boundaries(), edge, radius);
+        // Places computed from those of spheres at the ends are not refused for round-off.
+        let round_off = 1e-9 * edge;
+        if !(allowed[0] - round_off..=allowed[1] + round_off).contains(&place) {
+            let what = match cell.boundaries() {
+                Boundaries::Walls => "walls at both ends",
+                Boundaries::Wall => "a wall at 0 and open fluid above",
+                _ => "open ends",
+            };
+            return Err(OutsideError { id, radius, axis: name, place, edge, what, allowed });
+        }
+    }
+    Ok(())
+}
+
+/// Where centres may be along an axis that does not repeat.
+fn allowed(boundaries: Boundaries, edge: f64, radius: f64) -> [f64; 2] {
+    let [below, above] = [1, 2].map(|walls| if boundaries.walls() >= walls { NEAREST_WALL * radius } else { 0.0 });
+    [below, edge - above]
+}
+
+/// Error of walls by the wavenumbers that a grid of spacing `h` has not, for spheres of radius `a` on a wall: their flow
+/// falls off like `exp(-2 k a)`.
+pub(crate) fn wall_error(boundaries: Boundaries, spacing_over_radius: f64) -> f64 {
+    if boundaries.walls() == 0 {
+        return 0.0;
+    }
+    (-2.0 * HIGHEST * std::f64::consts::PI / spacing_over_radius).exp()
+}
+
+impl Problem {
+    /// The coarsest grid on which the flow of walls has its tolerance.
+    pub(crate) fn coarsest_at_walls(&self) -> f64 {
+        if self.boundaries.walls() == 0 {
+            return f64::INFINITY;
+        }
+        self.smallest_radius() * 2.0 * HIGHEST * std::f64::consts::PI / -(0.8 * self.tolerance).ln()
+    }
+
+    /// Lengths that a grid has to have: the edges where the box repeats. Between walls there is room for whole windows of
+    /// `window` along an axis, and the copies of a sphere are beyond the cutoff of any other; in open space the grid is as long
+    /// again as what is on it.
+    pub(crate) fn lengths(&self, window: f64, cutoff: f64) -> Vector {
+        let length = |axis: usize| {
+            let edge = self.edges[axis];
+            let [lowest, highest] = allowed(self.boundaries, edge, self.smallest_radius());
+            match self.boundaries {
+                _ if self.boundaries.is_periodic(axis) => edge,
+                Boundaries::Open => 2.0 * (highest - lowest + window),
+                _ => highest - lowest + window.max(cutoff),
+            }
+        };
+        Vector::from_array(std::array::from_fn(length))
+    }
+}
+
+impl Plan {
+    /// Where the grid's first point is: where the lowest sphere's window begins, along axes that do not repeat.
+    pub(crate) fn first_point(&self) -> Vector {
+        let (smallest, half) = (self.extremes().0, 0.5 * self.support.support as f64);
+        let first = |axis: usize| {
+            let lowest = allowed(self.boundaries, self.edges[axis], smallest)[0];
+            if self.boundaries.is_periodic(axis) { 0.0 } else { lowest - half * self.spacing()[axis] }
+        };
+        Vector::from_array(std::array::from_fn(first))
+    }
+
+    /// How far a rank's share of the grid and its share of the box may be apart along y and z.
+    pub(crate) fn mismatch(&self) -> [f64; 2] {
+        let (first, end) = (self.first_point(), self.first_point() + self.period - self.edges);
+        [1, 2].map(|axis| first[axis].abs().max(end[axis].abs()))
+    }
+}

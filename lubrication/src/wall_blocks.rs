@@ -1,0 +1,134 @@
+//! The 11 x 11 resistance of a sphere at a plane wall, taken apart by azimuthal order about the wall's normal.
+
+use std::f64::consts::PI;
+
+use crate::dense::{Square, inverse};
+use crate::gaussian::widths;
+use crate::two_sphere::{Function, WallFunctions};
+
+/// Resistance over viscosity of a sphere of radius 1: its loads on the fluid against its motions, as in
+/// [`Blocks`](crate::blocks::Blocks) with `d = e_z` from the centre to the wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallBlocks {
+    /// `(U, e)` along the normal.
+    pub axial: Square<2>,
+    /// `Omega` along the normal.
+    pub spin: Square<1>,
+    /// `(U, Omega, e)` across; twice, for `x` and for `y`.
+    pub transverse: Square<3>,
+    /// `e` in the plane of the wall; twice.
+    pub planar: Square<1>,
+}
+
+/// Resistances of a sphere of radius 1 alone to motion, to turning and to strain, over viscosity.
+pub const ALONE: [f64; 3] = [6.0 * PI, 8.0 * PI, 20.0 / 3.0 * PI];
+
+impl WallBlocks {
+    /// The exact resistance, from its scalar functions.
+    pub fn exact(f: &WallFunctions) -> Self {
+        let [force, torque, strain] = ALONE;
+        let [b, g, h] = [-4.0, 4.0 * 2.0_f64.sqrt(), 8.0 * 2.0_f64.sqrt()].map(|factor| factor * PI);
+        let xg = 4.0 * PI * (2.0_f64 / 3.0).sqrt() * f[Function::XG];
+        let (yb, yg, yh) = (b * f[Function::YB], g * f[Function::YG], h * f[Function::YH]);
+        Self {
+            axial: [[force * f[Function::XA], xg], [xg, strain * f[Function::XM]]],
+            spin: [[torque * f[Function::XC]]],
+            transverse: [
+                [force * f[Function::YA], yb, yg],
+                [yb, torque * f[Function::YC], yh],
+                [yg, yh, strain * f[Function::YM]],
+            ],
+            planar: [[strain * f[Function::ZM]]],
+        }
+    }
+
+    /// What the force-coupling method already knows of a sphere at a distance `z` of its centre from a wall: each block the
+    /// inverse of its mobility, that of the sphere alone and of its image (Blake 1971).
+    ///
+    /// The image's flow at and above the wall is biharmonic, so the envelopes of widths `s` of the force and `d` of torque and
+    /// stresslet act on it as `1 + (s²/2) lap` exactly, also where they reach through the wall. An integral over wavevectors
+    /// along the wall of powers of `k` times `exp(-2 k z)` leaves powers of `1/z`.
+    pub fn of_method(z: f64) -> Self {
+        let [s, d] = widths(1.0).map(|width| width * width);
+        let [force, torque, strain] = ALONE.map(|resistance| 1.0 / resistance);
+        let power = |n: i32| z.powi(-n) / PI;
+        let sum = |terms: &[(i32, f64)]| terms.iter().map(|&(n, factor)| factor * power(n)).sum::<f64>();
+        let [root2, root6] = [2.0_f64.sqrt(), 6.0_f64.sqrt()];
+        // Velocity and rate of strain by the other's load. The axis points to the wall: odd functions have the sign of that.
+        let stretch = -root6 * sum(&[(2, 3.0 / 64.0), (4, -(15.0 * d + 9.0 * s) / 128.0), (6, 15.0 / 64.0 * d * s)]);
+        let shear = -root2 * sum(&[(2, 3.0 / 64.0), (4, -9.0 / 128.0 * (d + s)), (6, 15.0 / 64.0 * d * s)]);
+        let turn = -sum(&[(4, 3.0 / 64.0 * s)]);
+        let mixed = root2 * sum(&[(3, 3.0 / 128.0), (5, -3.0 / 32.0 * d)]);
+        let along = sum(&[(1, -3.0 / 16.0), (3, s / 4.0), (5, -3.0 / 16.0 * s * s)]);
+        let across = sum(&[(1, -3.0 / 32.0), (3, s / 16.0), (5, -3.0 / 32.0 * s * s)]);
+        let stretched = sum(&[(3, -3.0 / 16.0), (5, 9.0 / 8.0 * d), (7, -135.0 / 64.0 * d * d)]);
+        let sheared = sum(&[(3, -9.0 / 64.0), (5, 3.0 / 4.0 * d), (7, -45.0 / 32.0 * d * d)]);
+        let planar = sum(&[(3, -3.0 / 64.0), (5, 3.0 / 16.0 * d), (7, -45.0 / 128.0 * d * d)]);
+        Self {
+            axial: inverse([[force + along, stretch], [stretch, strain + stretched]]),
+            spin: inverse([[torque + sum(&[(3, -1.0 / 64.0)])]]),
+            transverse: inverse([
+                [force + across, turn, shear],
+                [turn, torque + sum(&[(3, -5.0 / 128.0)]), mixed],
+                [shear, mixed, strain + sheared],
+            ]),
+            planar: inverse([[strain + planar]]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::two_sphere::SphereWall;
+
+    fn exact(distance: f64) -> WallBlocks {
+        WallBlocks::exact(&SphereWall::get().resistance(distance - 1.0).unwrap())
+    }
+
+    /// Ratios of the method's XA, YA, YC and XM to exact ones, by quadrature of the kernel over wavevectors with mobilities of
+    /// Gaussians: distances and ratios have four and three digits.
+    #[test]
+    fn the_method_is_off_near_the_wall_as_its_kernel_says() {
+        let table = [
+            (1.0453, [0.253, 0.839, 0.827, 0.175]),
+            (1.25, [0.803, 0.970, 0.976, 0.720]),
+            (1.5431, [0.967, 0.994, 0.996, 0.940]),
+            (2.0, [0.998, 0.999, 1.000, 0.991]),
+            (3.76, [1.0005, 1.0001, 1.0, 0.9999]),
+        ];
+        for (distance, expected) in table {
+            let (exact, known) = (exact(distance), WallBlocks::of_method(distance));
+            let pairs = [
+                (known.axial[0][0], exact.axial[0][0]),
+                (known.transverse[0][0], exact.transverse[0][0]),
+                (known.transverse[1][1], exact.transverse[1][1]),
+                (known.axial[1][1], exact.axial[1][1]),
+            ];
+            for ((known, exact), expected) in pairs.into_iter().zip(expected) {
+                assert!((known / exact - expected).abs() < 6e-4, "{distance}: {}, not {expected}", known / exact);
+            }
+        }
+    }
+
+    /// Far from the wall, but for what rigid spheres have beyond stresslets and Gaussians of a variance of `1/pi` that stand for
+    /// surfaces of `1/3`: of order `z^-3` for velocities.
+    #[test]
+    fn the_method_is_exact_far_from_the_wall() {
+        for (distance, allowed) in [(4.0, 6e-4), (8.0, 6e-5)] {
+            let (exact, known) = (exact(distance), WallBlocks::of_method(distance));
+            let blocks = [
+                (exact.axial.as_flattened(), known.axial.as_flattened()),
+                (exact.spin.as_flattened(), known.spin.as_flattened()),
+                (exact.transverse.as_flattened(), known.transverse.as_flattened()),
+                (exact.planar.as_flattened(), known.planar.as_flattened()),
+            ];
+            for (k, (exact, known)) in blocks.into_iter().enumerate() {
+                for (e, n) in exact.iter().zip(known) {
+                    let off = (e - n).abs();
+                    assert!(off < allowed * ALONE[0] && off < 0.06 * e.abs(), "{distance}, block {k}: {n}, not {e}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! A sphere's lubrication resistance at a wall in the frame of the laboratory.
+
+use std::ops::Add;
+
+use domain::{Tensor, Traceless, Vector};
+
+use crate::pair_factor::{LEVER, frame};
+use crate::wall_coefficients::{WallCoefficients, axial};
+use crate::wall_table::WallRoots;
+
+/// Motion of a sphere relative to the ambient flow at its centre, `U - U_inf`, `Omega - Omega_inf`, `E - E_inf`.
+///
+/// A rigid sphere has `E = 0`, so its `strain_rate` here is minus that of the ambient flow.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SphereMotion {
+    /// Velocity.
+    pub velocity: Vector,
+    /// Angular velocity.
+    pub angular_velocity: Vector,
+    /// Rate of strain.
+    pub strain_rate: Traceless,
+}
+
+/// Loads of a sphere on the fluid; the moment is conjugate to [`SphereMotion::strain_rate`]: minus the stresslet that is
+/// positive along the ambient strain.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SphereLoads {
+    /// Force.
+    pub force: Vector,
+    /// Torque about the centre.
+    pub torque: Vector,
+    /// Symmetric traceless first moment about the centre.
+    pub moment: Traceless,
+}
+
+impl Add for SphereLoads {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { force: self.force + other.force, torque: self.torque + other.torque, moment: self.moment + other.moment }
+    }
+}
+
+impl SphereMotion {
+    /// Rate of work of loads in this motion.
+    pub fn power(&self, loads: &SphereLoads) -> f64 {
+        self.velocity.dot(loads.force)
+            + self.angular_velocity.dot(loads.torque)
+            + self.strain_rate.contract(loads.moment)
+    }
+}
+
+/// The lubrication resistance of a sphere at a wall. What resists its motion is `B B^T`, with 6 modes of which the first is
+/// the approach of the surfaces; what couples motions and rates of strain comes besides.
+#[derive(Debug, Clone, Copy)]
+pub struct WallFactor {
+    /// Columns `x`, `y`, and the unit vector `z` from the centre to the wall.
+    frame: Tensor,
+    roots: WallRoots,
+    radius: f64,
+}
+
+impl WallFactor {
+    /// Number of modes of a sphere at a wall.
+    pub const MODES: usize = 6;
+
+    /// From roots that carry `sqrt(viscosity * radius)`; `axis` points to the wall.
+    pub(crate) fn new(roots: &WallRoots, axis: Vector, radius: f64) -> Self {
+        Self { frame: frame(axis), roots: *roots, radius }
+    }
+
+    /// The unit vector from the centre to the wall.
+    pub fn axis(&self) -> Vector {
+        self.frame.z_axis
+    }
+
+    /// The resistance as coefficients of tensors of the axis.
+    pub fn coefficients(&self) -> WallCoefficients {
+        WallCoefficients::of(&self.roots, self.radius)
+    }
+
+    /// `B^T` times a motion.
+    pub fn modes(&self, motion: &SphereMotion) -> [f64; Self::MODES] {
+        let to_frame = self.frame.transpose();
+        let (u, o) = (to_frame * motion.velocity, to_frame * motion.angular_velocity * self.radius);
+        let stretch = self.axis().dot(motion.strain_rate.tensor() * self.axis()) * self.radius;
+        let parting = -u.z - LEVER * 1.5_f64.sqrt() * stretch;
+        let root = &self.roots.transverse.root;
+        let along = |mode: usize, u: f64, o: f64| root[0][mode] * u + root[1][mode] * o;
+        [
+            self.roots.axial.root[0][0] * parting,
+            self.roots.spin * o.z,
+            along(0, u.x, o.y),
+            along(1, u.x, o.y),
+            along(0, u.y, -o.x),
+            along(1, u.y, -o.x),
+        ]
+    }
+
+    /// `B` times the amplitudes of the modes.
+    pub fn loads(&self, modes: &[f64; Self::MODES]) -> SphereLoads {
+        let root = &self.roots.transverse.root;
+        let of = |row: usize, first: usize| root[row][0] * modes[first] + root[row][1] * modes[first + 1];
+        let pull = self.roots.axial.root[0][0] * modes[0];
+        let force = Vector::new(of(0, 2), of(0, 4), -pull);
+        let torque = Vector::new(-of(1, 4), of(1, 2), self.roots.spin * modes[1]) * self.radius;
+        let moment = axial(self.axis()) * (-LEVER * pull * 1.5_f64.sqrt() / 3.0 * self.radius);
+        SphereLoads { force: self.frame * force, torque: self.frame * torque, moment: Traceless::part_of(&moment) }
+    }
+
+    /// All loads on a motion, `R_lub` times it.
+    pub fn resistance(&self, motion: &SphereMotion) -> SphereLoads {
+        let coefficients = self.coefficients();
+        let by_motion = coefficients.by_motion(self.axis(), [motion.velocity, motion.angular_velocity]);
+        by_motion + coefficients.by_strain(self.axis(), motion.strain_rate)
+    }
+}

@@ -1,0 +1,130 @@
+//! The table of lubrication at a plane wall.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::blocks::{change, from_pole_coordinates};
+use crate::chebyshev::Chebyshev;
+use crate::root::{Part, difference, part, root};
+use crate::root_table::{CLOSEST, GROWTH, NODES};
+use crate::two_sphere::SphereWall;
+use crate::wall_blocks::{ALONE, WallBlocks};
+
+/// Largest tabulated gap over the radius.
+pub const FARTHEST: f64 = 1.5;
+/// Numbers at a gap.
+const LANES: usize = 11;
+
+/// Roots of `R_exact - R_method` of a sphere at a wall, for radius and viscosity 1, interpolated in the logarithm of the gap:
+/// what resists motions is positive semi-definite, as between spheres.
+#[derive(Debug)]
+pub struct WallTable {
+    pieces: Vec<Chebyshev<LANES, NODES>>,
+}
+
+/// The blocks of a sphere's resistance at a wall; `w` of the axial one is the velocity at which the surfaces part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallRoots {
+    /// `w` and `e` along the normal.
+    pub axial: Part<1, 1>,
+    /// `L` of `Omega` along the normal.
+    pub spin: f64,
+    /// `(U, Omega)` and `e` across.
+    pub transverse: Part<2, 1>,
+    /// `M` of `e` in the plane of the wall.
+    pub planar: f64,
+}
+
+impl WallTable {
+    /// The table, computed at the first call, then shared. Not to be called from a rayon task.
+    pub fn get() -> Arc<Self> {
+        static TABLE: OnceLock<Arc<WallTable>> = OnceLock::new();
+        Arc::clone(TABLE.get_or_init(|| Arc::new(Self::compute(&SphereWall::get()))))
+    }
+
+    /// Roots at a gap from the closest to the farthest, of a resistance that is `factor` squared times as large.
+    pub fn at(&self, gap: f64, factor: f64) -> WallRoots {
+        let log = gap.ln();
+        let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
+        roots(self.pieces[piece.min(self.pieces.len() - 1)].at(log), factor)
+    }
+
+    fn compute(exact: &SphereWall) -> Self {
+        let count = (FARTHEST / CLOSEST).log(GROWTH).ceil() as i32;
+        let edge = |k: i32| (CLOSEST * GROWTH.powi(k)).ln();
+        let piece = |k: i32| {
+            let values = Chebyshev::<LANES, NODES>::nodes(edge(k), edge(k + 1)).map(|log| lanes(exact, log.exp()));
+            Chebyshev::through(edge(k), edge(k + 1), &values)
+        };
+        Self { pieces: (0..count).map(piece).collect() }
+    }
+}
+
+/// The numbers at one gap, without interpolation.
+fn lanes(exact: &SphereWall, gap: f64) -> [f64; LANES] {
+    let (exact, known) = (WallBlocks::exact(&exact.at(gap)), WallBlocks::of_method(1.0 + gap));
+    let [force, torque, strain] = ALONE.map(f64::sqrt);
+    let axial = change(&difference(&exact.axial, &known.axial), &from_pole_coordinates());
+    let spin = root(&[[(exact.spin[0][0] - known.spin[0][0]) / ALONE[1]]])[0][0];
+    let planar = (exact.planar[0][0] - known.planar[0][0]) / ALONE[2];
+    let axial = part(&axial, &[force], &[strain], root);
+    let transverse = part(&difference(&exact.transverse, &known.transverse), &[force, torque], &[strain], root);
+    let mut lanes = [0.0; LANES];
+    let values = axial.into_iter().chain([spin]).chain(transverse).chain([planar]);
+    lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value);
+    lanes
+}
+
+fn roots(lanes: [f64; LANES], factor: f64) -> WallRoots {
+    let [force, torque, strain] = ALONE.map(f64::sqrt);
+    let mut lanes = lanes.into_iter();
+    WallRoots {
+        axial: Part::from_lanes(&mut lanes, &[force], &[strain], factor),
+        spin: lanes.next().unwrap_or_default() * torque * factor,
+        transverse: Part::from_lanes(&mut lanes, &[force, torque], &[strain], factor),
+        planar: lanes.next().unwrap_or_default() * ALONE[2] * factor * factor,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interpolates_between_the_nodes() {
+        let (exact, table) = (SphereWall::get(), WallTable::get());
+        for k in 0..54 {
+            let gap = 1.3e-6 * 1.29_f64.powi(k);
+            let (found, wanted) = (table.at(gap, 1.0), roots(lanes(&exact, gap), 1.0));
+            let relative = found.axial.root[0][0] / wanted.axial.root[0][0] - 1.0;
+            assert!(gap > 0.8 || relative.abs() < 1e-8, "gap {gap}: {relative}");
+            // Eigenvalues that change sign bend the roots beyond a gap of 0.8, where their squares are small.
+            let across = |roots: &WallRoots| roots.transverse.root.map(|row| row.iter().map(|x| x * x).sum::<f64>());
+            for (x, y) in across(&found).into_iter().zip(across(&wanted)) {
+                assert!((x - y).abs() < 1e-5 * ALONE[1], "gap {gap}: {x}, not {y}");
+            }
+        }
+    }
+
+    /// The projection to what is positive changes the resistance to motion by less than 2e-3 of the drag of a sphere alone, and
+    /// only where it nearly vanishes.
+    #[test]
+    fn what_resists_motion_is_exact_but_for_what_is_negative() {
+        let (exact, table) = (SphereWall::get(), WallTable::get());
+        for gap in [1e-6, 1e-4, 0.01, 0.1, 0.5, 1.0, 1.2, 1.49] {
+            let blocks = [WallBlocks::exact(&exact.at(gap)), WallBlocks::of_method(1.0 + gap)];
+            let wanted = difference(&blocks[0].transverse, &blocks[1].transverse);
+            let found = table.at(gap, 1.0);
+            let allowed = if gap < 1.0 { 1e-7 * (1.0 + wanted[0][0]) } else { 2e-3 } * ALONE[0];
+            for i in 0..2 {
+                for j in 0..2 {
+                    let root = &found.transverse.root;
+                    let product = root[i][0] * root[j][0] + root[i][1] * root[j][1];
+                    assert!((product - wanted[i][j]).abs() < allowed, "gap {gap}: {product}, not {}", wanted[i][j]);
+                }
+            }
+            let approach = found.axial.root[0][0].powi(2);
+            let wanted = blocks[0].axial[0][0] - blocks[1].axial[0][0];
+            assert!((approach - wanted).abs() < 1e-7 * wanted.abs() + 2e-3 * ALONE[0] * f64::from(u8::from(gap > 0.9)));
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The update of the mean over the plane, which has no wavevector.
+
+use super::kernel::mean_kernel;
+use super::{ChannelFaces, ChannelWeights, Faces};
+use crate::fourier::At;
+use crate::{Grid, Real};
+
+/// Weights of the planes for 1, `z` and `z^2`, and the matrix between them. Nothing flows through the plane.
+pub(crate) struct Mean {
+    planes: Vec<[f64; 3]>,
+    kernel: [[f64; 3]; 3],
+}
+
+impl Mean {
+    pub fn new<P, A>(grid: &Grid, faces: &ChannelFaces, scale: f64, weights: &ChannelWeights<P, A>) -> Self
+    where
+        P: Fn(f64, f64) -> f64,
+        A: Fn(f64) -> [f64; 2],
+    {
+        let scale = scale * (weights.plane)(0.0, 0.0);
+        let spacing = grid.spacing().z;
+        let [transform, _] = (weights.axis)(0.0);
+        let at = |plane: usize| {
+            let z = faces.first + plane as f64 * spacing;
+            [1.0, z, z * z - weights.second_moment + weights.smoothing].map(|value| value / transform)
+        };
+        let of = Faces { walls: faces.walls, height: faces.height, period: grid.cell().edges().z };
+        let kernel = mean_kernel(&of).map(|row| row.map(|entry| entry * scale));
+        Self { planes: (0..grid.points()[2]).map(at).collect(), kernel }
+    }
+
+    /// The amplitudes of x and of y.
+    ///
+    /// # Safety
+    /// The columns can be read.
+    pub unsafe fn amplitudes<T: Real>(&self, [x, y, _]: [At<T>; 3]) -> [[f64; 3]; 2] {
+        [x, y].map(|column| {
+            let mut moments = [0.0; 3];
+            for (plane, weights) in self.planes.iter().enumerate() {
+                // SAFETY: the caller's promise. The mean is the first lane, and real.
+                let force = unsafe { (*column.first.add(plane * column.stride)).to_f64() };
+                moments.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * force);
+            }
+            self.kernel.map(|row| row.iter().zip(moments).map(|(entry, moment)| entry * moment).sum())
+        })
+    }
+
+    /// Adds flows of these amplitudes.
+    ///
+    /// # Safety
+    /// The columns can be written.
+    pub unsafe fn add<T: Real>(&self, amplitudes: &[[f64; 3]; 2], [x, y, _]: [At<T>; 3]) {
+        for (amplitudes, column) in amplitudes.iter().zip([x, y]) {
+            for (plane, weights) in self.planes.iter().enumerate() {
+                let more: f64 = amplitudes.iter().zip(weights).map(|(amplitude, weight)| amplitude * weight).sum();
+                // SAFETY: the caller's promise.
+                unsafe {
+                    let place = column.first.add(plane * column.stride);
+                    *place = T::from_f64((*place).to_f64() + more);
+                }
+            }
+        }
+    }
+}

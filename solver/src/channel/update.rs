@@ -1,0 +1,337 @@
+//! The update of columns of the grid with a wavevector in the plane.
+
+use super::kernel::{FUNCTIONS, Kernel};
+use super::{ChannelFaces, ChannelWeights, Faces};
+use crate::fourier::At;
+use crate::layout::Layout;
+use crate::simd::vectorised;
+use crate::{Grid, Real};
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// Columns that are worked on at once, in `f64` whatever the grid's precision: for long waves the walls' part and that of
+/// unbounded fluid nearly cancel.
+const LANES: usize = 8;
+
+type Lanes = [f64; LANES];
+
+/// Entries of a symmetric matrix of the functions of two components, and of a third that has half of them.
+const ALONG: usize = FUNCTIONS * (2 * FUNCTIONS + 1);
+const ACROSS: usize = 3;
+
+/// A group of neighbouring columns. In the number `i` of a plane, counted from either wall's end of the grid, the functions
+/// are `s^i` and `i s^i`, `s = exp(-k h)`, from which matrices make those of the distance from the wall.
+struct Group {
+    /// Planes from either end after which the functions are gone; none if there is nothing to do.
+    planes: usize,
+    step: Lanes,
+    /// The direction of the wavevector.
+    direction: [Lanes; 2],
+    along: [Lanes; ALONG],
+    across: [Lanes; ACROSS],
+}
+
+/// Sums over planes, or amplitudes: by wall, by function, by component, real and imaginary.
+type OfGroup = [[[[Lanes; 2]; 3]; 2]; 2];
+
+/// Those of all groups of a panel.
+pub(crate) type Amplitudes = [OfGroup; 2];
+
+const NOTHING: OfGroup = [[[[[0.0; LANES]; 2]; 3]; 2]; 2];
+
+/// The groups of a rank's share of the spectrum.
+pub(crate) struct Update<T> {
+    blocks: Range<usize>,
+    modes: Range<usize>,
+    points: usize,
+    groups: Vec<Group>,
+    precision: PhantomData<T>,
+}
+
+impl<T: Real> Update<T> {
+    /// Groups of a panel.
+    const GROUPS: usize = T::LANES / LANES;
+
+    pub fn new<P, A>(
+        grid: &Grid,
+        layout: &Layout,
+        faces: &ChannelFaces,
+        scale: f64,
+        weights: &ChannelWeights<P, A>,
+    ) -> Self
+    where
+        P: Fn(f64, f64) -> f64,
+        A: Fn(f64) -> [f64; 2],
+    {
+        let (blocks, modes) = (layout.blocks.clone(), layout.modes.clone());
+        let groups = modes.clone().flat_map(|mode| {
+            blocks.clone().flat_map(move |block| (0..Self::GROUPS).map(move |g| [block * T::LANES + g * LANES, mode]))
+        });
+        let groups = groups.map(|first| Group::new::<T, P, A>(grid, first, faces, scale, weights)).collect();
+        Self { blocks, modes, points: grid.points()[2], groups, precision: PhantomData }
+    }
+
+    /// Bytes for each column of a rank's share.
+    pub const BYTES: usize = size_of::<Group>() / LANES;
+
+    fn panel(&self, [block, mode]: [usize; 2]) -> &[Group] {
+        let panel = (mode - self.modes.start) * self.blocks.len() + block - self.blocks.start;
+        &self.groups[panel * Self::GROUPS..(panel + 1) * Self::GROUPS]
+    }
+
+    /// The amplitudes of what is to be added to columns whose forces these are; none if nothing is.
+    ///
+    /// # Safety
+    /// The columns can be read.
+    pub unsafe fn amplitudes(&self, place: [usize; 2], components: [At<T>; 3]) -> Option<Amplitudes> {
+        let groups = self.panel(place);
+        if groups.iter().all(|group| group.planes == 0) && place != [0, 0] {
+            return None;
+        }
+        let mut amplitudes = [NOTHING; 2];
+        for (number, (group, found)) in groups.iter().zip(&mut amplitudes).enumerate() {
+            if group.planes > 0 {
+                let ends = self.ends(number, components);
+                // SAFETY: the caller's promise.
+                vectorised(
+                    #[inline(always)]
+                    || unsafe { weigh(group, ends, found) },
+                );
+                group.solve(found);
+            }
+        }
+        Some(amplitudes)
+    }
+
+    /// Adds what the amplitudes stand for.
+    ///
+    /// # Safety
+    /// The columns can be read and written.
+    pub unsafe fn add(&self, place: [usize; 2], amplitudes: &Amplitudes, components: [At<T>; 3]) {
+        for (number, (group, amplitudes)) in self.panel(place).iter().zip(amplitudes).enumerate() {
+            if group.planes > 0 {
+                let ends = self.ends(number, components);
+                // SAFETY: the caller's promise.
+                vectorised(
+                    #[inline(always)]
+                    || unsafe { add(group, ends, amplitudes) },
+                );
+            }
+        }
+    }
+
+    /// A group's columns from both ends: the first places, and the distances to the next.
+    fn ends(&self, group: usize, components: [At<T>; 3]) -> [[(*mut T, isize); 3]; 2] {
+        let end = |last: bool| {
+            components.map(|column| {
+                let stride = column.stride as isize;
+                let first = group * LANES + if last { (self.points - 1) * column.stride } else { 0 };
+                (column.first.wrapping_add(first), if last { -stride } else { stride })
+            })
+        };
+        [end(false), end(true)]
+    }
+}
+
+/// Adds up forces over the planes from each end, times `s^i` and `i s^i`.
+#[inline(always)]
+unsafe fn weigh<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], sums: &mut OfGroup) {
+    for end in 0..2 {
+        let mut power = [1.0; LANES];
+        let mut found = [[[[0.0; LANES]; 2]; 3]; 2];
+        for plane in 0..group.planes {
+            let number = plane as f64;
+            for component in 0..3 {
+                let (first, stride) = ends[end][component];
+                for part in 0..2 {
+                    for lane in 0..LANES {
+                        // SAFETY: the caller's promise.
+                        let force =
+                            unsafe { *first.offset(plane as isize * stride).add(part * T::LANES + lane) }.to_f64();
+                        let weighed = power[lane] * force;
+                        found[0][component][part][lane] += weighed;
+                        found[1][component][part][lane] = number.mul_add(weighed, found[1][component][part][lane]);
+                    }
+                }
+            }
+            for lane in 0..LANES {
+                power[lane] *= group.step[lane];
+            }
+        }
+        sums[end] = found;
+    }
+}
+
+/// Adds to the velocities of the planes from each end.
+#[inline(always)]
+unsafe fn add<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], amplitudes: &OfGroup) {
+    for end in 0..2 {
+        let mut power = [1.0; LANES];
+        let of = &amplitudes[end];
+        for plane in 0..group.planes {
+            let number = plane as f64;
+            for component in 0..3 {
+                let (first, stride) = ends[end][component];
+                for part in 0..2 {
+                    for lane in 0..LANES {
+                        let level = number.mul_add(of[1][component][part][lane], of[0][component][part][lane]);
+                        // SAFETY: the caller's promise.
+                        unsafe {
+                            let place = first.offset(plane as isize * stride).add(part * T::LANES + lane);
+                            *place = T::from_f64(power[lane].mul_add(level, (*place).to_f64()));
+                        }
+                    }
+                }
+            }
+            for lane in 0..LANES {
+                power[lane] *= group.step[lane];
+            }
+        }
+    }
+}
+
+impl Group {
+    fn new<T: Real, P, A>(
+        grid: &Grid,
+        [first, mode]: [usize; 2],
+        faces: &ChannelFaces,
+        scale: f64,
+        weights: &ChannelWeights<P, A>,
+    ) -> Self
+    where
+        P: Fn(f64, f64) -> f64,
+        A: Fn(f64) -> [f64; 2],
+    {
+        let mut group = Self {
+            planes: 0,
+            step: [0.0; LANES],
+            direction: [[0.0; LANES]; 2],
+            along: [[0.0; LANES]; ALONG],
+            across: [[0.0; LANES]; ACROSS],
+        };
+        let [nx, _, nz] = grid.points();
+        // Planes beyond the walls, where exponentials grow.
+        let beyond = nz as f64 - faces.height / grid.spacing().z;
+        for lane in 0..LANES {
+            let wavevector = grid.wavevector([first + lane, mode, 0]);
+            let k = wavevector.x.hypot(wavevector.y);
+            let is_nyquist = first + lane >= nx / 2 || grid.is_nyquist(1, mode);
+            if k == 0.0 || k > weights.highest || is_nyquist {
+                continue;
+            }
+            let decay = k * grid.spacing().z;
+            let planes = (gone::<T>() / decay + beyond).ceil().min(nz as f64);
+            group.planes = group.planes.max(planes as usize);
+            group.step[lane] = (-decay).exp();
+            (group.direction[0][lane], group.direction[1][lane]) = (wavevector.x / k, wavevector.y / k);
+            let kernel = kernel_of_planes(grid, faces, k, weights);
+            let factor = scale * (weights.plane)(wavevector.x, wavevector.y);
+            for (p, q) in (0..2 * FUNCTIONS).flat_map(|p| (0..=p).map(move |q| (p, q))) {
+                group.along[p * (p + 1) / 2 + q][lane] = factor * kernel.along[p][q];
+            }
+            for (entry, (p, q)) in [(0, 0), (1, 0), (1, 1)].into_iter().enumerate() {
+                group.across[entry][lane] = factor * kernel.across[p][q];
+            }
+        }
+        group
+    }
+
+    /// From sums to amplitudes.
+    fn solve(&self, sums: &mut OfGroup) {
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut along = [[[0.0; LANES]; 2]; 2 * FUNCTIONS];
+                let mut across = [[[0.0; LANES]; 2]; 2];
+                for (wall, function, lane) in indices() {
+                    let [n1, n2] = [self.direction[0][lane], self.direction[1][lane]];
+                    let [x, y, z] = [0, 1, 2].map(|c| [0, 1].map(|part| sums[wall][function][c][part][lane]));
+                    let place = 2 * wall + function;
+                    for part in 0..2 {
+                        along[place][part][lane] = n1 * x[part] + n2 * y[part];
+                        if function == 0 {
+                            across[wall][part][lane] = n1 * y[part] - n2 * x[part];
+                        }
+                    }
+                    // The component along z, over i.
+                    along[FUNCTIONS + place][0][lane] = z[1];
+                    along[FUNCTIONS + place][1][lane] = -z[0];
+                }
+                let mut driven = [[[0.0; LANES]; 2]; 2 * FUNCTIONS];
+                for p in 0..2 * FUNCTIONS {
+                    for q in 0..2 * FUNCTIONS {
+                        let entry = &self.along[if p >= q { p * (p + 1) / 2 + q } else { q * (q + 1) / 2 + p }];
+                        for part in 0..2 {
+                            for lane in 0..LANES {
+                                driven[p][part][lane] =
+                                    entry[lane].mul_add(along[q][part][lane], driven[p][part][lane]);
+                            }
+                        }
+                    }
+                }
+                for (wall, function, lane) in indices() {
+                    let [n1, n2] = [self.direction[0][lane], self.direction[1][lane]];
+                    let place = 2 * wall + function;
+                    for part in 0..2 {
+                        let l = driven[place][part][lane];
+                        let t = if function == 0 {
+                            self.across[wall][lane] * across[0][part][lane]
+                                + self.across[wall + 1][lane] * across[1][part][lane]
+                        } else {
+                            0.0
+                        };
+                        sums[wall][function][0][part][lane] = n1 * l - n2 * t;
+                        sums[wall][function][1][part][lane] = n2 * l + n1 * t;
+                    }
+                    sums[wall][function][2][0][lane] = -driven[FUNCTIONS + place][1][lane];
+                    sums[wall][function][2][1][lane] = driven[FUNCTIONS + place][0][lane];
+                }
+            },
+        );
+    }
+}
+
+/// Walls, functions of each, and lanes.
+fn indices() -> impl Iterator<Item = (usize, usize, usize)> {
+    (0..2).flat_map(|wall| (0..2).flat_map(move |function| (0..LANES).map(move |lane| (wall, function, lane))))
+}
+
+/// The exponent beyond which an exponential is round-off.
+fn gone<T: Real>() -> f64 {
+    4.0 - T::EPSILON.ln()
+}
+
+/// The kernel in the functions `s^i` and `i s^i` of the planes' numbers from either end.
+///
+/// A sum over planes of the window times `exp(-k z)/Phi`, where `Phi` is its transform at `i k`, is `exp(-k z)` at the
+/// particle; times `(k z + k Phi'/Phi) exp(-k z)/Phi` it is `k z exp(-k z)`, of which `1 + c/2 lap` makes
+/// `(k z - c k^2) exp(-k z)`.
+fn kernel_of_planes<P, A: Fn(f64) -> [f64; 2]>(
+    grid: &Grid,
+    faces: &ChannelFaces,
+    k: f64,
+    weights: &ChannelWeights<P, A>,
+) -> Kernel {
+    let (spacing, period) = (grid.spacing().z, grid.cell().edges().z);
+    let last = faces.first + (grid.points()[2] - 1) as f64 * spacing;
+    let kernel = Faces { walls: faces.walls, height: faces.height, period }.kernel(k);
+    let [transform, growth] = (weights.axis)(k);
+    let level = |distance: f64| ((-k * distance).exp() / transform, k * distance + growth - weights.smoothing * k * k);
+    let ends = [level(faces.first), level(faces.height - last)];
+    // The functions are these rows times s^i and i s^i.
+    let rows = |p: usize| {
+        let (scale, level) = ends[p / 2];
+        if p % 2 == 0 { [scale, 0.0] } else { [scale * level, scale * k * spacing] }
+    };
+    let mut of_planes = Kernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
+    for (p, q) in (0..2 * FUNCTIONS).flat_map(|p| (0..2 * FUNCTIONS).map(move |q| (p, q))) {
+        let [of_p, of_q] = [p, q].map(|p| rows(p % FUNCTIONS));
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            of_planes.along[p - p % 2 + i][q - q % 2 + j] += of_p[i] * kernel.along[p][q] * of_q[j];
+        }
+    }
+    for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        of_planes.across[p][q] = ends[p].0 * kernel.across[p][q] * ends[q].0;
+    }
+    of_planes
+}

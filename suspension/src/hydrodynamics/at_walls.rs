@@ -1,0 +1,130 @@
+//! The resistance of spheres at walls.
+
+use super::pair_matrix::Own;
+use super::screw::{Screw, Screws};
+use super::springs::Springs;
+use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
+use lubrication::{Surfaces, WallCoefficients, WallForce};
+
+/// A sphere at a wall, which resists like a pair of which one does not move relative to the flow.
+#[derive(Debug, Clone, Copy)]
+pub struct AtWall {
+    /// The row of the sphere.
+    pub row: usize,
+    /// The unit vector to the wall.
+    axis: Vector,
+    resistance: WallCoefficients,
+}
+
+/// The spheres of a rank that are within reach of lubrication or of springs at walls, by rows.
+pub fn find(
+    lubrication: Option<&WallForce>,
+    springs: Option<&Springs>,
+    particles: &Particles,
+    cell: &PeriodicBox,
+) -> Vec<AtWall> {
+    let rows = particles.positions.iter().zip(&particles.radii).enumerate();
+    let of_row = |(row, (&place, &radius))| {
+        let at_wall = move |to: ToWall| {
+            let lubricated = lubrication.and_then(|force| force.factor(to.axis, to.distance, radius));
+            let mut resistance = lubricated.map(|factor| factor.coefficients()).unwrap_or_default();
+            let held = springs.map_or([0.0; 3], |springs| springs.at_wall((row, to.wall), to.distance, radius));
+            add_springs(&mut resistance, held, to.distance, radius);
+            let acts = lubricated.is_some() || held[0] > 0.0;
+            acts.then_some(AtWall { row, axis: to.axis, resistance })
+        };
+        cell.to_walls(place).filter_map(at_wall)
+    };
+    rows.flat_map(of_row).collect()
+}
+
+/// Adds what springs resist along the axis, to slip and to rolling: with the velocity `v = U_across + distance Omega x z` at
+/// which the surfaces slip, the rate of work is `slip v^2 + rolling |2 a Omega x z|^2`.
+fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 3], distance: f64, radius: f64) {
+    resistance.along += along;
+    resistance.across += slip;
+    resistance.coupling += slip * distance;
+    resistance.roll += slip * distance * distance + rolling * Surfaces::Wall(radius).harmonic_radius().powi(2);
+}
+
+impl AtWall {
+    /// What it adds to the block on the diagonal of its row.
+    pub fn own(&self) -> Own {
+        let (z, r) = (self.axis.to_array(), &self.resistance);
+        let tensor = |along: f64, across: f64| {
+            [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
+                let unit = if i == j { across } else { 0.0 };
+                unit + (along - across) * z[i] * z[j]
+            })
+        };
+        Own {
+            force: tensor(r.along, r.across),
+            torque: tensor(r.spin, r.roll),
+            coupling: z.map(|component| r.coupling * component),
+        }
+    }
+
+    /// Loads and moment in an ambient flow of a rate of strain, of a sphere that does not move relative to it.
+    pub fn in_strain(&self, strain_rate: Traceless) -> (Screw, Traceless) {
+        let loads = self.resistance.by_strain(self.axis, strain_rate);
+        (Screw::new(loads.force, loads.torque), loads.moment)
+    }
+
+    /// The first moment by motions.
+    pub fn moment(&self, motions: &Screws) -> Traceless {
+        let motion = motions.0[self.row];
+        self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).moment
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hydrodynamics::pair_matrix::Padded;
+    use crate::hydrodynamics::springs::ContactSprings;
+    use domain::Boundaries;
+    use lubrication::Range;
+
+    fn cell() -> PeriodicBox {
+        PeriodicBox::new(Vector::new(10.0, 10.0, 6.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap()
+    }
+
+    fn spheres() -> Particles {
+        let mut particles = Particles::default();
+        for (id, (z, radius)) in [(1.001, 1.0), (3.0, 1.0), (4.55, 1.4)].into_iter().enumerate() {
+            particles.push(id as u64, Vector::new(2.0 + 3.0 * id as f64, 5.0, z), radius, 0);
+        }
+        particles
+    }
+
+    /// The block of the diagonal is the resistance of the wall's lubrication.
+    #[test]
+    fn the_block_of_a_row_is_the_resistance_of_its_walls() {
+        let force = WallForce::new(1.0, Range::default());
+        let found = find(Some(&force), None, &spheres(), &cell());
+        assert_eq!(found.iter().map(|at| (at.row, at.axis.z)).collect::<Vec<_>>(), [(0, -1.0), (2, 1.0)]);
+        for at in &found {
+            let motion = [Vector::new(0.3, -0.2, 0.9), Vector::new(-0.4, 0.8, 0.1)];
+            let expected = at.resistance.by_motion(at.axis, motion);
+            let loads = at.own().times(&Padded::from(&Screw::new(motion[0], motion[1])));
+            let wanted = Screw::new(expected.force, expected.torque).0;
+            assert!(loads.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12 * wanted[2].abs()), "{loads:?}");
+        }
+    }
+
+    /// A sphere that rolls on a wall without slipping meets no resistance of a spring against slip.
+    #[test]
+    fn springs_resist_slip_rolling_and_approach() {
+        let contact = |other| ContactSprings { other, normal: 3.0, tangential: 5.0, rolling: 0.0 };
+        let contacts = [vec![contact(ContactSprings::wall(0))], vec![], vec![]];
+        let springs = Springs { resistance: &|_, _| 2.0, contacts: &contacts };
+        let found = find(None, Some(&springs), &spheres(), &cell());
+        let at = found.iter().find(|at| at.row == 0 && at.axis.z < 0.0).unwrap();
+        let force = |velocity: Vector, turning: Vector| at.own().times(&Padded::from(&Screw::new(velocity, turning)));
+        assert_eq!(force(Vector::Z, Vector::ZERO)[2], 5.0);
+        assert_eq!(force(Vector::X, Vector::ZERO)[0], 5.0);
+        // The lowest point of a sphere that turns about y moves along -x.
+        let rolls = force(Vector::X * 1.001, Vector::Y);
+        assert!(rolls.iter().all(|load| load.abs() < 1e-14), "{rolls:?}");
+    }
+}
