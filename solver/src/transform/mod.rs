@@ -78,7 +78,7 @@ impl<T: Real> Transform<T> {
     /// transform, [`Field::clear_halo`] comes before.
     #[must_use]
     pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
-        let columns = self.planes_forward(&mut field.memory);
+        let columns = self.planes_forward(&mut field.memory, self.share.all_lines());
         self.share.pencils(&columns, Direction::Forward);
         if let Some(columns) = self.whole_columns() {
             field.memory.values_mut()[..columns.len()].copy_from_slice(columns);
@@ -98,7 +98,7 @@ impl<T: Real> Transform<T> {
             columns = Shared::new(whole);
         }
         self.share.pencils(&columns, Direction::Backward);
-        self.planes_backward(&mut field.memory);
+        self.planes_backward(&mut field.memory, self.share.all_lines());
         field.into_space()
     }
 
@@ -106,9 +106,9 @@ impl<T: Real> Transform<T> {
     /// a few of its columns are in the cache. Halos are added to the rows first, and filled at the end.
     pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
         assert_eq!(self.share.layout().points, operator.points(), "transform and operator have one grid");
-        let columns = self.planes_forward(&mut field.memory);
+        let columns = self.planes_forward(&mut field.memory, operator.occupied());
         self.share.pencils_through(&columns, operator);
-        self.planes_backward(&mut field.memory);
+        self.planes_backward(&mut field.memory, operator.occupied());
     }
 
     /// A random velocity field whose covariance is that of the operator over the volume of a point: interpolated with weights
@@ -151,15 +151,16 @@ impl<T: Real> Transform<T> {
         self.along_z.as_mut().or(self.along_y.as_mut()).map(Transposition::columns_mut)
     }
 
-    /// Transforms along x and y, after which columns along z are whole: where they are.
-    fn planes_forward(&mut self, memory: &mut Memory<T>) -> Shared<T> {
+    /// Transforms along x and y what stands on the first lines along y and z, the others being zero, after which columns
+    /// along z are whole: where they are.
+    fn planes_forward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) -> Shared<T> {
         assert!(memory.values().len() >= self.share.layout().capacity, "the field is of this transform");
         let mut place = Shared::new(memory.values_mut());
         let mut tasks = vec![Task::X];
         if let Some(exchange) = &self.along_y {
             exchange.open();
             tasks.push(Task::Pack(exchange.packing()));
-            self.share.planes(&place, Direction::Forward, &tasks);
+            self.share.planes(&place, (Direction::Forward, occupied), &tasks);
             tasks.clear();
             exchange.deliver();
             place = exchange.columns();
@@ -168,16 +169,16 @@ impl<T: Real> Transform<T> {
         if let Some(exchange) = &self.along_z {
             exchange.open();
             tasks.push(Task::Pack(exchange.packing()));
-            self.share.planes(&place, Direction::Forward, &tasks);
+            self.share.planes(&place, (Direction::Forward, occupied), &tasks);
             exchange.deliver();
             return exchange.columns();
         }
-        self.share.planes(&place, Direction::Forward, &tasks);
+        self.share.planes(&place, (Direction::Forward, occupied), &tasks);
         place
     }
 
-    /// The way back from whole columns along z.
-    fn planes_backward(&mut self, memory: &mut Memory<T>) {
+    /// The way back from whole columns along z, to the first lines.
+    fn planes_backward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) {
         let rows = Shared::new(memory.values_mut());
         let mut tasks = Vec::new();
         if let Some(exchange) = &self.along_z {
@@ -186,12 +187,12 @@ impl<T: Real> Transform<T> {
         }
         tasks.push(Task::Y);
         if let Some(exchange) = &self.along_y {
-            self.share.planes(&exchange.columns(), Direction::Backward, &tasks);
+            self.share.planes(&exchange.columns(), (Direction::Backward, occupied), &tasks);
             exchange.give_back();
             tasks = vec![Task::Unpack(exchange.packing())];
         }
         tasks.push(Task::X);
-        self.share.planes(&rows, Direction::Backward, &tasks);
+        self.share.planes(&rows, (Direction::Backward, occupied), &tasks);
     }
 }
 
