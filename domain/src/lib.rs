@@ -41,6 +41,7 @@ mod random;
 mod resident;
 mod rows;
 mod traceless;
+mod turn;
 mod units;
 mod verlet_list;
 
@@ -65,6 +66,7 @@ pub use periodic_box::{BoxError, PeriodicBox};
 pub use random::Random;
 pub use resident::Process;
 pub use traceless::Traceless;
+pub use turn::Turn;
 pub use units::{Units, power_of_two};
 pub use verlet_list::{LocalAndGhosts, VerletList};
 

@@ -12,7 +12,7 @@ fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
 }
 
 fn slit() -> Reference {
-    Reference::read(include_str!("references/slit_8.csv"), cell([14.0, 14.0, 12.0], Boundaries::Walls))
+    Reference::read(include_str!("../../validation/data/slit-8.csv"), cell([14.0, 14.0, 12.0], Boundaries::Walls))
 }
 
 fn keeps_tolerances(reference: &Reference) {
@@ -41,7 +41,7 @@ fn rigid_spheres_between_walls_keep_tolerances() {
 
 #[test]
 fn rigid_spheres_in_open_space_keep_tolerances() {
-    let text = include_str!("references/free_space_8.csv");
+    let text = include_str!("../../validation/data/free-space-8.csv");
     keeps_tolerances(&Reference::read(text, cell([12.0; 3], Boundaries::Open)));
 }
 
