@@ -55,7 +55,7 @@ mod tests {
         let tensor = Tensor::from_cols_array(&[1.0, 2.0, 3.0, 4.0, -3.0, 6.0, 7.0, 8.0, 2.0]);
         for axis in 0..3 {
             let turn = Turn::to_last(axis);
-            assert_eq!(turn.vector(v).z, v[axis]);
+            assert_eq!(turn.vector(v).z.to_bits(), v[axis].to_bits());
             assert_eq!(turn.inverse().vector(turn.vector(v)), v);
             assert_eq!(turn.vector(v.cross(w)), turn.vector(v).cross(turn.vector(w)));
             assert!((turn.tensor(&tensor) * turn.vector(v) - turn.vector(tensor * v)).length() < 1e-14);

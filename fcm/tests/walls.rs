@@ -17,6 +17,7 @@ fn slit() -> Reference {
 
 fn keeps_tolerances(reference: &Reference) {
     let suspension = &reference.suspension;
+    let mut missed = Vec::new();
     for tolerance in [1e-2, 1e-3, 1e-4] {
         let plan = Plan::choose(&Problem { rigid: true, ..suspension.problem(tolerance) }).unwrap();
         let mut hydrodynamics =
@@ -30,8 +31,11 @@ fn keeps_tolerances(reference: &Reference) {
             error(&tensors(&found.stresslets), &tensors(&reference.stresslets)),
         ];
         println!("{:?} {tolerance:e}: {errors:?}, {}, period {}", plan.boundaries, plan.in_short(), plan.period);
-        assert!(errors.iter().all(|&error| error < tolerance), "{errors:?} at {tolerance:e}");
+        if errors.iter().any(|&error| error >= tolerance) {
+            missed.push((tolerance, errors));
+        }
     }
+    assert!(missed.is_empty(), "{missed:?}");
 }
 
 #[test]
@@ -76,12 +80,11 @@ fn mobility_of(suspension: &Suspension, tolerance: f64, loads: &Loads) -> Motion
     suspension.evaluate(&suspension.plan(tolerance, Fixed::default()), loads)
 }
 
-/// What is far away does not matter: a second wall, the copies of a layer, and the whole lattice, of loads that drive no
-/// flow there.
+/// A second wall that is far away does not matter, but for the Couette flow that it makes of the mean force.
 #[test]
-fn what_is_far_away_is_not_there() {
+fn a_far_wall_is_not_there() {
     let near = slit().suspension;
-    let loads = near.loads(3);
+    let loads = Loads { forces: near.loads(3).forces, ..Loads::default() };
     let with = |height: f64, boundaries| {
         let suspension = Suspension { cell: cell([14.0, 14.0, height], boundaries), ..near.clone() };
         mobility_of(&suspension, 1e-4, &loads)
@@ -120,7 +123,8 @@ fn reflection_changes_nothing() {
         angular_velocities: back.angular_velocities.iter().map(turn).collect(),
         strain_rates: back.strain_rates.iter().map(strain).collect(),
     };
-    assert!(worst(&found, &expected) < 1e-3, "{:?}", errors(&found, &expected));
+    // Twice the tolerance: of each of the two.
+    assert!(worst(&found, &expected) < 2e-3, "{:?}", errors(&found, &expected));
 }
 
 #[test]
@@ -129,7 +133,8 @@ fn a_displacement_along_the_walls_changes_nothing() {
     let loads = suspension.loads(6);
     let displaced = suspension.displaced(Vector::new(3.21, -4.56, 0.0));
     let [found, expected] = [&displaced, &suspension].map(|s| mobility_of(s, 1e-3, &loads));
-    assert!(worst(&found, &expected) < 1e-3, "{:?}", errors(&found, &expected));
+    // Twice the tolerance: of each of the two.
+    assert!(worst(&found, &expected) < 2e-3, "{:?}", errors(&found, &expected));
 }
 
 #[test]
@@ -181,7 +186,6 @@ fn one_sphere_near_a_wall() {
     };
     let (normal, parallel) = (mobility(Vector::Z), mobility(Vector::X));
     // Free to turn, the parallel resistance is YA - YB^2/YC, with YB = -0.03 less than the third digit.
-    println!("normal {} parallel {}", normal, parallel);
     assert!((1.0 / normal / 3.035_994 - 0.967).abs() < 0.002, "{normal}");
     assert!((1.0 / parallel / 1.567_447 - 0.994).abs() < 0.004, "{parallel}");
 }
