@@ -338,7 +338,7 @@ fn value(name: &str, container: &Container) -> hdf5::Result<Value> {
         TypeDescriptor::Boolean => return Ok(json!(container.read_scalar::<bool>()?)),
         TypeDescriptor::VarLenUnicode if container.ndim() == 1 => {
             let words = container.read_raw::<VarLenUnicode>()?;
-            return Ok(json!(words.iter().map(|word| word.as_str()).collect::<Vec<_>>()));
+            return Ok(json!(words.iter().map(VarLenUnicode::as_str).collect::<Vec<_>>()));
         }
         TypeDescriptor::VarLenUnicode => return Ok(json!(container.read_scalar::<VarLenUnicode>()?.as_str())),
         TypeDescriptor::VarLenAscii => return Ok(json!(container.read_scalar::<VarLenAscii>()?.as_str())),

@@ -162,7 +162,11 @@ impl Mobility {
         self.positions = positions.iter().map(|&position| cell.wrap(self.turn.vector(position)).0).collect();
         centre_where_open(cell, &mut self.positions);
         for (id, (&position, &radius)) in self.positions.iter().zip(&self.parameters.radii).enumerate() {
-            check_inside(cell, id as u64, position, radius).map_err(|error| self.in_the_caller_s_axes(error))?;
+            let turned = |error: OutsideError| {
+                let place = "xyz".find(error.axis).unwrap_or_default();
+                OutsideError { axis: self.turn.list(['x', 'y', 'z'])[place], ..error }
+            };
+            check_inside(cell, id as u64, position, radius).map_err(turned)?;
         }
         let overlaps = Overlaps::find(cell, &self.positions, &self.parameters.radii);
         match overlaps.filter(|_| self.parameters.lubrication.is_some()) {
@@ -185,12 +189,6 @@ impl Mobility {
         let solved = self.solve(&mut particles, given, &background)?;
         record(&mut particles, &solved);
         Ok(motions(particles.gathered(&self.partition), &solved).turned(turn.inverse()))
-    }
-
-    /// An error in the axes of the caller.
-    fn in_the_caller_s_axes(&self, error: OutsideError) -> MobilityError {
-        let place = "xyz".find(error.axis).unwrap_or_default();
-        OutsideError { axis: self.turn.list(['x', 'y', 'z'])[place], ..error }.into()
     }
 
     /// Random motions of the spheres whose covariance is their mobility, as many as `draws`: what heat does to them in
@@ -307,7 +305,9 @@ fn centre_where_open(cell: &PeriodicBox, positions: &mut [Vector]) {
     let highest = positions.iter().copied().fold(Vector::NEG_INFINITY, Vector::max);
     for axis in (0..3).filter(|&axis| is_open(axis)) {
         let by = 0.5 * (cell.edges()[axis] - lowest[axis] - highest[axis]);
-        positions.iter_mut().for_each(|position| position[axis] += by);
+        for position in &mut *positions {
+            position[axis] += by;
+        }
     }
 }
 

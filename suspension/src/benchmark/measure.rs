@@ -3,7 +3,7 @@
 use super::BenchmarkError;
 use super::spheres::{Kind, Spheres, loads};
 use crate::single_evaluation::SingleEvaluation;
-use domain::{Boundaries, Bytes, Comm, Particles, Partition, Vector};
+use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{
     Costs, Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds,
 };
@@ -94,7 +94,7 @@ impl Task {
 
     fn plan(&self, spheres: &Spheres, comm: &Comm) -> Result<Plan, BenchmarkError> {
         let problem = Problem {
-            boundaries: Boundaries::Periodic,
+            boundaries: spheres.cell.boundaries(),
             edges: spheres.cell.edges(),
             largest_strain: 0.0,
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
