@@ -437,6 +437,36 @@ mod tests {
     }
 
     #[test]
+    fn boxes_may_have_walls_or_be_open() {
+        let with = |more: &str| {
+            read(&format!(r#"{{"viscosity": 1, "positions": [[1, 2, 3], [3, 2, 8]], "radii": 0.5{more}}}"#))
+        };
+        let case = with(r#", "box": [4, 5, 9], "boundaries": ["periodic", "walls", "periodic"]"#).unwrap();
+        let (cell, turn) = case.bounded_box().unwrap();
+        assert_eq!((cell.edges().to_array(), turn), ([9.0, 4.0, 5.0], Turn::to_last(1)));
+        let open = with(r#", "boundaries": ["open", "open", "open"]"#).unwrap();
+        assert_eq!(open.bounded_box().unwrap().0.edges().to_array(), [3.25, 1.25, 6.25]);
+        let error = |more: &str| with(more).unwrap_err();
+        assert!(error(r#", "boundaries": ["walls", "periodic", "periodic"]"#).contains("missing field `box`"));
+        assert!(error(r#", "box": [4, 5, 9], "boundaries": ["walls", "open", "periodic"]"#).contains("possible are"));
+        assert!(error(r#", "box": [4, 5, 9], "boundaries": ["wand", "open", "periodic"]"#).contains("unknown variant"));
+        assert!(
+            error(r#", "box": [4, 5, 9], "strain": 0.1, "boundaries": ["periodic", "periodic", "wall"]"#)
+                .contains("not sheared")
+        );
+    }
+
+    #[test]
+    fn boundaries_in_hdf5_are_words() {
+        let case = hdf5_case(|file| {
+            let words: Vec<VarLenUnicode> =
+                ["periodic", "periodic", "walls"].iter().map(|word| word.parse().unwrap()).collect();
+            file.new_dataset_builder().with_data(&words).create("boundaries").unwrap();
+        });
+        assert_eq!(case.unwrap().boundaries[2], CaseBoundary::Walls);
+    }
+
+    #[test]
     fn hdf5_has_the_same_names() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("case.h5");

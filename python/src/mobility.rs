@@ -29,6 +29,9 @@ type Answer<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'
 /// Velocities, angular velocities, strain rates.
 type Random<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
+/// Edges in one row or lattice vectors in three, and what the box is along each axis.
+type GivenBox = (Vec<[f64; 3]>, [String; 3]);
+
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
 #[pymethods]
@@ -40,7 +43,7 @@ impl Mobility {
     #[pyo3(signature = (spheres, fluid, terms, comm))]
     fn new(
         py: Python<'_>,
-        spheres: ((Vec<[f64; 3]>, [String; 3]), f64, Vec<f64>, bool),
+        spheres: (GivenBox, f64, Vec<f64>, bool),
         fluid: (f64, f64),
         terms: (bool, Option<f64>),
         comm: Option<(i32, String)>,
