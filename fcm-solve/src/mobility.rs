@@ -4,7 +4,7 @@ use crate::causes::in_full;
 use crate::number::tolerance;
 use crate::streams;
 use anyhow::{Context, ensure};
-use domain::{Bytes, Comm, Tensor, Traceless, Vector};
+use domain::{Bytes, Comm, Tensor, Traceless, Turn, Vector};
 use fcm::{Costs, Drawn, Loads, Motion, Multipoles, Plan};
 use io::{Answer, Case, NOISE_NUMBERS, Noise, Terms};
 use lubrication::Range;
@@ -38,7 +38,11 @@ A case for N particles:
   multipoles  \"monopole\" or \"dipole\" (default)
   lubrication whether near pairs of rigid particles feel lubrication (default: false)
   lubrication_cutoff  the gap where it ends, in radii of the pair's larger sphere (default: 2.5)
-  background  {\"velocity_gradient\": 3 x 3, G[i][j] = du_i/dx_j}
+  boundaries  [\"periodic\", \"periodic\", \"walls\"]: what the box is along x, y and z (default: periodic);
+              one axis may have walls at 0 and its edge, a wall at 0, or be open, or all may be open
+              (then box may be left out: spheres are where they are)
+  background  {\"velocity_gradient\": 3 x 3, G[i][j] = du_i/dx_j, between walls a shear of both;
+              \"pressure_gradient\": dp/dx, dp/dy, dp/dz, between two walls}
   noise       {\"draws\": n, \"seed\": s}: random motions whose covariance is the mobility, besides
   strain      the box's Lees-Edwards strain: its second lattice vector is (strain Ly, Ly, 0)
 What is absent is zero. The answer has velocities and angular_velocities relative to the background
@@ -59,8 +63,8 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 
 /// Evaluates a case that was read; the first rank has the answer. Collective.
 fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
-    let parameters = parameters(case, (tolerance, io::kept_costs(comm)?))?;
-    let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?;
+    let (parameters, turn) = parameters(case, (tolerance, io::kept_costs(comm)?))?;
+    let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?.turned(turn);
     let positions: Vec<Vector> = case.positions.iter().map(|&position| position.into()).collect();
     let overlaps = mobility.place(&positions)?;
     for caution in cautions(overlaps, &mobility).iter().filter(|_| comm.is_first()) {
@@ -68,6 +72,7 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     }
     let gradient = Tensor::from_cols_array_2d(&case.background.velocity_gradient).transpose();
     let background = BackgroundFlow::with_gradient(gradient).context("background.velocity_gradient")?;
+    mobility.drive(Vector::from_array(case.background.pressure_gradient)).context("background.pressure_gradient")?;
     let start = Instant::now();
     let motions = mobility.apply(&loads(case), &background)?;
     let seconds = start.elapsed().as_secs_f64();
@@ -110,10 +115,11 @@ fn text_bytes(case: &Case) -> Bytes {
     Bytes::keep((8.0 + 20.0) * (32.0 + 2.0 * noise) * case.positions.len() as f64)
 }
 
-fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<MobilityParameters> {
+fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<(MobilityParameters, Turn)> {
+    let (cell, turn) = case.bounded_box()?;
     let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
-    Ok(MobilityParameters {
-        cell: case.cell.cell(case.strain)?,
+    let parameters = MobilityParameters {
+        cell,
         radii: case.radii(),
         viscosity: case.viscosity,
         multipoles: match case.multipoles {
@@ -124,7 +130,8 @@ fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<M
         tolerance,
         lubrication: case.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?,
         costs,
-    })
+    };
+    Ok((parameters, turn))
 }
 
 fn loads(case: &Case) -> Loads {

@@ -14,7 +14,9 @@ use crate::window::{self, Window, Windowed};
 use crate::work::{Clock, Work};
 use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector, power_of_two};
 use rayon::prelude::*;
-use solver::{Channel, ChannelFaces, ChannelWeights, Field, Grid, Multiplier, Physical, Real, Stokes, Transform};
+use solver::{
+    Channel, ChannelFaces, ChannelWeights, Field, Grid, Multiplier, OpenSpace, Physical, Real, Stokes, Transform,
+};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -150,7 +152,8 @@ impl<T: Real> Far<T> {
         let positions: Vec<Vector> = positions.iter().map(|&position| position - first).collect();
         self.places = places(&self.grid, extent, &positions);
         for axis in (0..3).filter(|&axis| !plan.boundaries.is_periodic(axis)) {
-            let last = plan.grid[axis] - extent[axis];
+            let is_open = plan.boundaries == Boundaries::Open;
+            let last = plan.grid[axis] / if is_open { 2 } else { 1 } - extent[axis];
             let is_whole = self.places.iter().all(|place| place.first[axis] as usize <= last);
             assert!(is_whole, "a sphere is outside of a box that does not repeat along its axis {axis}");
         }
@@ -192,10 +195,17 @@ fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<
         (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
     };
     let axis = |k3: f64| factor(k3, spacing.z).powi(2);
-    let multiplier = Multiplier { plane, axis, widening: 0.5 * common.increment };
-    let operator = Stokes::with_multiplier(grid, plan.viscosity, &multiplier);
+    let widening = 0.5 * common.increment;
+    if plan.boundaries == Boundaries::Open {
+        let bracket = |k: Vector| (1.0 + widening * k.length_squared()).powi(2);
+        let multiplier = |k: Vector| plane(k.x, k.y) * axis(k.z) * bracket(k);
+        // Beyond the cutoff the flow of common Gaussians is that of the envelopes.
+        let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.method.cutoff());
+        return Stokes::in_open_space(grid, kernel);
+    }
+    let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening });
     match plan.boundaries {
-        Boundaries::Periodic | Boundaries::Open => operator,
+        Boundaries::Periodic => operator,
         _ => operator.with_channel(channel(plan, grid, partition, (window, common))),
     }
 }

@@ -5,7 +5,7 @@ use crate::near::{self, Near};
 use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
 use crate::stencil::Place as Stencil;
-use domain::{Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
+use domain::{Boundaries, Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
 use solver::Real;
 
 /// A plan as a rank carries it out that need not be there: what its [`crate::Mobility`] takes.
@@ -39,9 +39,14 @@ impl<'a> Footprint<'a> {
 
     fn grid_in<T: Real>(&self) -> Bytes {
         let operator = self.grid.operator::<T>();
+        let more = match self.plan.boundaries {
+            Boundaries::Periodic => Bytes::default(),
+            Boundaries::Open => self.grid.open_space::<T>(),
+            _ => self.grid.channel::<T>(),
+        };
         let grid = self.grid.field::<T>().then(self.grid.transform::<T>(self.threads)).then(operator);
         // In a box that shears the operator is made anew again and again.
-        grid.then(operator.freed()).then(Bytes::keep(self.tables::<T>()))
+        grid.then(operator.freed()).then(more).then(Bytes::keep(self.tables::<T>()))
     }
 
     fn tables<T: Real>(&self) -> f64 {
@@ -62,7 +67,8 @@ impl<'a> Footprint<'a> {
     /// Particles and images that reach into the rank's pencil.
     fn present(&self) -> f64 {
         let spacing = self.plan.spacing();
-        let stencil = 0.5 * self.plan.support.support as f64 * spacing.y.max(spacing.z);
+        let mismatch = self.plan.mismatch();
+        let stencil = 0.5 * self.plan.support.support as f64 * spacing.y.max(spacing.z) + mismatch[0].max(mismatch[1]);
         self.expected.present(stencil.max(self.plan.method.cutoff()))
     }
 

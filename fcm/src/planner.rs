@@ -18,6 +18,10 @@ const MONOPOLE_LEEWAY: f64 = 0.8;
 const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
+/// Of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than those of a flow: eight of
+/// them between walls and in open space keep tolerances from 1e-2 to 1e-4.
+const RIGID_LEEWAY_BOUNDED: f64 = 0.04;
+
 /// Edges of the box that a cutoff may span: images are counted in bytes.
 const FARTHEST: f64 = 60.0;
 
@@ -61,6 +65,9 @@ impl Problem {
         for mut candidate in self.direct().into_iter().chain(self.split()) {
             let least = candidate.width / self.coarsest_at_walls();
             candidate.accuracy.resolution = candidate.accuracy.resolution.max(least);
+            if self.boundaries.walls() > 0 {
+                candidate.accuracy.points = self.points_at_walls(&candidate);
+            }
             for precision in self.precisions() {
                 let is_within = |plan: &Plan| plan.method.cutoff() <= FARTHEST * self.edges.min_element();
                 let Some(plan) = self.plan(&candidate, precision).filter(is_within) else { continue };
@@ -99,7 +106,8 @@ impl Problem {
         match (self.multipoles, self.rigid) {
             (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
             (Multipoles::Dipole, false) => GIVEN_LEEWAY,
-            (Multipoles::Dipole, true) => RIGID_LEEWAY,
+            (Multipoles::Dipole, true) if self.boundaries == Boundaries::Periodic => RIGID_LEEWAY,
+            (Multipoles::Dipole, true) => RIGID_LEEWAY_BOUNDED,
         }
     }
 
@@ -196,6 +204,22 @@ impl Problem {
         (grid.iter().map(|&n| n as f64).product::<f64>() <= Grid::MOST_IN_ALL).then_some(grid)
     }
 
+    /// Points of a window that keeps the tolerance at walls, on the grid of a candidate.
+    fn points_at_walls(&self, candidate: &Candidate) -> usize {
+        let Accuracy { resolution, points } = candidate.accuracy;
+        let spacing = candidate.width / resolution;
+        let is_enough = |&points: &usize| self.wall_error(candidate.width, spacing, points) <= self.allowed_at_walls();
+        (points..=Window::POINTS[1]).find(is_enough).unwrap_or(Window::POINTS[1])
+    }
+
+    /// The error of walls on a grid of this spacing with windows of so many points that stand for a Gaussian of this width.
+    fn wall_error(&self, width: f64, spacing: f64, points: usize) -> f64 {
+        let resolution = width / spacing;
+        let own = self.brackets(width).own * resolution * resolution;
+        let window = (Window::new(points, resolution), own);
+        wall_error(self.boundaries, spacing / self.smallest_radius(), window)
+    }
+
     /// Lengths that the grid of a candidate has to have.
     fn lengths_of(&self, candidate: &Candidate) -> Vector {
         if self.boundaries == Boundaries::Periodic {
@@ -289,7 +313,7 @@ impl Problem {
                 let brackets = self.brackets(width);
                 accuracy::split_error(self.multipoles, resolution, support.support, brackets)
                     .hypot(accuracy::cutoff_error(self.multipoles, cutoff / width, brackets))
-                    .hypot(wall_error(self.boundaries, spacing.max_element() / self.smallest_radius()))
+                    .hypot(self.wall_error(width, spacing.max_element(), support.support))
             }
         }
     }

@@ -1,7 +1,7 @@
 //! A single configuration given by the user, and its answer: JSON, or HDF5 with the same names.
 
-use crate::{CaseBox, FileError, atomic_file, atomic_hdf5, claimed_size};
-use domain::Number;
+use crate::{CaseBoundary, CaseBox, CaseBoxError, FileError, atomic_file, atomic_hdf5, claimed_size};
+use domain::{Number, PeriodicBox, Turn};
 use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, Group};
 use serde::{Deserialize, Serialize};
@@ -12,9 +12,12 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Edges of the box, or its lattice vectors.
-    #[serde(rename = "box")]
-    pub cell: CaseBox,
+    /// Edges of the box, or its lattice vectors; only spheres in open fluid need none.
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<CaseBox>,
+    /// What the box is along each axis.
+    #[serde(default = "periodic")]
+    pub boundaries: [CaseBoundary; 3],
     /// Lees-Edwards strain of the box.
     #[serde(default)]
     pub strain: f64,
@@ -94,6 +97,9 @@ pub struct Background {
     /// `G[i][j] = du_i / dx_j`.
     #[serde(default)]
     pub velocity_gradient: [[f64; 3]; 3],
+    /// `dp / dx_i`, which drives a flow between walls.
+    #[serde(default)]
+    pub pressure_gradient: [f64; 3],
 }
 
 /// Draws of a case at most.
@@ -101,6 +107,10 @@ const MOST_DRAWS: u64 = 1_000_000;
 
 fn yes() -> bool {
     true
+}
+
+fn periodic() -> [CaseBoundary; 3] {
+    [CaseBoundary::Periodic; 3]
 }
 
 /// The answer to a [`Case`]; fields that were not computed are absent.
@@ -182,7 +192,15 @@ impl Case {
         }
     }
 
+    /// The box with its special axis last, and the turn to its axes.
+    pub fn bounded_box(&self) -> Result<(PeriodicBox, Turn), CaseBoxError> {
+        CaseBox::bounded(self.cell, self.strain, self.boundaries, (&self.positions, &self.radii()))
+    }
+
     fn check(&self) -> Result<(), String> {
+        if self.cell.is_none() || self.boundaries != periodic() {
+            self.bounded_box().map_err(|error| error.to_string())?;
+        }
         let count = self.positions.len();
         let fits = |key: &str, found: usize, may_be_absent: bool| {
             if found == count || (may_be_absent && found == 0) {
@@ -203,6 +221,7 @@ impl Case {
         finite("torques", Box::new(self.torques.iter().flatten().copied()))?;
         finite("stresslets", Box::new(self.stresslets.iter().flatten().copied()))?;
         finite("background.velocity_gradient", Box::new(self.background.velocity_gradient.into_iter().flatten()))?;
+        finite("background.pressure_gradient", Box::new(self.background.pressure_gradient.into_iter()))?;
         if !(self.viscosity.is_finite() && self.viscosity > 0.0) {
             return Err(format!("viscosity is {}; it needs to be positive and finite", Number(self.viscosity)));
         }
@@ -317,6 +336,10 @@ fn value(name: &str, container: &Container) -> hdf5::Result<Value> {
     claimed_size::check(container)?;
     match container.dtype()?.to_descriptor()? {
         TypeDescriptor::Boolean => return Ok(json!(container.read_scalar::<bool>()?)),
+        TypeDescriptor::VarLenUnicode if container.ndim() == 1 => {
+            let words = container.read_raw::<VarLenUnicode>()?;
+            return Ok(json!(words.iter().map(VarLenUnicode::as_str).collect::<Vec<_>>()));
+        }
         TypeDescriptor::VarLenUnicode => return Ok(json!(container.read_scalar::<VarLenUnicode>()?.as_str())),
         TypeDescriptor::VarLenAscii => return Ok(json!(container.read_scalar::<VarLenAscii>()?.as_str())),
         _ => {}
@@ -414,6 +437,36 @@ mod tests {
     }
 
     #[test]
+    fn boxes_may_have_walls_or_be_open() {
+        let with = |more: &str| {
+            read(&format!(r#"{{"viscosity": 1, "positions": [[1, 2, 3], [3, 2, 8]], "radii": 0.5{more}}}"#))
+        };
+        let case = with(r#", "box": [4, 5, 9], "boundaries": ["periodic", "walls", "periodic"]"#).unwrap();
+        let (cell, turn) = case.bounded_box().unwrap();
+        assert_eq!((cell.edges().to_array(), turn), ([9.0, 4.0, 5.0], Turn::to_last(1)));
+        let open = with(r#", "boundaries": ["open", "open", "open"]"#).unwrap();
+        assert_eq!(open.bounded_box().unwrap().0.edges().to_array(), [3.25, 1.25, 6.25]);
+        let error = |more: &str| with(more).unwrap_err();
+        assert!(error(r#", "boundaries": ["walls", "periodic", "periodic"]"#).contains("missing field `box`"));
+        assert!(error(r#", "box": [4, 5, 9], "boundaries": ["walls", "open", "periodic"]"#).contains("possible are"));
+        assert!(error(r#", "box": [4, 5, 9], "boundaries": ["wand", "open", "periodic"]"#).contains("unknown variant"));
+        assert!(
+            error(r#", "box": [4, 5, 9], "strain": 0.1, "boundaries": ["periodic", "periodic", "wall"]"#)
+                .contains("not sheared")
+        );
+    }
+
+    #[test]
+    fn boundaries_in_hdf5_are_words() {
+        let case = hdf5_case(|file| {
+            let words: Vec<VarLenUnicode> =
+                ["periodic", "periodic", "walls"].iter().map(|word| word.parse().unwrap()).collect();
+            file.new_dataset_builder().with_data(&words).create("boundaries").unwrap();
+        });
+        assert_eq!(case.unwrap().boundaries[2], CaseBoundary::Walls);
+    }
+
+    #[test]
     fn hdf5_has_the_same_names() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("case.h5");
@@ -431,7 +484,7 @@ mod tests {
         group.new_dataset_builder().with_data(&gradient).create("velocity_gradient").unwrap();
         drop(file);
         let case = Case::read(&path).unwrap();
-        assert_eq!((case.cell, case.viscosity, case.rigid), (CaseBox::Edges([4.0, 5.0, 6.0]), 2.0, false));
+        assert_eq!((case.cell, case.viscosity, case.rigid), (Some(CaseBox::Edges([4.0, 5.0, 6.0])), 2.0, false));
         assert_eq!(case.forces, vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
         assert!((case.background.velocity_gradient[0][1] - 1.0).abs() < 1e-15);
         let noise_velocities = Some(vec![vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]; 4]);

@@ -1,6 +1,7 @@
 //! The box of a case: edges, or lattice vectors.
 
-use domain::{BoxError, PeriodicBox, Vector};
+use crate::case_boundaries::{BoundariesError, CaseBoundary, boundaries_of};
+use domain::{Boundaries, BoxError, PeriodicBox, Turn, Vector};
 use serde::{Deserialize, Serialize};
 
 /// The periodic box that a user gives.
@@ -25,9 +26,42 @@ pub enum CaseBoxError {
     /// No vector is at right angles to the others.
     #[error("none of the box's lattice vectors is at right angles to the other two; one needs to be")]
     Leaning,
+    /// Axes that can't go together.
+    #[error(transparent)]
+    Boundaries(#[from] BoundariesError),
+    /// Lattice vectors or a strain, and an axis that does not repeat.
+    #[error("boundaries other than \"periodic\" are for a box of three edges that is not sheared")]
+    Bounded,
+    /// No box, where one is needed.
+    #[error("missing field `box`; only spheres that are in open fluid along all axes need none")]
+    Missing,
 }
 
 impl CaseBox {
+    /// The box, at a strain, with its special axis last, and the turn to its axes. Without a box, in open fluid alone, that is
+    /// one around the spheres.
+    pub fn bounded(
+        given: Option<Self>,
+        strain: f64,
+        axes: [CaseBoundary; 3],
+        spheres: (&[[f64; 3]], &[f64]),
+    ) -> Result<(PeriodicBox, Turn), CaseBoxError> {
+        let (boundaries, turn) = boundaries_of(axes)?;
+        let of_box = match given {
+            Some(of_box) => of_box,
+            None if boundaries == Boundaries::Open => Self::Edges(around(spheres)),
+            None => return Err(CaseBoxError::Missing),
+        };
+        match of_box {
+            _ if boundaries == Boundaries::Periodic => Ok((of_box.cell(strain)?, turn)),
+            Self::Edges(edges) if strain == 0.0 => {
+                let cell = Self::Edges(turn.list(edges)).cell(0.0)?;
+                Ok((cell.with_boundaries(boundaries)?, turn))
+            }
+            _ => Err(CaseBoxError::Bounded),
+        }
+    }
+
     /// The box, at a strain.
     pub fn cell(&self, strain: f64) -> Result<PeriodicBox, CaseBoxError> {
         let vectors = match self {
@@ -48,9 +82,35 @@ impl CaseBox {
     }
 }
 
+/// Edges of a box around spheres.
+fn around((positions, radii): (&[[f64; 3]], &[f64])) -> [f64; 3] {
+    let radius = radii.iter().copied().fold(0.0, f64::max);
+    std::array::from_fn(|axis| {
+        let lowest = positions.iter().map(|x| x[axis]).fold(f64::INFINITY, f64::min);
+        let highest = positions.iter().map(|x| x[axis]).fold(f64::NEG_INFINITY, f64::max);
+        // Wider than two radii, as every box is.
+        (highest - lowest).max(0.0) + 2.5 * radius
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_special_axis_is_the_last() {
+        use CaseBoundary::{Open, Periodic, Walls};
+        let edges = CaseBox::Edges([3.0, 4.0, 5.0]);
+        let spheres: (&[[f64; 3]], &[f64]) = (&[[0.0; 3], [-2.0, 1.0, 7.0]], &[1.0, 2.0]);
+        let of = |given, strain, axes| CaseBox::bounded(given, strain, axes, spheres);
+        let (cell, turn) = of(Some(edges), 0.0, [Periodic, Walls, Periodic]).unwrap();
+        assert_eq!((cell.edges(), turn), (Vector::new(5.0, 3.0, 4.0), Turn::to_last(1)));
+        assert_eq!(of(None, 0.0, [Open; 3]).unwrap().0.edges(), Vector::new(7.0, 6.0, 12.0));
+        let error = |given, strain, axes| of(given, strain, axes).unwrap_err().to_string();
+        assert!(error(None, 0.0, [Periodic; 3]).contains("missing field `box`"));
+        assert!(error(Some(edges), 0.1, [Walls, Periodic, Periodic]).contains("not sheared"));
+        assert!(error(Some(edges), 0.0, [Walls, Walls, Periodic]).contains("possible are"));
+    }
 
     #[test]
     fn the_vector_at_right_angles_is_the_third() {

@@ -19,6 +19,7 @@
 mod atomic_file;
 mod atomic_hdf5;
 mod case;
+mod case_boundaries;
 mod case_box;
 mod causes;
 mod checkpoint;
@@ -43,6 +44,7 @@ mod verified;
 
 pub use atomic_file::replace as replace_file;
 pub use case::{Answer, Background, Case, NOISE_NUMBERS, Noise, OneOrAll, Terms};
+pub use case_boundaries::{BoundariesError, CaseBoundary, UnknownBoundary};
 pub use case_box::{CaseBox, CaseBoxError};
 pub use causes::in_full;
 pub use checkpoint::Checkpoints;

@@ -16,7 +16,7 @@ __version__: str
 class Mobility:
     def __init__(
         self,
-        spheres: tuple[list[float], float, list[float], bool],
+        spheres: tuple[tuple[list[list[float]], list[str]], float, list[float], bool],
         fluid: tuple[float, float],
         terms: tuple[bool, float | None],
         comm: tuple[int, str] | None,
@@ -24,6 +24,7 @@ class Mobility:
     @property
     def is_first(self) -> bool: ...
     def place(self, positions: Array) -> str | None: ...
+    def drive(self, pressure_gradient: list[float]) -> None: ...
     def apply(
         self,
         forces: Array | None,

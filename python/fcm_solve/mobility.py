@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from warnings import warn
@@ -108,6 +109,9 @@ class Mobility:
     rigid       whether to solve for the stresslets that keep the spheres rigid
     multipoles  "dipole": forces, torques and stresslets; "monopole": forces alone
     strain      the box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)
+    boundaries  what the box is along x, y and z: one axis may have "walls" at 0 and at its edge, a "wall" at 0, or be
+                "open", the others "periodic"; or all are "open": then the edges are to be longer than the spheres'
+                centres are apart
     threads     threads that compute; the same for all that a process computes. As many as there are cores if left out
     comm        an mpi4py communicator whose ranks work together: every call is then collective, and arrays that are
                 given and returned are those of the first rank
@@ -126,6 +130,7 @@ class Mobility:
         threads: int | None = None,
         comm: Any = None,
         count: int | None = None,
+        boundaries: Sequence[str] = ("periodic", "periodic", "periodic"),
     ) -> None:
         self._radii = _radii(radii, count)
         self._rigid = bool(rigid)
@@ -135,7 +140,9 @@ class Mobility:
         _core.start_threads(threads)
         shape = (3, 3) if np.ndim(box) == 2 else (3,)
         rows = np.atleast_2d(_arrays.exactly("box", box, shape)).tolist()
-        spheres = (rows, float(strain), self._radii.tolist(), self._rigid)
+        if len(boundaries) != 3:
+            raise ValueError(f"boundaries are {boundaries}; they need to be three words, for x, y and z")
+        spheres = ((rows, [str(axis) for axis in boundaries]), float(strain), self._radii.tolist(), self._rigid)
         fluid = (float(viscosity), float(tolerance))
         self._core = _core.Mobility(spheres, fluid, (self._dipoles, _cutoff(lubrication)), handle(comm))
         self._positions: np.ndarray | None = None
@@ -170,13 +177,16 @@ class Mobility:
         torques: ArrayLike | None = None,
         stresslets: ArrayLike | None = None,
         background: ArrayLike | None = None,
+        pressure_gradient: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Motion:
         """The motions under loads.
 
         forces      (N, 3), force
         torques     (N, 3), force*length
         stresslets  (N, 5): xx, xy, xz, yy, yz, force*length; of spheres that are not rigid
-        background  (3, 3), 1/time: the velocity gradient of the background flow, G[i, j] = du_i/dx_j, without trace
+        background  (3, 3), 1/time: the velocity gradient of the background flow, G[i, j] = du_i/dx_j, without trace;
+                    between walls a shear of both
+        pressure_gradient  (3,), force/length^3: dp/dx_i, which drives a flow between two walls
 
         What is left out is zero. Raises `Error` if no solution is found.
         """
@@ -192,6 +202,7 @@ class Mobility:
             _load("stresslets", stresslets, self._radii, 5),
         )
         gradient = None if background is None else _arrays.exactly("background", background, (3, 3)).tolist()
+        self._core.drive(_arrays.exactly("pressure_gradient", pressure_gradient, (3,)).tolist())
         (velocities, angular, strain_rates, stresslets, far, iterations, residual), seconds = self._core.apply(
             *loads, gradient
         )

@@ -5,9 +5,9 @@ use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
 use crate::error::{explained, refused};
 use crate::signals::Signals;
-use domain::{Bytes, Comm, Tensor, Vector};
+use domain::{Bytes, Comm, Tensor, Turn, Vector};
 use fcm::{Loads, Motion, Multipoles};
-use io::CaseBox;
+use io::{CaseBoundary, CaseBox};
 use lubrication::Range;
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -29,27 +29,34 @@ type Answer<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'
 /// Velocities, angular velocities, strain rates.
 type Random<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
+/// Edges in one row or lattice vectors in three, and what the box is along each axis.
+type GivenBox = (Vec<[f64; 3]>, [String; 3]);
+
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
 #[pymethods]
 impl Mobility {
     /// Plans the mobility; `spheres` is the box, edges in one row or lattice vectors in three, with its strain, the radii and whether they are rigid, `fluid` the
-    /// viscosity and the relative error, `terms` whether there are dipoles, and the gap where lubrication ends.
+    /// viscosity and the relative error, `terms` whether there are dipoles, and the gap where lubrication ends; the box comes
+    /// with what it is along each axis.
     #[new]
     #[pyo3(signature = (spheres, fluid, terms, comm))]
     fn new(
         py: Python<'_>,
-        spheres: (Vec<[f64; 3]>, f64, Vec<f64>, bool),
+        spheres: (GivenBox, f64, Vec<f64>, bool),
         fluid: (f64, f64),
         terms: (bool, Option<f64>),
         comm: Option<(i32, String)>,
     ) -> PyResult<Self> {
-        let ((cell, strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication)) = (spheres, fluid, terms);
+        let (((rows, axes), strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication)) =
+            (spheres, fluid, terms);
+        let given = (Some(given_box(&rows)), boundaries(&axes)?);
+        let (cell, turn) = CaseBox::bounded(given.0, strain, given.1, (&[], &[])).map_err(|cause| refused(&cause))?;
         let comm = ranks(comm)?;
         let lubrication = lubrication.map(|cutoff| Range::new(cutoff, Range::CLOSEST)).transpose();
         let count = radii.len();
         let parameters = MobilityParameters {
-            cell: given_box(&cell).cell(strain).map_err(|cause| refused(&cause))?,
+            cell,
             radii,
             viscosity,
             multipoles: if dipoles { Multipoles::Dipole } else { Multipoles::Monopole },
@@ -58,7 +65,7 @@ impl Mobility {
             lubrication: lubrication.map_err(|cause| refused(&cause))?,
             costs: without_lock(py, || io::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
         };
-        Self::planned(py, parameters, (count, &comm))
+        Self::planned(py, (parameters, turn), (count, &comm))
     }
 
     /// Puts the spheres into places `(N, 3)`; what to say of spheres that overlap.
@@ -66,6 +73,12 @@ impl Mobility {
         let positions: Vec<Vector> = list_of(Some(positions))?;
         let overlaps = self.planned.with(py, |mobility| mobility.place(&positions))?.map_err(|cause| failed(&cause))?;
         Ok(overlaps.map(|overlaps| overlaps.to_string()))
+    }
+
+    /// Drives the fluid between walls by a pressure gradient from now on.
+    fn drive(&self, py: Python<'_>, pressure_gradient: [f64; 3]) -> PyResult<()> {
+        let gradient = Vector::from_array(pressure_gradient);
+        self.planned.with(py, |mobility| mobility.drive(gradient))?.map_err(|cause| failed(&cause))
     }
 
     /// The motions, and the seconds that they took, under loads `(N, 3)`, `(N, 3)`, `(N, 5)` and a velocity gradient `G[i][j] = du_i/dx_j`.
@@ -130,10 +143,14 @@ impl Mobility {
 }
 
 impl Mobility {
-    fn planned(py: Python<'_>, parameters: MobilityParameters, (count, comm): (usize, &Comm)) -> PyResult<Self> {
+    fn planned(
+        py: Python<'_>,
+        (parameters, turn): (MobilityParameters, Turn),
+        (count, comm): (usize, &Comm),
+    ) -> PyResult<Self> {
         let signals = Signals::default();
         let planned = without_lock(py, || suspension::Mobility::new(parameters, array_bytes(count), comm));
-        let mut planned = planned.map_err(|cause| failed(&cause))?;
+        let mut planned = planned.map_err(|cause| failed(&cause))?.turned(turn);
         planned.listen(signals.interrupt());
         Ok(Self { planned: Confined::new(planned), signals, is_first: comm.is_first() })
     }
@@ -147,7 +164,11 @@ fn array_bytes(count: usize) -> Bytes {
 /// What was given can't be evaluated, or something failed.
 fn failed(cause: &MobilityError) -> PyErr {
     match cause {
-        MobilityError::Plan(_) | MobilityError::Overlap(_) => refused(cause),
+        MobilityError::Plan(_)
+        | MobilityError::Overlap(_)
+        | MobilityError::Outside(_)
+        | MobilityError::Flow(_)
+        | MobilityError::Noise => refused(cause),
         _ => explained(cause),
     }
 }
@@ -163,6 +184,12 @@ fn answer(py: Python<'_>, motions: Motions) -> PyResult<Answer<'_>> {
         iterations,
         residual,
     ))
+}
+
+/// What the box is along each axis.
+fn boundaries(axes: &[String; 3]) -> PyResult<[CaseBoundary; 3]> {
+    let word = |word: &String| CaseBoundary::of_word(word).map_err(|cause| refused(&cause));
+    Ok([word(&axes[0])?, word(&axes[1])?, word(&axes[2])?])
 }
 
 /// The box of edges in one row, or of lattice vectors in three.

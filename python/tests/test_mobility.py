@@ -48,6 +48,24 @@ def test_lattice_vectors_are_a_box(program, tmp_path):
     assert np.linalg.norm(answer["velocities"] - upright) < 1e-4 * np.linalg.norm(upright)
 
 
+@pytest.mark.parametrize("boundaries", [("periodic", "walls", "periodic"), ("open", "open", "open")])
+def test_walls_and_open_space_are_those_of_the_program(program, tmp_path, boundaries):
+    answer = asked(program, tmp_path, 1e-3, forces=FORCES.tolist(), boundaries=boundaries)
+    assert np.array_equal(mobility(boundaries=boundaries)(FORCES).velocities, answer["velocities"])
+
+
+def test_a_pressure_gradient_drives_spheres_between_walls(program, tmp_path):
+    boundaries, gradient = ("periodic", "periodic", "walls"), [-0.1, 0.02, 0.0]
+    answer = asked(program, tmp_path, 1e-3, boundaries=boundaries, background={"pressure_gradient": gradient})
+    between = mobility(boundaries=boundaries)
+    driven = between(pressure_gradient=gradient)
+    assert np.array_equal(driven.velocities, answer["velocities"])
+    # The next call is without.
+    assert not np.any(between().velocities)
+    with pytest.raises(ValueError, match="between two walls"):
+        mobility(boundaries=("periodic", "periodic", "wall"))(pressure_gradient=gradient)
+
+
 def test_noise_is_that_of_the_program_and_has_the_covariance_of_the_mobility(program, tmp_path):
     answer = asked(program, tmp_path, 1e-3, noise={"draws": 3, "seed": 8}, lubrication=True)
     made = mobility(lubrication=True)

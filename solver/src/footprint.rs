@@ -1,8 +1,9 @@
 //! What fields, transforms and operators take.
 
-use crate::Real;
+use crate::channel::Update;
 use crate::layout::Layout;
 use crate::transform::ROOM;
+use crate::{OpenSpace, Real};
 use domain::{Bytes, Place};
 
 /// A grid as a rank has it that need not be there: its points, the rank's place among the ranks, and the values of room
@@ -51,6 +52,21 @@ impl Footprint {
         let [nx, ny, nz] = self.points.map(|n| n as f64);
         let columns = (nx / 2.0 / T::LANES as f64).ceil() * T::LANES as f64;
         Bytes::list::<T>(3.0 * ny * columns + columns + 2.0 * nz)
+    }
+
+    /// What walls add to the operator: every rank has what its share of the spectrum needs.
+    pub fn channel<T: Real>(&self) -> Bytes {
+        let layout = self.layout::<T>();
+        Bytes::keep((Update::<T>::BYTES * T::LANES * layout.blocks.len() * layout.modes.len()) as f64)
+    }
+
+    /// The tables of the operator in open space, of which every rank has whole ones, and what it takes to make them: a vector
+    /// field in `f64` on a grid as long as the one that is on this one and its diagonal, and a bit.
+    pub fn open_space<T: Real>(&self) -> Bytes {
+        let half = self.points.map(|n| 0.5 * n as f64);
+        let diagonal = half.iter().map(|n| n * n).sum::<f64>().sqrt();
+        let long = half.map(|n| n + 1.2 * diagonal).iter().product::<f64>();
+        Bytes::list::<T>(OpenSpace::<T>::values(self.points)).then(Bytes::list::<f64>(3.0 * long).freed())
     }
 
     /// Points of this rank.

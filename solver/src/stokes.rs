@@ -1,7 +1,7 @@
 //! From force density to velocity.
 
 use crate::simd::{Vector, Work};
-use crate::{Channel, Grid, Real};
+use crate::{Channel, Grid, OpenSpace, Real};
 
 /// The Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`], which it
 /// completes with the factor `1 / (nx ny nz)`: a force density goes to the velocity that it drives.
@@ -25,6 +25,7 @@ pub struct Stokes<T> {
     axis: Vec<T>,
     widening: T,
     channel: Option<Channel<T>>,
+    open: Option<OpenSpace<T>>,
 }
 
 /// A multiplier `m(k) = plane(k1, k2) axis(k3) (1 + widening k^2)^2` of the wavevector `k = (k1, k2, k3)` of the box,
@@ -81,7 +82,21 @@ impl<T: Real> Stokes<T> {
             axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),
             widening: T::from_f64(*widening),
             channel: None,
+            open: None,
         }
+    }
+
+    /// The solve in unbounded fluid, of what is on the first half of the grid along each axis; there alone velocities are
+    /// right, or there at all.
+    #[must_use]
+    pub fn in_open_space(grid: &Grid, kernel: OpenSpace<T>) -> Self {
+        Self { open: Some(kernel), ..Self::new(grid, 1.0) }
+    }
+
+    /// Lines along y and along z, from the first on, outside of which forces are zero and velocities are not asked for.
+    pub(crate) fn occupied(&self) -> [usize; 2] {
+        let [_, ny, nz] = self.points;
+        if self.open.is_some() { [ny / 2, nz / 2] } else { [ny, nz] }
     }
 
     /// The solve between walls, above a wall, or in a layer that is open along z.
@@ -123,6 +138,11 @@ impl<T: Real> Stokes<T> {
     /// # Safety
     /// The columns can be read and written.
     pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; 3]) {
+        if let Some(open) = &self.open {
+            // SAFETY: the caller's promise.
+            unsafe { open.multiply(place, components) };
+            return;
+        }
         T::dispatch(Multiply { operator: self, place, components });
     }
 }

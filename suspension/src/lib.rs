@@ -27,6 +27,7 @@ mod averages;
 pub mod benchmark;
 mod brownian;
 mod cautions;
+mod channel_flow;
 mod columns;
 mod contacts;
 mod driven;
@@ -66,6 +67,7 @@ mod substeps;
 mod suspension;
 mod warm_start;
 
+pub use channel_flow::FlowRefused;
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 pub use error::{PlacingError, StartError};
 pub use forecast::Forecast;

@@ -1,10 +1,14 @@
 //! The mobility of spheres at given positions: loads to motions.
 
+use crate::channel_flow::{FlowRefused, check_linear, check_pressure, poiseuille};
 use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
-use domain::{Bytes, Comm, Failure, Interrupt, Particles, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Costs, Drawn, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, PlanError, Problem, SolveError, Stream};
+use domain::{Boundaries, Bytes, Comm, Failure, Interrupt, Particles, Partition, PeriodicBox, Traceless, Turn, Vector};
+use fcm::{
+    Costs, Drawn, Evaluation, Fixed, Loads, Motion, Multipoles, OutsideError, Plan, PlanError, Problem, SolveError,
+    Stream, check_inside,
+};
 use lubrication::{PairForceError, Range};
 use solver::BackgroundFlow;
 
@@ -38,6 +42,8 @@ pub struct Mobility {
     partition: Partition,
     hydrodynamics: Hydrodynamics,
     positions: Vec<Vector>,
+    turn: Turn,
+    pressure_gradient: Vector,
 }
 
 /// Why a mobility can't be computed.
@@ -52,6 +58,15 @@ pub enum MobilityError {
     /// Lubrication between spheres that overlap.
     #[error("{0}; lubrication acts between spheres that are apart: move these apart, or leave out lubrication")]
     Overlap(Overlaps),
+    /// A sphere outside of a box with walls or open faces.
+    #[error(transparent)]
+    Outside(#[from] OutsideError),
+    /// A background flow that does not fit the walls.
+    #[error(transparent)]
+    Flow(#[from] FlowRefused),
+    /// Random motions in a box that does not repeat along all axes.
+    #[error("random motions are for boxes that repeat along all axes; leave out the noise")]
+    Noise,
     /// No solution.
     #[error(transparent)]
     Solve(#[from] SolveError),
@@ -98,7 +113,31 @@ impl Mobility {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics =
             comm.agree(Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
-        Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions: Vec::new() })
+        let (positions, turn, pressure_gradient) = (Vec::new(), Turn::default(), Vector::ZERO);
+        Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, turn, pressure_gradient })
+    }
+
+    /// With vectors and tensors from and to the caller in axes that this turn makes those of the box.
+    #[must_use]
+    pub fn turned(self, turn: Turn) -> Self {
+        Self { turn, ..self }
+    }
+
+    /// Drives the fluid between two walls by a pressure gradient from now on; motions are relative to that flow's velocity and
+    /// half its vorticity at the centres.
+    pub fn drive(&mut self, pressure_gradient: Vector) -> Result<(), MobilityError> {
+        let gradient = self.turn.vector(pressure_gradient);
+        check_pressure(&self.parameters.cell, gradient, self.last_axis())?;
+        if self.parameters.lubrication.is_some() && gradient != Vector::ZERO {
+            return Err(FlowRefused::Lubrication.into());
+        }
+        self.pressure_gradient = gradient;
+        Ok(())
+    }
+
+    /// What the caller calls the box's last axis.
+    fn last_axis(&self) -> char {
+        self.turn.list(['x', 'y', 'z'])[2]
     }
 
     /// How it is computed.
@@ -120,7 +159,15 @@ impl Mobility {
     /// lubrication.
     pub fn place(&mut self, positions: &[Vector]) -> Result<Option<Overlaps>, MobilityError> {
         let cell = &self.parameters.cell;
-        self.positions = positions.iter().map(|&position| cell.wrap(position).0).collect();
+        self.positions = positions.iter().map(|&position| cell.wrap(self.turn.vector(position)).0).collect();
+        centre_where_open(cell, &mut self.positions);
+        for (id, (&position, &radius)) in self.positions.iter().zip(&self.parameters.radii).enumerate() {
+            let turned = |error: OutsideError| {
+                let place = "xyz".find(error.axis).unwrap_or_default();
+                OutsideError { axis: self.turn.list(['x', 'y', 'z'])[place], ..error }
+            };
+            check_inside(cell, id as u64, position, radius).map_err(turned)?;
+        }
         let overlaps = Overlaps::find(cell, &self.positions, &self.parameters.radii);
         match overlaps.filter(|_| self.parameters.lubrication.is_some()) {
             Some(overlaps) => Err(MobilityError::Overlap(overlaps)),
@@ -131,13 +178,17 @@ impl Mobility {
     /// The motions of the spheres under loads, and relative to a background flow. Empty lists stand for no load;
     /// stresslets are loads of spheres that are not rigid.
     pub fn apply(&mut self, loads: &Loads, background: &BackgroundFlow) -> Result<Motions, MobilityError> {
+        let turn = self.turn;
+        let background =
+            BackgroundFlow::with_gradient(turn.tensor(&background.gradient())).expect("a turn changes no trace");
+        check_linear(&self.parameters.cell, &background, self.last_axis())?;
         let mut particles = self.placed(loads);
         let comm = self.partition.comm();
         let has = |list: usize| comm.any(list > 0);
         let given = [loads.forces.len(), loads.torques.len(), loads.stresslets.len()].map(has);
-        let solved = self.solve(&mut particles, given, background)?;
+        let solved = self.solve(&mut particles, given, &background)?;
         record(&mut particles, &solved);
-        Ok(motions(particles.gathered(&self.partition), &solved))
+        Ok(motions(particles.gathered(&self.partition), &solved).turned(turn.inverse()))
     }
 
     /// Random motions of the spheres whose covariance is their mobility, as many as `draws`: what heat does to them in
@@ -145,6 +196,9 @@ impl Mobility {
     /// the same motion, on any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid,
     /// else none.
     pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
+        if self.parameters.cell.boundaries() != Boundaries::Periodic {
+            return Err(MobilityError::Noise);
+        }
         let (cell, mut worst) = (self.parameters.cell, Drawn::default());
         let mut motions = Vec::new();
         let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
@@ -187,9 +241,11 @@ impl Mobility {
                 particles.push(id as u64, position, radius, 0);
             }
         }
-        fill(particles.vectors(column::FORCE), &loads.forces);
-        fill(particles.vectors(column::TORQUE), &loads.torques);
-        fill(traceless(&mut particles, column::STRESSLET), &loads.stresslets);
+        let vectors = |list: &[Vector]| list.iter().map(|&v| self.turn.vector(v)).collect::<Vec<_>>();
+        let stresslets: Vec<_> = loads.stresslets.iter().map(|&s| self.turn.traceless(s)).collect();
+        fill(particles.vectors(column::FORCE), &vectors(&loads.forces));
+        fill(particles.vectors(column::TORQUE), &vectors(&loads.torques));
+        fill(traceless(&mut particles, column::STRESSLET), &stresslets);
         particles.wrap(&self.parameters.cell);
         particles.migrate(&self.partition, &self.parameters.cell);
         particles
@@ -209,9 +265,15 @@ impl Mobility {
         if torques && multipoles == Multipoles::Dipole {
             loads.torques = particles.vectors(column::TORQUE).to_vec();
         }
+        let ambient = if self.pressure_gradient == Vector::ZERO {
+            STILL.clone()
+        } else {
+            let spheres = (&particles.positions[..], &particles.radii[..]);
+            poiseuille(cell, self.parameters.viscosity, self.pressure_gradient, spheres)
+        };
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = background.strain_rate();
-            let acting = Acting { loads: &loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &STILL };
+            let acting = Acting { loads: &loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &ambient };
             return self.hydrodynamics.solve(cell, particles, &acting, &Guess::default());
         }
         if stresslets {
@@ -219,9 +281,39 @@ impl Mobility {
         }
         let mobility = self.hydrodynamics.mobility();
         mobility.arrange(cell, particles);
-        let motion = mobility.apply(&loads, Evaluation::All);
+        let mut motion = mobility.apply(&loads, Evaluation::All);
+        motion.velocities.iter_mut().zip(&ambient.velocities).for_each(|(v, ambient)| *v += *ambient);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
         Ok(Solved { motion, stresslets, far: loads, induced: Motion::default(), iterations: 0, residual: 0.0 })
+    }
+}
+
+impl Motions {
+    /// The same in other axes.
+    #[must_use]
+    fn turned(mut self, turn: Turn) -> Self {
+        if turn == Turn::default() {
+            return self;
+        }
+        let Motion { velocities, angular_velocities, strain_rates } = &mut self.motion;
+        velocities.iter_mut().chain(angular_velocities).for_each(|v| *v = turn.vector(*v));
+        let tensors = strain_rates.iter_mut().chain(&mut self.stresslets).chain(&mut self.stresslets_far);
+        tensors.for_each(|tensor| *tensor = turn.traceless(*tensor));
+        self
+    }
+}
+
+/// Puts the spheres into the middle of the box along axes without walls that do not repeat: the place of the origin does not
+/// matter there.
+fn centre_where_open(cell: &PeriodicBox, positions: &mut [Vector]) {
+    let is_open = |axis: usize| !cell.is_periodic(axis) && cell.boundaries().walls() == 0;
+    let lowest = positions.iter().copied().fold(Vector::INFINITY, Vector::min);
+    let highest = positions.iter().copied().fold(Vector::NEG_INFINITY, Vector::max);
+    for axis in (0..3).filter(|&axis| is_open(axis)) {
+        let by = 0.5 * (cell.edges()[axis] - lowest[axis] - highest[axis]);
+        for position in &mut *positions {
+            position[axis] += by;
+        }
     }
 }
 

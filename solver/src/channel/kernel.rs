@@ -141,9 +141,10 @@ fn determinant(x: f64, sign: f64) -> f64 {
 pub(crate) fn mean_kernel(faces: &Faces) -> [[f64; 3]; 3] {
     let Faces { walls, height, period } = *faces;
     let mut kernel = [[0.0; 3]; 3];
-    match walls {
-        0 => kernel[0][0] = 0.5 * height,
-        _ => (kernel[0][1], kernel[1][0]) = (0.5, 0.5),
+    if walls == 0 {
+        kernel[0][0] = 0.5 * height;
+    } else {
+        (kernel[0][1], kernel[1][0]) = (0.5, 0.5);
     }
     if walls == 2 {
         kernel[1][1] = -1.0 / height;
@@ -196,7 +197,7 @@ mod tests {
     #[test]
     fn the_fluid_rests_on_the_walls() {
         for walls in [1, 2] {
-            for k in [0.02, 0.3, 1.0, 7.0, 200.0] {
+            for k in [0.02_f64, 0.3, 1.0, 7.0, 200.0] {
                 let faces = Faces { walls, height: 4.0, period: 5.5 };
                 let size = 1.0 / k;
                 for z in [0.0, 4.0].into_iter().take(walls) {

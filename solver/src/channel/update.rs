@@ -321,7 +321,7 @@ fn kernel_of_planes<P, A: Fn(f64) -> [f64; 2]>(
     // The functions are these rows times s^i and i s^i.
     let rows = |p: usize| {
         let (scale, level) = ends[p / 2];
-        if p % 2 == 0 { [scale, 0.0] } else { [scale * level, scale * k * spacing] }
+        if p.is_multiple_of(2) { [scale, 0.0] } else { [scale * level, scale * k * spacing] }
     };
     let mut of_planes = Kernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
     for (p, q) in (0..2 * FUNCTIONS).flat_map(|p| (0..2 * FUNCTIONS).map(move |q| (p, q))) {

@@ -85,7 +85,7 @@ impl<T: Real> Transform<T> {
     /// transform, [`Field::clear_halo`] comes before. Allocates a field where columns are exchanged in several rounds.
     #[must_use]
     pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
-        let planes = self.planes_forward(&mut field.memory);
+        let planes = self.planes_forward(&mut field.memory, self.share.all_lines());
         if self.rounds() == 1 {
             let columns = self.whole(&planes, 0);
             self.share.pencils(&columns, Direction::Forward);
@@ -115,7 +115,7 @@ impl<T: Real> Transform<T> {
             self.give_back(&planes, round);
         }
         let mut values = values.unwrap_or_else(|| field.into_space());
-        self.planes_backward(&mut values.memory);
+        self.planes_backward(&mut values.memory, self.share.all_lines());
         values
     }
 
@@ -123,13 +123,13 @@ impl<T: Real> Transform<T> {
     /// a few of its columns are in the cache. Halos are added to the rows first, and filled at the end.
     pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
         assert_eq!(self.share.layout().points, operator.points(), "transform and operator have one grid");
-        let planes = self.planes_forward(&mut field.memory);
+        let planes = self.planes_forward(&mut field.memory, operator.occupied());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
             self.share.pencils_through(&columns, operator);
             self.give_back(&planes, round);
         }
-        self.planes_backward(&mut field.memory);
+        self.planes_backward(&mut field.memory, operator.occupied());
     }
 
     /// Calls `visit(mode, values)` for each mode of a field that this rank comes to own, as [`Field::for_each_mode`] does
@@ -139,7 +139,7 @@ impl<T: Real> Transform<T> {
         field: &mut Field<T, Physical>,
         mut visit: impl FnMut([usize; 3], [Complex<T>; 3]),
     ) {
-        let planes = self.planes_forward(&mut field.memory);
+        let planes = self.planes_forward(&mut field.memory, self.share.all_lines());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
             self.share.pencils(&columns, Direction::Forward);
@@ -196,15 +196,16 @@ impl<T: Real> Transform<T> {
         self.along_y.as_ref().map_or_else(|| Shared::new(memory.values_mut()), Transposition::columns)
     }
 
-    /// Transforms along x and y, to where planes are whole, and packs them if columns along z are made whole at once.
-    fn planes_forward(&mut self, memory: &mut Memory<T>) -> Shared<T> {
+    /// Transforms along x and y what stands on the first lines along y and z, the others being zero, to where planes are
+    /// whole, and packs them if columns along z are made whole at once.
+    fn planes_forward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) -> Shared<T> {
         let planes = self.planes(memory);
         let rows = Shared::new(memory.values_mut());
         let mut tasks = vec![Task::X];
         if let Some(exchange) = &self.along_y {
             exchange.open();
             tasks.push(Task::Pack(exchange.packing(0)));
-            self.share.planes(&rows, Direction::Forward, &tasks);
+            self.share.planes(&rows, (Direction::Forward, occupied), &tasks);
             tasks.clear();
             exchange.deliver(0);
         }
@@ -213,7 +214,7 @@ impl<T: Real> Transform<T> {
             exchange.open();
             tasks.push(Task::Pack(exchange.packing(0)));
         }
-        self.share.planes(&planes, Direction::Forward, &tasks);
+        self.share.planes(&planes, (Direction::Forward, occupied), &tasks);
         planes
     }
 
@@ -243,7 +244,11 @@ impl<T: Real> Transform<T> {
     fn whole(&self, planes: &Shared<T>, round: usize) -> Columns<T> {
         if let Some(exchange) = self.in_rounds() {
             exchange.open();
-            self.share.planes(planes, Direction::Forward, &[Task::Pack(exchange.packing(round))]);
+            self.share.planes(
+                planes,
+                (Direction::Forward, self.share.all_lines()),
+                &[Task::Pack(exchange.packing(round))],
+            );
         }
         self.along_z.iter().for_each(|exchange| exchange.deliver(round));
         self.columns(planes, round)
@@ -253,7 +258,11 @@ impl<T: Real> Transform<T> {
     fn give_back(&self, planes: &Shared<T>, round: usize) {
         self.along_z.iter().for_each(|exchange| exchange.give_back(round));
         if let Some(exchange) = self.in_rounds() {
-            self.share.planes(planes, Direction::Backward, &[Task::Unpack(exchange.packing(round))]);
+            self.share.planes(
+                planes,
+                (Direction::Backward, self.share.all_lines()),
+                &[Task::Unpack(exchange.packing(round))],
+            );
         }
     }
 
@@ -290,8 +299,8 @@ impl<T: Real> Transform<T> {
         }
     }
 
-    /// The way back from columns along z that were given back.
-    fn planes_backward(&mut self, memory: &mut Memory<T>) {
+    /// The way back from columns along z that were given back, to the first lines.
+    fn planes_backward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) {
         let rows = Shared::new(memory.values_mut());
         let mut tasks = Vec::new();
         if let Some(exchange) = self.at_once() {
@@ -299,12 +308,12 @@ impl<T: Real> Transform<T> {
         }
         tasks.push(Task::Y);
         if let Some(exchange) = &self.along_y {
-            self.share.planes(&exchange.columns(), Direction::Backward, &tasks);
+            self.share.planes(&exchange.columns(), (Direction::Backward, occupied), &tasks);
             exchange.give_back(0);
             tasks = vec![Task::Unpack(exchange.packing(0))];
         }
         tasks.push(Task::X);
-        self.share.planes(&rows, Direction::Backward, &tasks);
+        self.share.planes(&rows, (Direction::Backward, occupied), &tasks);
     }
 }
 

@@ -64,15 +64,25 @@ impl<T: Real> Share<T> {
         work([first.as_mut_ptr(), second.as_mut_ptr()], panel.as_mut_ptr(), batch);
     }
 
+    /// All lines along y and along z.
+    pub fn all_lines(&self) -> [usize; 2] {
+        let [_, ny, nz] = self.layout.points;
+        [ny, nz]
+    }
+
     /// Does all that there is to do with every plane of this rank, one thing after the other while the plane is in the
-    /// cache.
-    pub fn planes(&self, memory: &Shared<T>, direction: Direction, tasks: &[Task<T>]) {
-        let planes = self.layout.rows[1].len();
+    /// cache; only the first `occupied` lines along y and z are transformed.
+    pub fn planes(&self, memory: &Shared<T>, (direction, occupied): (Direction, [usize; 2]), tasks: &[Task<T>]) {
+        let [lines, planes] = self.layout.rows.clone();
+        let rows = occupied[0].clamp(lines.start, lines.end) - lines.start;
+        let is_occupied = |z: usize| planes.start + z < occupied[1];
+        let planes = planes.len();
         (0..3 * planes).into_par_iter().for_each(|i| {
             let (component, z) = (i / planes, i % planes);
             for task in tasks {
                 match task {
-                    Task::X => self.plane_rows(memory, direction, self.layout.physical.at(component, 0, z)),
+                    Task::X | Task::Y if !is_occupied(z) => {}
+                    Task::X => self.plane_rows(memory, direction, (self.layout.physical.at(component, 0, z), rows)),
                     Task::Y => self.plane_columns(memory, direction, self.layout.transposed.at(component, 0, z)),
                     // SAFETY: a plane belongs to one thread, and the packing is that of this field's transform.
                     Task::Pack(packing) => unsafe { packing.pack(memory, [component, z]) },
@@ -82,9 +92,9 @@ impl<T: Real> Share<T> {
         });
     }
 
-    /// Transforms the rows of a plane, as many at once as there are lanes.
-    fn plane_rows(&self, memory: &Shared<T>, direction: Direction, plane: usize) {
-        let (rows, stride) = (self.layout.rows[0].len(), self.layout.physical.y);
+    /// Transforms the first rows of a plane, as many at once as there are lanes.
+    fn plane_rows(&self, memory: &Shared<T>, direction: Direction, (plane, rows): (usize, usize)) {
+        let stride = self.layout.physical.y;
         self.at_desk(|[first, second], values, batch| {
             for row in (0..rows).step_by(T::LANES) {
                 // SAFETY: a plane belongs to one thread, and the rows lie inside it.

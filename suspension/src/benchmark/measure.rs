@@ -94,8 +94,8 @@ impl Task {
 
     fn plan(&self, spheres: &Spheres, comm: &Comm) -> Result<Plan, BenchmarkError> {
         let problem = Problem {
-            edges: spheres.cell.edges(),
             boundaries: spheres.cell.boundaries(),
+            edges: spheres.cell.edges(),
             largest_strain: 0.0,
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: 1.0,

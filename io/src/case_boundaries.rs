@@ -1,0 +1,80 @@
+//! What a user says of the axes of a box.
+
+use domain::{Boundaries, Turn};
+use serde::{Deserialize, Serialize};
+
+/// What a box is along one axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CaseBoundary {
+    /// It repeats.
+    Periodic,
+    /// Walls at 0 and at the edge.
+    Walls,
+    /// A wall at 0, and open fluid above.
+    Wall,
+    /// Open fluid.
+    Open,
+}
+
+/// A word that is none of these.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a boundary is {0:?}; it needs to be \"periodic\", \"walls\", \"wall\" or \"open\"")]
+pub struct UnknownBoundary(String);
+
+impl CaseBoundary {
+    /// What a word says.
+    pub fn of_word(word: &str) -> Result<Self, UnknownBoundary> {
+        serde_json::from_value(serde_json::Value::from(word)).map_err(|_| UnknownBoundary(word.to_owned()))
+    }
+}
+
+/// Axes that can't go together.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "boundaries are {0:?}; possible are \"periodic\" along all axes, \"walls\", \"wall\" or \"open\" along one and \"periodic\" \
+     along the others, or \"open\" along all"
+)]
+pub struct BoundariesError([CaseBoundary; 3]);
+
+/// The boundaries of a box in whose axes the special one is the last, and the turn to them.
+pub fn boundaries_of(axes: [CaseBoundary; 3]) -> Result<(Boundaries, Turn), BoundariesError> {
+    use CaseBoundary::{Open, Periodic, Wall, Walls};
+    if axes == [Open; 3] {
+        return Ok((Boundaries::Open, Turn::default()));
+    }
+    let special: Vec<usize> = (0..3).filter(|&axis| axes[axis] != Periodic).collect();
+    match special[..] {
+        [] => Ok((Boundaries::Periodic, Turn::default())),
+        [axis] => {
+            let boundaries = match axes[axis] {
+                Walls => Boundaries::Walls,
+                Wall => Boundaries::Wall,
+                Open | Periodic => Boundaries::OpenAlongZ,
+            };
+            Ok((boundaries, Turn::to_last(axis)))
+        }
+        _ => Err(BoundariesError(axes)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use CaseBoundary::{Open, Periodic, Wall, Walls};
+
+    #[test]
+    fn one_axis_or_all_are_special() {
+        let of = |axes| boundaries_of(axes).unwrap();
+        assert_eq!(of([Periodic; 3]), (Boundaries::Periodic, Turn::default()));
+        assert_eq!(of([Open; 3]), (Boundaries::Open, Turn::default()));
+        assert_eq!(of([Periodic, Walls, Periodic]), (Boundaries::Walls, Turn::to_last(1)));
+        assert_eq!(of([Wall, Periodic, Periodic]), (Boundaries::Wall, Turn::to_last(0)));
+        assert_eq!(of([Periodic, Periodic, Open]), (Boundaries::OpenAlongZ, Turn::default()));
+        for axes in [[Walls, Walls, Periodic], [Open, Open, Periodic], [Wall, Open, Open]] {
+            assert!(boundaries_of(axes).unwrap_err().to_string().contains("possible are"));
+        }
+        assert_eq!(CaseBoundary::of_word("walls"), Ok(Walls));
+        assert!(CaseBoundary::of_word("wand").unwrap_err().to_string().contains("\"wand\"; it needs to be"));
+    }
+}

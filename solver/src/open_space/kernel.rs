@@ -1,0 +1,99 @@
+//! The kernel on a grid, and its transform.
+
+use crate::{Field, Grid, Physical, Spectral, Transform};
+use domain::{Comm, Partition, PeriodicBox, Vector};
+use num_complex::Complex;
+
+/// Entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
+pub(super) const ENTRIES: usize = 6;
+
+/// Calls `keep(mode, entry, value)` for the discrete transform of the kernel at all modes up to half the points, but for the
+/// highest of x.
+///
+/// The biharmonic kernel `-r / 8 pi` cut off at a radius `R` has the transform (Vico, Greengard & Ferrando 2016)
+///
+/// ```text
+/// B(k) = (2 - 2 cos q - 2 q sin q + q^2 cos q) / (2 k^4),      q = k R,
+/// ```
+///
+/// an entire function: on a grid so long that no copy of the cut reaches what is on it, the sum of
+/// `(k^2 I - k k) B(k) m(k)` over its wavevectors is the decaying kernel at every separation that there is, and no other.
+/// Separations of as many points as half the grid has do not occur.
+pub(super) fn transforms(
+    grid: &Grid,
+    multiplier: impl Fn(Vector) -> f64 + Sync,
+    reach: f64,
+    mut keep: impl FnMut([usize; 3], usize, f64),
+) {
+    let half = grid.points().map(|n| n / 2);
+    let spacing = grid.spacing();
+    let lengths = Vector::from_array(half.map(|n| n as f64)) * spacing;
+    let cut = lengths.length() + reach;
+    let needed = (lengths + Vector::splat(cut + reach)) / spacing;
+    let long = needed.to_array().map(|n| Grid::good_size(n.ceil() as usize));
+    let cell = PeriodicBox::new(Vector::from_array(long.map(|n| n as f64)) * spacing).expect("lengths are positive");
+    let long = Grid::new(long, cell).expect("a good size is one that can be transformed");
+    let over = 1.0 / long.count() as f64;
+    for first in [0, 3] {
+        let values = |mode: [usize; 3]| {
+            let k = long.wavevector(mode);
+            if (0..3).any(|axis| long.is_nyquist(axis, mode[axis])) {
+                return [Complex::new(0.0, 0.0); 3];
+            }
+            let factor = biharmonic(k.length(), cut) * multiplier(k) * over;
+            let square = k.length_squared();
+            let entries =
+                [square - k.x * k.x, -k.x * k.y, -k.x * k.z, square - k.y * k.y, -k.y * k.z, square - k.z * k.z];
+            [0, 1, 2].map(|c| Complex::new(factor * entries[first + c], 0.0))
+        };
+        let kernel = cropped(&on_grid(&long, values), &long, half);
+        let spectrum = planned(grid).forward(kernel);
+        spectrum.for_each_mode(|mode, values| {
+            if mode.iter().zip(half).all(|(mode, half)| *mode <= half) {
+                (0..3).for_each(|c| keep(mode, first + c, values[c].re));
+            }
+        });
+    }
+}
+
+/// `B(k)`, which is of no matter at `k = 0`.
+fn biharmonic(k: f64, cut: f64) -> f64 {
+    let q = k * cut;
+    if q == 0.0 {
+        return 0.0;
+    }
+    (2.0 - 2.0 * q.cos() - 2.0 * q * q.sin() + q * q * q.cos()) / (2.0 * k.powi(4))
+}
+
+fn planned(grid: &Grid) -> Transform<f64> {
+    Transform::new(grid.points(), &Partition::new(&Comm::alone(), grid.lines()), 0)
+}
+
+/// The values of which these are the coefficients.
+fn on_grid(grid: &Grid, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync) -> Field<f64, Physical> {
+    let mut transform = planned(grid);
+    let mut field: Field<f64, Spectral> = transform.field().into_space();
+    field.set_modes(values);
+    transform.backward(field)
+}
+
+/// The values at separations of fewer points than half a grid has, on that grid.
+fn cropped(from: &Field<f64, Physical>, long: &Grid, half: [usize; 3]) -> Field<f64, Physical> {
+    let points = half.map(|n| 2 * n);
+    let grid = Grid::new(points, PeriodicBox::new(Vector::ONE).expect("a cube")).expect("as the one that was given");
+    let mut field = planned(&grid).field();
+    // The place on the long grid of a place on the short one, where there is one.
+    let place = |axis: usize, point: usize| {
+        let beyond = points[axis] - point;
+        if point < half[axis] { Some(point) } else { (beyond < half[axis]).then(|| long.points()[axis] - beyond) }
+    };
+    for (c, z, y) in (0..3).flat_map(|c| (0..points[2]).flat_map(move |z| (0..points[1]).map(move |y| (c, z, y)))) {
+        let (Some(from_y), Some(from_z)) = (place(1, y), place(2, z)) else { continue };
+        let row = from.row(c, from_y, from_z);
+        let to = field.row_mut(c, y, z);
+        for x in 0..points[0] {
+            to[x] = place(0, x).map_or(0.0, |x| row[x]);
+        }
+    }
+    field
+}

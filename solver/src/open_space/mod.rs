@@ -1,0 +1,91 @@
+//! Unbounded fluid: convolution with the decaying kernel on a grid that is twice as long along each axis as what is on it.
+
+mod kernel;
+
+use crate::simd::{Vector, Work};
+use crate::{Grid, Real};
+use kernel::{ENTRIES, transforms};
+
+/// The decaying Stokes kernel, of a multiplier of the wavenumber, between the points of the first half of a grid along each
+/// axis: transformed, and zero at no place that matters (Hockney 1970).
+pub struct OpenSpace<T> {
+    points: [usize; 3],
+    /// By `|m2|`, block along x, `|m3|`, entry of the tensor, and lane.
+    table: Vec<T>,
+    blocks: usize,
+}
+
+impl<T: Real> OpenSpace<T> {
+    /// The kernel for a viscosity and an even multiplier `m(k)`, as of [`crate::Multiplier`], whose kernel differs from that
+    /// of points up to a distance `reach` alone. Every rank has all of it.
+    pub fn new(grid: &Grid, viscosity: f64, multiplier: impl Fn(domain::Vector) -> f64 + Sync, reach: f64) -> Self {
+        let points = grid.points();
+        let [columns, modes, last] = points.map(|n| n / 2 + 1);
+        let blocks = (columns - 1).div_ceil(T::LANES);
+        let mut table = vec![T::default(); modes * blocks * last * ENTRIES * T::LANES];
+        let scale = 1.0 / (viscosity * grid.count() as f64);
+        transforms(grid, multiplier, reach, |[m1, m2, m3], entry, value| {
+            let panel = m2 * blocks + m1 / T::LANES;
+            let place = (panel * last + m3) * ENTRIES + entry;
+            table[place * T::LANES + m1 % T::LANES] = T::from_f64(scale * value);
+        });
+        Self { points, table, blocks }
+    }
+
+    /// Values of the tables of a grid.
+    pub(crate) fn values(points: [usize; 3]) -> f64 {
+        let [columns, modes, last] = points.map(|n| n / 2 + 1);
+        let blocks = (columns - 1).div_ceil(T::LANES);
+        (modes * blocks * last * ENTRIES * T::LANES) as f64
+    }
+
+    /// Multiplies columns along z of one block along x and one mode along y, as [`crate::Stokes`] does.
+    ///
+    /// # Safety
+    /// The columns can be read and written.
+    pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; 3]) {
+        T::dispatch(Multiply { kernel: self, place, components });
+    }
+}
+
+struct Multiply<'a, T> {
+    kernel: &'a OpenSpace<T>,
+    place: [usize; 2],
+    components: [*mut T; 3],
+}
+
+impl<T: Real> Work<T> for Multiply<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let OpenSpace { points, table, blocks } = self.kernel;
+        let [_, ny, nz] = *points;
+        let [block, mode] = self.place;
+        let last = nz / 2 + 1;
+        let (one, minus) = (V::splat(T::from_f64(1.0)), V::splat(T::from_f64(-1.0)));
+        let along_y = if 2 * mode > ny { minus } else { one };
+        let panel = mode.min(ny - mode) * blocks + block;
+        for m3 in 0..nz {
+            let along_z = if 2 * m3 > nz { minus } else { one };
+            let first = (panel * last + m3.min(nz - m3)) * ENTRIES * T::LANES;
+            let entries = &table[first..first + ENTRIES * T::LANES];
+            // SAFETY: the entries are there.
+            let entry = |n: usize| unsafe { V::load(entries.as_ptr().add(n * T::LANES)) };
+            let [xx, xy, xz] = [entry(0), entry(1).mul(along_y), entry(2).mul(along_z)];
+            let [yy, yz, zz] = [entry(3), entry(4).mul(along_y).mul(along_z), entry(5)];
+            for part in [0, T::LANES] {
+                let at = m3 * 2 * T::LANES + part;
+                // SAFETY: the columns have nz elements.
+                unsafe {
+                    let [x, y, z] =
+                        [self.components[0].add(at), self.components[1].add(at), self.components[2].add(at)];
+                    let (fx, fy, fz) = (V::load(x), V::load(y), V::load(z));
+                    fz.mul_add(xz, fy.mul_add(xy, fx.mul(xx))).store(x);
+                    fz.mul_add(yz, fy.mul_add(yy, fx.mul(xy))).store(y);
+                    fz.mul_add(zz, fy.mul_add(yz, fx.mul(xz))).store(z);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! The mobility between walls and in open space.
+
+use domain::{Boundaries, Bytes, Comm, PeriodicBox, Tensor, Traceless, Turn, Vector};
+use fcm::{Costs, Loads, Multipoles};
+use lubrication::Range;
+use solver::BackgroundFlow;
+use std::f64::consts::PI;
+use suspension::{Mobility, MobilityParameters, Motions};
+
+const RADIUS: f64 = 1.0;
+
+fn parameters(edges: [f64; 3], boundaries: Boundaries, count: usize) -> MobilityParameters {
+    let cell = PeriodicBox::new(Vector::from_array(edges)).unwrap();
+    MobilityParameters {
+        cell: cell.with_boundaries(boundaries).unwrap(),
+        radii: vec![RADIUS; count],
+        viscosity: 1.0,
+        multipoles: Multipoles::Dipole,
+        rigid: true,
+        tolerance: 1e-3,
+        lubrication: None,
+        costs: Costs::default(),
+    }
+}
+
+fn planned(parameters: MobilityParameters) -> Mobility {
+    Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap()
+}
+
+fn shear(rate: f64) -> BackgroundFlow {
+    BackgroundFlow::with_gradient(Tensor::from_cols(Vector::ZERO, Vector::ZERO, Vector::X * rate)).unwrap()
+}
+
+/// A sphere a quarter of the way between walls, free in Couette and in Poiseuille flow: exact velocities are 0.24243 of the
+/// upper wall's and 0.71325 of the centre's, and without stresslets' feedback of walls 0.25 and 0.75; force coupling is
+/// within 7e-4 and 4e-3.
+#[test]
+fn one_sphere_in_the_flows_between_walls() {
+    let (height, place) = (8.0, 2.0);
+    let mut mobility =
+        planned(MobilityParameters { tolerance: 1e-4, ..parameters([40.0, 40.0, height], Boundaries::Walls, 1) });
+    mobility.place(&[Vector::new(3.0, 7.0, place)]).unwrap();
+    let none = Loads::default();
+    let slip = |motions: Motions| motions.motion.velocities[0].x;
+    let couette = slip(mobility.apply(&none, &shear(1.0 / height)).unwrap()) + place / height;
+    assert!((couette - 0.242_417_58).abs() < 1e-3 * couette, "{couette}");
+    mobility.drive(Vector::new(-8.0 / (height * height), 0.0, 0.0)).unwrap();
+    let driven = slip(mobility.apply(&none, &BackgroundFlow::NONE).unwrap());
+    let poiseuille = driven + 4.0 * place * (height - place) / (height * height);
+    assert!((poiseuille - 0.713_250_22).abs() < 1e-2 * poiseuille, "{poiseuille}");
+}
+
+/// Walls across x, and across y, of the same spheres turned.
+#[test]
+fn any_axis_may_be_the_special_one() {
+    let positions = [Vector::new(2.0, 3.0, 1.2), Vector::new(5.0, 3.5, 4.0), Vector::new(2.5, 6.0, 5.5)];
+    let loads = Loads {
+        forces: vec![Vector::new(1.0, -0.5, 0.3), Vector::new(0.2, 0.1, -1.0), Vector::ZERO],
+        torques: vec![Vector::new(0.1, 0.4, 0.2), Vector::ZERO, Vector::new(-0.3, 0.0, 0.6)],
+        stresslets: Vec::new(),
+    };
+    let own = || planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 3));
+    let mut mobility = own();
+    mobility.place(&positions).unwrap();
+    let expected = mobility.apply(&loads, &shear(0.3)).unwrap();
+    for axis in [0, 1] {
+        let turn = Turn::to_last(axis);
+        let back = turn.inverse();
+        let vectors = |list: &[Vector]| list.iter().map(|&v| back.vector(v)).collect::<Vec<_>>();
+        let mut mobility = own().turned(turn);
+        mobility.place(&vectors(&positions)).unwrap();
+        let turned = Loads { forces: vectors(&loads.forces), torques: vectors(&loads.torques), stresslets: Vec::new() };
+        let flow = BackgroundFlow::with_gradient(back.tensor(&shear(0.3).gradient())).unwrap();
+        let found = mobility.apply(&turned, &flow).unwrap();
+        assert_eq!(found.motion.velocities, vectors(&expected.motion.velocities));
+        assert_eq!(found.motion.angular_velocities, vectors(&expected.motion.angular_velocities));
+        let stresslets: Vec<Traceless> = expected.stresslets.iter().map(|&s| back.traceless(s)).collect();
+        for (found, expected) in found.stresslets.iter().zip(stresslets) {
+            assert!(found.0.iter().zip(expected.0).all(|(a, b)| (a - b).abs() < 1e-14));
+        }
+    }
+}
+
+/// Wherever the cloud is: a sphere has Stokes' velocity, and a net force is possible.
+#[test]
+fn open_space_has_no_places() {
+    let mut mobility = planned(parameters([4.0; 3], Boundaries::Open, 1));
+    for place in [Vector::ZERO, Vector::new(1e3, -70.0, 5.0)] {
+        mobility.place(&[place]).unwrap();
+        let loads = Loads { forces: vec![Vector::new(0.0, 2.0, 0.0)], ..Loads::default() };
+        let motions = mobility.apply(&loads, &BackgroundFlow::NONE).unwrap();
+        let speed = motions.motion.velocities[0].y * 6.0 * PI / 2.0;
+        assert!((speed - 1.0).abs() < 1e-3, "{speed}");
+    }
+}
+
+#[test]
+fn what_walls_do_not_allow_is_refused() {
+    let mut mobility = planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 1)).turned(Turn::to_last(0));
+    let error = mobility.place(&[Vector::new(0.5, 0.0, 0.0)]).unwrap_err().to_string();
+    assert!(error.contains("sphere 0 of radius 1 is at x = 0.5") && error.contains("from 0.85"), "{error}");
+    mobility.place(&[Vector::new(3.5, 0.0, 0.0)]).unwrap();
+    let along = BackgroundFlow::shear(1.0);
+    let error = mobility.apply(&Loads::default(), &along).unwrap_err().to_string();
+    assert!(error.contains("du/dx"), "{error}");
+    let error = mobility.drive(Vector::X).unwrap_err().to_string();
+    assert!(error.contains("across the walls, along x"), "{error}");
+    assert!(mobility.noise(1, 0..1).unwrap_err().to_string().contains("random motions"));
+    let mut above = planned(parameters([9.0; 3], Boundaries::Wall, 1));
+    assert!(above.drive(Vector::X).unwrap_err().to_string().contains("between two walls"));
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let mut lubricated = planned(MobilityParameters { lubrication, ..parameters([9.0; 3], Boundaries::Walls, 1) });
+    assert!(lubricated.drive(Vector::X).unwrap_err().to_string().contains("lubrication"));
+}
