@@ -7,7 +7,7 @@ pub use fluctuating::AMBIENT_NUMBERS;
 
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
-use crate::contacts::{self, Contacts, Measured};
+use crate::contacts::{self, Contacts, FORCE_NUMBERS, Measured};
 use crate::error::StartError;
 use crate::fluid;
 use crate::forces::{Ahead, Forces, Surface};
@@ -369,6 +369,11 @@ impl Dynamics {
     /// What contacts amount to, if there can be any. Collective.
     pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
         self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
+    }
+
+    /// The contacts of this rank's particles, in rows of numbers, if there can be any. Collective.
+    pub fn contact_forces(&self, particles: &Particles) -> Option<Vec<[f64; FORCE_NUMBERS]>> {
+        self.contacts.as_ref().map(|contacts| contacts.forces(particles, (self.cell(), &self.partition)))
     }
 
     /// The background flow.

@@ -3,7 +3,7 @@
 use crate::applied;
 use crate::brownian::{self, Heat};
 use crate::columns::VELOCITY;
-use crate::contacts::Measured;
+use crate::contacts::{Measured, contact_force};
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
 use crate::forces::Surface;
@@ -15,7 +15,7 @@ use crate::stress::ParticleStress;
 use crate::{adaptive, given_positions, implicit, initial, near};
 use domain::{Comm, GivenPositions, Interrupt, Particles, PeriodicBox, Vector};
 use fcm::PlanError;
-use simulation::{Clock, LoadFunction, State};
+use simulation::{Clock, ContactForces, LoadFunction, State};
 
 /// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -279,6 +279,15 @@ impl Suspension {
     /// over the roughness, and the elastic energy; nothing if spheres can't touch. Collective.
     pub fn contact_numbers(&self) -> Option<[f64; 5]> {
         self.contacts().map(|measured| measured.numbers(&self.comm))
+    }
+
+    /// Forces of contacts, on the first rank, if there can be any. Collective.
+    pub fn contact_forces(&self) -> Option<ContactForces> {
+        let own = self.dynamics.contact_forces(&self.particles)?;
+        let mut list: Vec<_> = self.comm.gather(&own).iter().map(contact_force).collect();
+        list.sort_unstable_by_key(|contact| contact.ids);
+        let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| self.cell().lattice(steps));
+        Some(ContactForces { step: self.clock.step(), time: self.clock.time(), lattice, list })
     }
 
     /// What contacts amount to, if there can be any. Collective.

@@ -38,6 +38,7 @@ impl SuspensionScene {
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, &cell)?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
+        check_contacts(&raw)?;
         let output = output(raw.output, time.steps);
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, path) = start(&raw.particles)?;
@@ -70,6 +71,17 @@ impl SuspensionScene {
             time,
             output,
         })
+    }
+}
+
+/// Refuses that contacts be written where there can be none.
+fn check_contacts(raw: &Raw) -> Result<(), Fault> {
+    match raw.output.contacts_every {
+        every if every > 0 && raw.contacts.is_none() => {
+            let message = format!("is {every}, but there is nothing to write: add [contacts], or leave it out");
+            Err(Fault::new("output.contacts_every", message))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -220,5 +232,6 @@ fn output(raw: raw::Output, steps: u64) -> Output {
         observables: Schedule::every(raw.observables_every.unwrap_or(1)),
         checkpoints: Schedule::every(raw.checkpoint_every.unwrap_or(share(steps, 10))),
         fields: Schedule::every(raw.fields_every),
+        contacts: Schedule::every(raw.contacts_every),
     }
 }

@@ -374,6 +374,8 @@ pub(super) struct Output {
     pub(super) checkpoint_every: Option<u64>,
     /// Steps between velocity fields of the fluid on the grid; 0 is never.
     pub(super) fields_every: u64,
+    /// Steps between files of the forces of contacts and bonds; 0 is never.
+    pub(super) contacts_every: u64,
 }
 
 #[derive(Deserialize, JsonSchema)]
