@@ -20,6 +20,7 @@ use crate::relative_motion::RelativeMotion;
 use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::substeps;
+use crate::tethers::{TetherResistance, Tethers};
 use crate::warm_start::WarmStart;
 use domain::{Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
@@ -69,6 +70,7 @@ pub struct Dynamics {
     moving: MovingBox,
     forces: Forces,
     contacts: Option<Contacts>,
+    tethers: Tethers,
     applied: AppliedForces,
     hydrodynamics: Hydrodynamics,
     lubrication: Option<Range>,
@@ -92,7 +94,9 @@ impl Dynamics {
         let radii = [setup.radii.smallest(), setup.radii.largest()];
         let contacts =
             model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
-        let springs = forces.reach_of_springs(setup.radii.largest()).filter(|_| is_implicit);
+        let tethers = Tethers::new(model, &setup.particles, setup.partition.comm());
+        let reaches = [forces.reach_of_springs(setup.radii.largest()), tethers.reach(setup.radii.largest())];
+        let springs = reaches.into_iter().flatten().reduce(f64::max).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
@@ -102,6 +106,7 @@ impl Dynamics {
             warm_start: WarmStart::new(model.is_coupled()),
             forces,
             contacts,
+            tethers,
             applied: AppliedForces::default(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             viscosity: model.viscosity,
@@ -155,6 +160,12 @@ impl Dynamics {
         if let Some(driven) = self.moving.driven() {
             driven.note(particles);
         }
+    }
+
+    /// Breaks the bonds that pull too much at the end of a step. Collective.
+    pub fn break_bonds(&self, particles: &mut Particles, step: u64) -> Result<(), StepError> {
+        let broken = self.tethers.break_bonds(particles, (self.cell(), &self.partition));
+        broken.map_err(|source| StepError::Bonds { step, source })
     }
 
     /// Computes velocities, angular velocities and stresslets at the time of a clock, between steps. Collective.
@@ -211,16 +222,18 @@ impl Dynamics {
         let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
         let besides = self.moving.expected_besides();
         let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate: besides });
-        let mut loads = self.loads_at(particles, moment, ahead.as_ref())?;
+        let (mut loads, tethers) = self.loads_at(particles, moment, ahead.as_ref())?;
         let Some(contacts) = &self.contacts else {
-            return Ok((self.solve((particles, &cell), (&loads, &[], &STILL), guess, moment)?, 0.0));
+            let resisting = (&[][..], &tethers);
+            return Ok((self.solve((particles, &cell), (&loads, resisting, &STILL), guess, moment)?, 0.0));
         };
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
         let with = (contacts::Ahead { along, across }, velocities, [self.flow().strain_rate(), besides]);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
-        let outcome = self.solve((particles, &cell), (&loads, &touching.springs(), &STILL), guess, moment)?;
+        let outcome =
+            self.solve((particles, &cell), (&loads, (&touching.springs(), &tethers), &STILL), guess, moment)?;
         let motion = WarmStart::motion(particles);
         if moment.implicit.is_some() {
             let noted = touching.note(particles, &motion);
@@ -230,18 +243,20 @@ impl Dynamics {
         Ok((outcome, of_contacts))
     }
 
-    /// Forces and torques of the model and the user's at a moment. Collective.
+    /// Forces and torques of the model and the user's at a moment, and what bonds and traps resist. Collective.
     fn loads_at(
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
         ahead: Option<&Ahead>,
-    ) -> Result<Loads, StepError> {
+    ) -> Result<(Loads, TetherResistance), StepError> {
         let (place, clock) = ((self.moving.cell(), &self.partition), &moment.clock);
         let mut loads = self.forces.on(particles, place, ahead);
+        let resisting = self.tethers.add_to(&mut loads, particles, place, ahead);
+        let resisting = resisting.map_err(|source| StepError::Bonds { step: clock.step(), source })?;
         let applied = self.applied.add_to(&mut loads, particles, place, clock.time_at(moment.fraction));
         applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
-        Ok(loads)
+        Ok((loads, resisting))
     }
 
     /// Solves for the motions under loads, with what springs resist, in a fluid that moves at the particles besides, and writes
@@ -249,13 +264,13 @@ impl Dynamics {
     fn solve(
         &mut self,
         (particles, cell): (&mut Particles, &PeriodicBox),
-        (loads, contacts, ambient): (&Loads, &[Vec<ContactSprings>], &Motion),
+        (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
         guess: &Guess,
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
         let forces = &self.forces;
         let resistance = moment.implicit.map(|time| move |d: f64, radii: [f64; 2]| forces.resistance(time, d, radii));
-        let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
+        let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
         let acting = Acting { loads, strain_rate: self.flow().strain_rate(), springs: springs.as_ref(), ambient };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
@@ -371,9 +386,28 @@ impl Dynamics {
         self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
     }
 
-    /// The contacts of this rank's particles, in rows of numbers, if there can be any. Collective.
+    /// Each particle's share of the first moments of bonds, or nothing without. Collective.
+    pub fn bond_moments(&self, particles: &Particles) -> Vec<Tensor> {
+        self.tethers.moments(particles, (self.cell(), &self.partition), None)
+    }
+
+    /// The elastic energy of bonds and how many of them are broken, if there are any. Collective.
+    pub fn bond_numbers(&self, particles: &Particles) -> Option<[f64; 2]> {
+        self.tethers.bond_numbers(particles, (self.cell(), &self.partition))
+    }
+
+    /// The energy of what is trapped, if anything is. Collective.
+    pub fn trap_energy(&self, particles: &Particles) -> Option<f64> {
+        self.tethers.trap_energy(particles, (self.cell(), &self.partition))
+    }
+
+    /// The contacts and bonds of this rank's particles, in rows of numbers, if there can be any. Collective.
     pub fn contact_forces(&self, particles: &Particles) -> Option<Vec<[f64; FORCE_NUMBERS]>> {
-        self.contacts.as_ref().map(|contacts| contacts.forces(particles, (self.cell(), &self.partition)))
+        let place = (self.cell(), &self.partition);
+        let contacts = self.contacts.as_ref().map(|contacts| contacts.forces(particles, place));
+        let bonds = self.tethers.bond_forces(particles, place);
+        let bonds = bonds.map(|bonds| bonds.iter().map(contacts::force_numbers).collect::<Vec<_>>());
+        [contacts, bonds].into_iter().flatten().reduce(|all, more| [all, more].concat())
     }
 
     /// The background flow.
@@ -404,7 +438,9 @@ impl Dynamics {
     /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in
     /// the order `[z][y][x]`, x fastest; on the first rank. An error where no grid can carry it. Collective.
     pub fn velocity_field(&mut self, particles: &Particles) -> Result<([usize; 3], Vec<Vector>), PlanError> {
-        let mut loads = self.forces.on(particles, (self.moving.cell(), &self.partition), None);
+        let place = (self.moving.cell(), &self.partition);
+        let mut loads = self.forces.on(particles, place, None);
+        self.tethers.add_known(&mut loads, particles, place);
         applied::add_last(&mut loads, particles);
         let loads = self.warm_start.felt(loads, particles);
         // Whatever the strain: programs that draw a series take all of its frames for as large as the first.

@@ -89,7 +89,7 @@ impl Piece {
         Self {
             step: *step,
             time: *time,
-            lattice: [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps)),
+            lattice: cell.lattice_vectors(),
             counts: format!("NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\""),
             groups: vec![("Points", points), ("PointData", data), ("Verts", vertices)],
         }

@@ -28,7 +28,8 @@ pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) 
     })
 }
 
-fn of(force: &ContactForce) -> [f64; FORCE_NUMBERS] {
+/// The numbers of a contact.
+pub fn of(force: &ContactForce) -> [f64; FORCE_NUMBERS] {
     let mut numbers = [0.0; FORCE_NUMBERS];
     numbers[..2].copy_from_slice(&force.ids.map(|id| id as f64));
     numbers[2..5].copy_from_slice(&force.place.to_array());

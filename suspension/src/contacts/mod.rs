@@ -8,7 +8,7 @@ mod touching;
 use crate::hydrodynamics::ContactSprings;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
-pub use forces::{FORCE_NUMBERS, contact_force};
+pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
 pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
 use lubrication::Contact;

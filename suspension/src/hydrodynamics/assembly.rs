@@ -150,7 +150,13 @@ impl Assembly<'_> {
             if waiting.count > 0 {
                 waiting.flush::<V>(row, part, (&mut sums[list], &mut strained), ambient);
             }
-            part.end_row(sums[list].totals());
+            let mut own = sums[list].totals();
+            if list == 0
+                && let Some(trap) = springs.and_then(|springs| springs.trap(row))
+            {
+                own.resist(trap);
+            }
+            part.end_row(own);
         }
         let (load, moment) = strained.totals();
         assembled.loads.push(load);

@@ -52,6 +52,8 @@ pub struct NearPairs {
     /// Loads and moments in the ambient flow of particles that do not move relative to it.
     loads: Screws,
     moments: Vec<Traceless>,
+    /// Whether a particle is in a trap.
+    has_traps: bool,
 }
 
 impl NearPairs {
@@ -86,12 +88,13 @@ impl NearPairs {
             soft.push(part.soft);
         }
         let (stiff, soft, loads) = (PairMatrix::new(stiff), PairMatrix::new(soft), Screws(loads));
-        Self { halo, stiff, soft, loads, moments }
+        let has_traps = springs.is_some_and(|springs| (0..owned).any(|row| springs.trap(row).is_some()));
+        Self { halo, stiff, soft, loads, moments, has_traps }
     }
 
-    /// Whether no particle of this rank is near another.
+    /// Whether no particle of this rank is near another, or in a trap.
     pub fn is_empty(&self) -> bool {
-        self.stiff.is_empty() && self.soft.is_empty()
+        self.stiff.is_empty() && self.soft.is_empty() && !self.has_traps
     }
 
     /// What resists motions of stiff pairs.

@@ -129,6 +129,14 @@ impl PairMatrix {
 }
 
 impl Own {
+    /// Adds what resists to all velocities alike.
+    #[inline(always)]
+    pub fn resist(&mut self, resistance: f64) {
+        for diagonal in [0, 3, 5] {
+            self.force[diagonal] += resistance;
+        }
+    }
+
     /// All of its numbers.
     fn block(&self) -> Block {
         let mut rows = [[0.0; 6]; 6];

@@ -1,5 +1,7 @@
 //! Short-range forces that change while particles move.
 
+use crate::tethers::TetherResistance;
+
 /// Forces between near particles, taken not as they are but as they will be after some time: a pair that opens at the rate
 /// `w` then pushes with a force that is less by `resistance w`, the force's decay with distance times that time. So it
 /// resists to motions like lubrication, and however stiff it is, no motion overshoots.
@@ -8,6 +10,8 @@ pub struct Springs<'a> {
     pub resistance: &'a (dyn Fn(f64, [f64; 2]) -> f64 + Sync),
     /// The particles that touch each of those that the rank owns, in their order; or nothing.
     pub contacts: &'a [Vec<ContactSprings>],
+    /// Bonds and traps.
+    pub tethers: &'a TetherResistance,
 }
 
 /// What a contact resists to the motions of two particles, force over velocity.
@@ -39,6 +43,17 @@ impl Springs<'_> {
     pub fn between(&self, (row, other): (usize, u64), distance: f64, radii: [f64; 2]) -> [f64; 3] {
         let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
-        [(self.resistance)(distance, radii) + normal, tangential, rolling]
+        [(self.resistance)(distance, radii) + normal + self.bond((row, other), distance), tangential, rolling]
+    }
+
+    /// What a bond resists along its line.
+    fn bond(&self, (row, other): (usize, u64), distance: f64) -> f64 {
+        let mut bonds = self.tethers.bonds.get(row).into_iter().flatten();
+        bonds.find(|bond| bond.other == other && distance < bond.within).map_or(0.0, |bond| bond.resistance)
+    }
+
+    /// What a trap resists to the motion of the particle in a row, if there is one.
+    pub fn trap(&self, row: usize) -> Option<f64> {
+        self.tethers.traps.get(row).copied().filter(|&resistance| resistance > 0.0)
     }
 }

@@ -3,6 +3,7 @@
 mod flow;
 mod raw;
 mod species;
+mod tethers;
 
 use super::checks::positive;
 use super::error::Fault;
@@ -44,6 +45,7 @@ impl SuspensionScene {
         let (start, path) = start(&raw.particles)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
         let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step))?;
+        let traps = tethers::traps(&raw.traps, &species)?;
         let parameters = Parameters {
             seed: raw.seed,
             cell,
@@ -57,6 +59,8 @@ impl SuspensionScene {
             repulsion: raw.repulsion.as_ref().map(repulsion),
             attraction: raw.attraction.as_ref().map(attraction),
             contacts: raw.contacts.as_ref().map(contacts),
+            bonds: tethers::bonds(&raw.bonds),
+            traps,
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
             steps: time.steps,
@@ -77,8 +81,9 @@ impl SuspensionScene {
 /// Refuses that contacts be written where there can be none.
 fn check_contacts(raw: &Raw) -> Result<(), Fault> {
     match raw.output.contacts_every {
-        every if every > 0 && raw.contacts.is_none() => {
-            let message = format!("is {every}, but there is nothing to write: add [contacts], or leave it out");
+        every if every > 0 && raw.contacts.is_none() && raw.bonds.is_empty() => {
+            let message =
+                format!("is {every}, but there is nothing to write: add [contacts] or [[bonds]], or leave it out");
             Err(Fault::new("output.contacts_every", message))
         }
         _ => Ok(()),

@@ -35,7 +35,10 @@ fn contacts_push_and_turn_as_the_motions_say() {
             let acting = Acting { loads, strain_rate: strain, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
         };
-        let sprung = solve(&given, Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts }));
+        let sprung = solve(
+            &given,
+            Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts, tethers: &Default::default() }),
+        );
         let mut pushed = given.clone();
         for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
             let Some(apart) = touch(i, j) else { continue };
@@ -86,7 +89,8 @@ fn springs_push_as_the_motions_say() {
             let acting = Acting { loads: &loads, strain_rate: strain, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
-        let sprung = solve(&forces, Some(&Springs { resistance: &resistance, contacts: &[] }));
+        let sprung =
+            solve(&forces, Some(&Springs { resistance: &resistance, contacts: &[], tethers: &Default::default() }));
         let mut pushed = forces.clone();
         for i in 0..particles.len() {
             for j in (0..particles.len()).filter(|&j| j != i) {
