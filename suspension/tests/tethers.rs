@@ -30,7 +30,7 @@ box.edges = [9.0, 8.0, 8.5]
 fluid.viscosity = 1.0
 flow = { kind = "shear", rate = 1.0 }
 hydrodynamics = { lubrication = true, tolerance = 1e-6 }
-time = { step = 0.02, steps = 40, integrator = "implicit", tolerance = 0.1, gap_fraction = 0.9 }
+time = { step = 0.02, steps = 40, integrator = "implicit", tolerance = 0.9, gap_fraction = 0.9 }
 [particles]
 initial = "positions"
 positions = [[1.0, 7.0, 1.0], [2.0, 1.1, 1.5], [2.5, 3.2, 2.4], [6.0, 4.0, 6.0]]
@@ -136,9 +136,11 @@ fn a_pulled_pair_rests_on_its_bond() {
         assert!((pull - 3.0).abs() < 1e-3 && broken == 0.0, "{keys:?}: pulls with {pull}");
         assert!((energy - 0.5 * pull * pull / stiffness).abs() < 1e-9 * energy.max(1.0), "{keys:?}: {energy}");
         let xx: f64 = stress.iter().map(|s| s.bond.x_axis.x).sum();
-        assert!((xx * 1728.0 - pull * (apart.x + 12.0)).abs() < 1e-9, "{keys:?}: {xx}");
+        // The pull has the round-off of the distance, times the stiffness.
+        let round_off = 1e-9 + 2e-14 * stiffness;
+        assert!((xx * 1728.0 - pull * (apart.x + 12.0)).abs() < round_off, "{keys:?}: {xx}");
         let force = forces.unwrap().list[0];
-        assert!((force.normal + pull).abs() < 1e-9 && force.ids == [0, 1], "{force:?}");
+        assert!((force.normal + pull).abs() < round_off && force.ids == [0, 1], "{force:?}");
     }
 }
 
@@ -154,9 +156,9 @@ fn implicit_and_explicit_steps_go_the_same_way() {
                 [flow.to_owned(), format!("time.step={}", 0.8 / f64::from(steps)), format!("time.steps={steps}")];
             farthest(&places(&model_of(CHAIN, &keys.each_ref().map(String::as_str)), 1), &exact)
         };
-        let errors = [40, 80].map(error);
-        let order = (errors[0] / errors[1]).log2();
-        assert!(errors[1] < 1e-3 && (order - 2.0).abs() < 0.4, "{flow}: {errors:?}");
+        let errors = [40, 80, 160].map(error);
+        let orders = [0, 1].map(|k| (errors[k] / errors[k + 1]).log2());
+        assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.1), "{flow}: {errors:?} {orders:?}");
     }
 }
 
@@ -270,4 +272,45 @@ traps = [{{ stiffness = 250.0 }}]
     let half = 0.5 * 0.04 * 250.0 * 0.4645 / (6.0 * std::f64::consts::PI);
     let expected = 1.0 - half;
     assert!((found - expected).abs() < 0.02, "{found} is not {expected}");
+}
+
+/// What only the places tell is refused at the start, and a run whose bonds get too long ends.
+#[test]
+fn bonds_across_half_of_the_box_are_refused() {
+    let refused = |keys: &[&str]| {
+        let started = Suspension::start(&model_of(CHAIN, keys), &Comm::alone());
+        started.err().map_or_else(String::new, |error| error.to_string())
+    };
+    let said = refused(&["bonds[0].pairs=[[0,1],[2,3]]"]);
+    assert!(said.contains("bonds[0].pairs[1] bonds spheres 2 and 3, which are 5.083 apart at the start"), "{said}");
+    assert_eq!(refused(&[]), "");
+    let said = refused(&["particles={initial=\"file\",path=\"places.csv\"}", "species[0].count=3"]);
+    assert!(!said.is_empty(), "no places were brought");
+    let model = model_of(CHAIN, &["bonds[0].stiffness=1e-3", "flow.rate=8.0", "time.steps=100"]);
+    let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
+    let error = (0..100).find_map(|_| suspension.step().err()).expect("a bond gets too long").to_string();
+    assert!(
+        error.contains("the bond of spheres") && error.contains("shorter than half of the box's shortest edge, 4"),
+        "{error}"
+    );
+}
+
+/// Springs of traps that are everyone's, of a species, or of some, each to its own centre.
+#[test]
+fn traps_hold_those_that_they_name() {
+    let energy = |traps: &str| {
+        let scene = format!("{}{traps}", CHAIN.split("[[bonds]]").next().unwrap());
+        Suspension::start(&model_of(&scene, &[]), &Comm::alone()).unwrap().trap_energy()
+    };
+    // The squares of the ways from (0, 7, 1) in a box of 9, 8, 8.5.
+    let ways = [1.0, 4.0 + 2.1 * 2.1 + 0.25, 2.5 * 2.5 + 3.8 * 3.8 + 1.4 * 1.4, 9.0 + 9.0 + 3.5 * 3.5];
+    let close = |found: Option<f64>, squares: f64| assert!((found.unwrap() - 2.0 * squares).abs() < 1e-12, "{found:?}");
+    let centre = "stiffness = 4.0\ncentre = [0.0, 7.0, 1.0]\n";
+    close(energy(&format!("[[traps]]\n{centre}")), ways.iter().sum());
+    close(energy(&format!("[[traps]]\nspecies = \"other\"\n{centre}")), ways[3]);
+    close(energy(&format!("[[traps]]\nparticles = [2, 0]\n{centre}")), ways[0] + ways[2]);
+    let centres = "[[traps]]\nparticles = [2, 0]\nstiffness = 4.0\ncentres = [[2.5, 3.2, 2.0], [1.0, 7.5, 1.0]]\n";
+    close(energy(centres), 0.16 + 0.25);
+    close(energy("[[traps]]\nstiffness = 4.0\n"), 0.0);
+    assert_eq!(energy(""), None);
 }

@@ -37,7 +37,7 @@ const STAGE: &str = r#"<section id="player">
 </section>
 "#;
 /// What makes spheres small, so that lines between their centres are seen.
-const CHOICE: &str = "<label><input id=\"chains\" type=\"checkbox\"> contact forces</label>\n";
+const CHOICE: &str = "<label><input id=\"show-chains\" type=\"checkbox\"> contact forces</label>\n";
 const HINT: &str = "Drag to turn, with the right button to move, wheel to zoom; space plays, arrows step.";
 
 impl Page<'_> {
