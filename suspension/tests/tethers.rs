@@ -282,7 +282,7 @@ fn bonds_across_half_of_the_box_are_refused() {
         started.err().map_or_else(String::new, |error| error.to_string())
     };
     let said = refused(&["bonds[0].pairs=[[0,1],[2,3]]"]);
-    assert!(said.contains("bonds[0].pairs[1] bonds spheres 2 and 3, which are 5.083 apart at the start"), "{said}");
+    assert!(said.contains("bonds[0].pairs[1] bonds spheres 2 and 3, which are 5.084 apart at the start"), "{said}");
     assert_eq!(refused(&[]), "");
     let said = refused(&["particles={initial=\"file\",path=\"places.csv\"}", "species[0].count=3"]);
     assert!(!said.is_empty(), "no places were brought");
