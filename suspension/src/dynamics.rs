@@ -2,12 +2,13 @@
 
 mod drive;
 mod fluctuating;
+mod tethered;
 
 pub use fluctuating::AMBIENT_NUMBERS;
 
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
-use crate::contacts::{self, Contacts, FORCE_NUMBERS, Measured};
+use crate::contacts::{self, Contacts, Measured};
 use crate::error::StartError;
 use crate::fluid;
 use crate::forces::{Ahead, Forces, Surface};
@@ -160,12 +161,6 @@ impl Dynamics {
         if let Some(driven) = self.moving.driven() {
             driven.note(particles);
         }
-    }
-
-    /// Breaks the bonds that pull too much at the end of a step. Collective.
-    pub fn break_bonds(&self, particles: &mut Particles, step: u64) -> Result<(), StepError> {
-        let broken = self.tethers.break_bonds(particles, (self.cell(), &self.partition));
-        broken.map_err(|source| StepError::Bonds { step, source })
     }
 
     /// Computes velocities, angular velocities and stresslets at the time of a clock, between steps. Collective.
@@ -384,30 +379,6 @@ impl Dynamics {
     /// What contacts amount to, if there can be any. Collective.
     pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
         self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
-    }
-
-    /// Each particle's share of the first moments of bonds, or nothing without. Collective.
-    pub fn bond_moments(&self, particles: &Particles) -> Vec<Tensor> {
-        self.tethers.moments(particles, (self.cell(), &self.partition), None)
-    }
-
-    /// The elastic energy of bonds and how many of them are broken, if there are any. Collective.
-    pub fn bond_numbers(&self, particles: &Particles) -> Option<[f64; 2]> {
-        self.tethers.bond_numbers(particles, (self.cell(), &self.partition))
-    }
-
-    /// The energy of what is trapped, if anything is. Collective.
-    pub fn trap_energy(&self, particles: &Particles) -> Option<f64> {
-        self.tethers.trap_energy(particles, (self.cell(), &self.partition))
-    }
-
-    /// The contacts and bonds of this rank's particles, in rows of numbers, if there can be any. Collective.
-    pub fn contact_forces(&self, particles: &Particles) -> Option<Vec<[f64; FORCE_NUMBERS]>> {
-        let place = (self.cell(), &self.partition);
-        let contacts = self.contacts.as_ref().map(|contacts| contacts.forces(particles, place));
-        let bonds = self.tethers.bond_forces(particles, place);
-        let bonds = bonds.map(|bonds| bonds.iter().map(contacts::force_numbers).collect::<Vec<_>>());
-        [contacts, bonds].into_iter().flatten().reduce(|all, more| [all, more].concat())
     }
 
     /// The background flow.

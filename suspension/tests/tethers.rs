@@ -192,11 +192,11 @@ fn bonds_break_once_and_for_all() {
     }
     assert!(broken.is_sorted() && broken[60] >= 1.0, "{broken:?}");
     let whole_bonds = whole.contact_forces().unwrap().list;
-    assert_eq!(whole_bonds.len() as f64, 2.0 - broken[60]);
+    assert!((whole_bonds.len() as f64 + broken[60] - 2.0).abs() < 1e-12, "{whole_bonds:?}");
     assert!(whole_bonds.iter().all(|bond| bond.normal > -2.0));
     for ranks in [2, 7] {
         let others = ended(&model, ranks, |suspension| suspension.bond_numbers().unwrap()[1]);
-        assert_eq!(others, broken[60], "{ranks} ranks");
+        assert!((others - broken[60]).abs() < 1e-12, "{ranks} ranks: {others}");
     }
 }
 

@@ -93,6 +93,19 @@ impl Tied {
         };
         self.list.iter().filter_map(force).collect()
     }
+
+    /// Breaks those that pull too much.
+    pub(super) fn break_those(&self, particles: &mut Particles) {
+        let Some(column) = particles.columns.iter_mut().find(|column| column.name == BONDS) else { return };
+        for bond in self.list.iter().filter(|bond| bond.pull() > bond.kind.breaking_force) {
+            column.values[BOND_NUMBERS * bond.slot + 2] *= -1.0;
+        }
+    }
+
+    /// The energy of this rank's share.
+    pub(super) fn energy(&self) -> f64 {
+        self.list.iter().map(|bond| 0.25 * bond.kind.stiffness * (bond.distance() - bond.length).powi(2)).sum()
+    }
 }
 
 impl Bonds {
@@ -229,28 +242,15 @@ impl Bonds {
         }
         moments
     }
-
-    /// Breaks those that pull too much.
-    pub(super) fn break_those(&self, tied: &Tied, particles: &mut Particles) {
-        let Some(column) = particles.columns.iter_mut().find(|column| column.name == BONDS) else { return };
-        for bond in tied.list.iter().filter(|bond| bond.pull() > bond.kind.breaking_force) {
-            column.values[BOND_NUMBERS * bond.slot + 2] *= -1.0;
-        }
-    }
-
-    /// The energy of this rank's share.
-    pub(super) fn energy(&self, tied: &Tied) -> f64 {
-        tied.list.iter().map(|bond| 0.25 * bond.kind.stiffness * (bond.distance() - bond.length).powi(2)).sum()
-    }
-
-    /// How many of this rank's share are broken.
-    pub(super) fn broken(&self, particles: &Particles) -> f64 {
-        0.5 * slots(particles).filter(|(_, slot)| slot[2] < 0.0).count() as f64
-    }
 }
 
 /// The slots of all particles that have a bond, broken or not, with their places in the column.
 fn slots(particles: &Particles) -> impl Iterator<Item = (usize, &[f64; BOND_NUMBERS])> {
     let values = particles.columns.iter().find(|column| column.name == BONDS).map_or(&[][..], |c| &c.values);
     values.as_chunks().0.iter().enumerate().filter(|(_, slot)| slot[0] != 0.0)
+}
+
+/// How many of this rank's share are broken.
+pub fn broken(particles: &Particles) -> f64 {
+    0.5 * slots(particles).filter(|(_, slot)| slot[2] < 0.0).count() as f64
 }

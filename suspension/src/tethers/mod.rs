@@ -86,16 +86,15 @@ impl Tethers {
     /// Breaks the bonds that pull too much. Fails where one is as long as half of the box. Collective.
     pub fn break_bonds(&self, particles: &mut Particles, place: (&PeriodicBox, &Partition)) -> Result<(), Failure> {
         if let Some(bonds) = &self.bonds {
-            let tied = bonds.find(particles, place)?;
-            bonds.break_those(&tied, particles);
+            bonds.find(particles, place)?.break_those(particles);
         }
         Ok(())
     }
 
     /// The elastic energy of bonds and how many of them are broken, if there are any. Collective.
     pub fn bond_numbers(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Option<[f64; 2]> {
-        let (bonds, tied) = self.tied(particles, place)?;
-        let mut sums = [bonds.energy(&tied), bonds.broken(particles)];
+        let (_, tied) = self.tied(particles, place)?;
+        let mut sums = [tied.energy(), bonds::broken(particles)];
         place.1.comm().sum(&mut sums);
         Some(sums)
     }

@@ -27,19 +27,21 @@ fn trapped(raw: &raw::Traps, index: usize, species: &[Species]) -> Result<Trappe
     match (&raw.species, &raw.particles) {
         (None, None) => Ok(Trapped::All),
         (None, Some(ids)) => Ok(Trapped::Spheres(ids.clone())),
-        (Some(name), None) => match species.iter().position(|one| one.name == *name) {
-            Some(place) => Ok(Trapped::Species(place as u32)),
-            None => {
-                let names: Vec<String> = species.iter().map(|one| format!("\"{}\"", one.name)).collect();
-                let message = format!("is \"{name}\"; the scene has {}", names.join(", "));
-                Err(Fault::new(format!("traps[{index}].species"), message))
-            }
-        },
+        (Some(name), None) => of_species(name, index, species),
         (Some(_), Some(_)) => {
             let message = "is set beside traps.species; leave one of them out";
             Err(Fault::new(format!("traps[{index}].particles"), message))
         }
     }
+}
+
+fn of_species(name: &str, index: usize, species: &[Species]) -> Result<Trapped, Fault> {
+    let place = species.iter().position(|one| one.name == name);
+    place.map(|place| Trapped::Species(place as u32)).ok_or_else(|| {
+        let names: Vec<String> = species.iter().map(|one| format!("\"{}\"", one.name)).collect();
+        let message = format!("is \"{name}\"; the scene has {}", names.join(", "));
+        Fault::new(format!("traps[{index}].species"), message)
+    })
 }
 
 fn centres(raw: &raw::Traps, index: usize) -> Result<Centres, Fault> {

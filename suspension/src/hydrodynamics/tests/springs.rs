@@ -1,6 +1,7 @@
 //! Springs of repulsion and of contacts in the solve.
 
 use super::*;
+use crate::tethers::TetherResistance;
 
 /// With contacts the motions are those without, under the forces and torques that their springs make of them: along the line
 /// of centres, against slip where the surfaces touch, and against rolling; in any units.
@@ -37,7 +38,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
         };
         let sprung = solve(
             &given,
-            Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts, tethers: &Default::default() }),
+            Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts, tethers: &TetherResistance::default() }),
         );
         let mut pushed = given.clone();
         for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
@@ -89,8 +90,10 @@ fn springs_push_as_the_motions_say() {
             let acting = Acting { loads: &loads, strain_rate: strain, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
-        let sprung =
-            solve(&forces, Some(&Springs { resistance: &resistance, contacts: &[], tethers: &Default::default() }));
+        let sprung = solve(
+            &forces,
+            Some(&Springs { resistance: &resistance, contacts: &[], tethers: &TetherResistance::default() }),
+        );
         let mut pushed = forces.clone();
         for i in 0..particles.len() {
             for j in (0..particles.len()).filter(|&j| j != i) {
