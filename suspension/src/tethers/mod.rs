@@ -24,7 +24,7 @@ pub struct Tethers {
     traps: Option<Traps>,
 }
 
-/// What they resist to motions of the particles that a rank owns, force over velocity; empty without them.
+/// What bonds and traps resist to motions of the particles that a rank owns, force over velocity; empty without them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TetherResistance {
     /// Of bonds, particle by particle.
