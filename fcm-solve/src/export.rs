@@ -1,4 +1,4 @@
-//! `fcm-solve export`: a run's trajectory for other programs.
+//! `fcm-solve export`: a run's trajectory, or its force chains, for other programs.
 
 use crate::causes::in_full;
 use crate::number::finite;
@@ -6,7 +6,7 @@ use crate::streams;
 use anyhow::ensure;
 use clap::ValueEnum;
 use domain::Comm;
-use io::{Format, FrameRange, Snapshot, TrajectoryReader};
+use io::{ContactFormat, FileError, Format, FrameRange, RecordedContacts, TrajectoryReader};
 use std::path::PathBuf;
 
 /// Which run, and what of it.
@@ -26,7 +26,7 @@ pub struct Args {
     /// Frames by their numbers, as slices of Python name them: 0 is the first, -1 the last
     #[arg(long, value_name = "START:STOP:STEP", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
-    /// The file [default: trajectory.xyz, trajectory.gsd or trajectory.pvd in the folder of the run]
+    /// The file [default: trajectory.xyz, trajectory.gsd, trajectory.pvd, contacts.csv or force-chains.pvd in the folder of the run]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -39,32 +39,50 @@ enum Target {
     Gsd,
     /// Points of VTK, for pyvista and others: a .pvd file, and beside it a folder with a file for each frame
     Vtp,
+    /// Forces of contacts as a table
+    ContactsCsv,
+    /// Force chains as lines of VTK, like vtp
+    ContactsVtp,
+}
+
+/// What is written: frames of the trajectory, or contacts.
+enum Wanted {
+    Frames(Format),
+    Contacts(ContactFormat),
 }
 
 impl Target {
-    fn format(self) -> Format {
+    fn wanted(self) -> Wanted {
         match self {
-            Self::Xyz => Format::Xyz,
-            Self::Gsd => Format::Gsd,
-            Self::Vtp => Format::Vtp,
+            Self::Xyz => Wanted::Frames(Format::Xyz),
+            Self::Gsd => Wanted::Frames(Format::Gsd),
+            Self::Vtp => Wanted::Frames(Format::Vtp),
+            Self::ContactsCsv => Wanted::Contacts(ContactFormat::Csv),
+            Self::ContactsVtp => Wanted::Contacts(ContactFormat::Vtp),
         }
     }
 }
 
-/// Reads the trajectory frame by frame and writes it, on the first rank. Collective.
+/// Reads frame by frame and writes, on the first rank. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let done = if comm.is_first() { write(args) } else { Ok(()) };
     Ok(comm.agree(done.map_err(|e| in_full(&e)))?)
 }
 
 fn write(args: &Args) -> anyhow::Result<()> {
+    match args.to.wanted() {
+        Wanted::Frames(format) => write_frames(args, format),
+        Wanted::Contacts(format) => write_contacts(args, format),
+    }
+}
+
+fn write_frames(args: &Args, format: Format) -> anyhow::Result<()> {
     let recorded = TrajectoryReader::open(&args.folder.join("trajectory.h5"))?;
-    let format = args.to.format();
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("trajectory").with_extension(format.extension()));
     let mut count = 0;
-    let mut frames = meant(args, &recorded)
+    let mut frames = meant(args, recorded.times())
         .into_iter()
-        .filter_map(|frame| whole(&recorded, frame))
+        .filter_map(|frame| whole(recorded.snapshot(frame)))
         .inspect(|_| count += 1)
         .peekable();
     ensure!(
@@ -75,17 +93,39 @@ fn write(args: &Args) -> anyhow::Result<()> {
     streams::print_here(&format!("{count} frames in {}\n", out.display()))
 }
 
-/// The numbers of the frames that are asked for.
-fn meant(args: &Args, recorded: &TrajectoryReader) -> Vec<usize> {
-    let times = recorded.times();
+fn write_contacts(args: &Args, format: ContactFormat) -> anyhow::Result<()> {
+    let recorded = RecordedContacts::of(&args.folder)?;
+    let folder = args.folder.display();
+    ensure!(
+        !recorded.clocks().is_empty(),
+        "{folder} has no contacts; a run writes them if output.contacts_every is set"
+    );
+    let name = match format {
+        ContactFormat::Csv => "contacts",
+        ContactFormat::Vtp => "force-chains",
+    };
+    let out = args.out.clone().unwrap_or_else(|| args.folder.join(name).with_extension(format.extension()));
+    let times: Vec<f64> = recorded.clocks().iter().map(|clock| clock.1).collect();
+    let mut count = 0;
+    let mut steps = meant(args, &times)
+        .into_iter()
+        .filter_map(|place| whole(recorded.at(place)))
+        .inspect(|_| count += 1)
+        .peekable();
+    ensure!(steps.peek().is_some(), "there are no whole contacts in that span; change --from, --until or --frames");
+    io::export_contacts(&mut steps, format, &out)?;
+    streams::print_here(&format!("{count} steps in {}\n", out.display()))
+}
+
+/// The numbers of the frames that are asked for, of those at some times.
+fn meant(args: &Args, times: &[f64]) -> Vec<usize> {
     let span = args.from.unwrap_or(f64::NEG_INFINITY)..=args.until.unwrap_or(f64::INFINITY);
     let numbers: Vec<usize> =
         args.frames.map_or_else(|| (0..times.len()).collect(), |range| range.of(times.len()).collect());
     numbers.into_iter().filter(|&frame| span.contains(&times[frame])).collect()
 }
 
-/// A frame, unless it is damaged.
-fn whole(recorded: &TrajectoryReader, frame: usize) -> Option<Snapshot> {
-    let snapshot = recorded.snapshot(frame);
-    snapshot.map_err(|error| streams::log(format_args!("warning: {error}; it is left out of what is exported"))).ok()
+/// What was read, unless it is damaged.
+fn whole<T>(read: Result<T, FileError>) -> Option<T> {
+    read.map_err(|error| streams::log(format_args!("warning: {error}; it is left out of what is exported"))).ok()
 }

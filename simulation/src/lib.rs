@@ -14,6 +14,7 @@
 //! ```
 
 mod clock;
+mod contact_forces;
 mod frame;
 mod loads;
 mod outline;
@@ -25,6 +26,7 @@ mod table;
 mod velocity_field;
 
 pub use clock::Clock;
+pub use contact_forces::{ContactForce, ContactForces, ContactState};
 pub use frame::Frame;
 pub use loads::{AppliedLoads, LoadFunction, NoLoads};
 pub use outline::Outline;

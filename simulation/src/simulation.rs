@@ -1,6 +1,6 @@
 //! The trait of simulations that are advanced in time steps.
 
-use crate::{Clock, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
+use crate::{Clock, ContactForces, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
 use domain::{Comm, Interrupt};
 use std::error::Error;
 
@@ -69,6 +69,11 @@ pub trait Simulation {
     /// The velocity of the fluid, if there is one.
     fn velocity_field(&mut self) -> Result<Option<VelocityField>, SimulationError> {
         Ok(None)
+    }
+
+    /// Forces between particles that touch, if they can.
+    fn contact_forces(&self) -> Option<ContactForces> {
+        None
     }
 
     /// Averages over the run so far, if it takes any.

@@ -1,8 +1,10 @@
 //! What `check` and `run` warn of before a run.
 
-use crate::model::{Flow, Model};
+use crate::integrator::AdamsBashforth;
+use crate::model::{Flow, Integrator, Model};
 use crate::plan::{Radii, problem};
 use crate::steadiness;
+use crate::tethers::BOND_NUMBERS;
 use domain::Number;
 use fcm::Plan;
 use std::f64::consts::PI;
@@ -14,6 +16,7 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
         steadiness::caution(model, radii),
         long_steps(model),
         far_diffusion(model, radii),
+        quick_tethers(model, radii),
         burden(model, radii),
     ];
     all.into_iter().flatten().collect()
@@ -63,6 +66,37 @@ fn far_diffusion(model: &Model, radii: &Radii) -> Option<String> {
     ))
 }
 
+/// The part of a trap's time up to which a Brownian step leaves the spread of trapped spheres within a tenth.
+const LONGEST_TETHERED: f64 = 0.2;
+
+/// Steps that are explicit are too long for bonds and traps that relax within them.
+fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
+    let (limit, remedy) = match model.integrator {
+        Integrator::AdamsBashforth { order } => {
+            (AdamsBashforth::of_order(order).stable(), ", or time.integrator = \"implicit\"")
+        }
+        Integrator::Brownian => (LONGEST_TETHERED, ""),
+        Integrator::Adaptive(_) | Integrator::Implicit(_) => return None,
+    };
+    let most = |list: &mut dyn Iterator<Item = f64>| list.fold(0.0, f64::max);
+    let [bond, trap] = [
+        most(&mut model.bonds.iter().map(|bonds| bonds.stiffness)),
+        most(&mut model.traps.iter().map(|traps| traps.stiffness)),
+    ];
+    // The motions of a sphere and of the other end of each of its bonds against each other.
+    let ends = 2.0 * (model.bond_numbers() / BOND_NUMBERS) as f64;
+    let rate = (trap + ends * bond) / (6.0 * PI * model.viscosity * radii.smallest());
+    (rate * model.time_step > limit * 1.001).then(|| {
+        format!(
+            "time.step = {} is long for [[bonds]] and [[traps]] as stiff as these, which relax within {:.3}; take {:.3} or \
+             less{remedy}",
+            Number(model.time_step),
+            Number(1.0 / rate),
+            Number(limit / rate)
+        )
+    })
+}
+
 /// In a straight box the flow `u = rate y` jumps by `rate Ly` across the faces along y. The stress that is observed is
 /// that of spheres beside images that stand still, over `mu rate`.
 fn straight_box(model: &Model) -> Option<String> {
@@ -102,6 +136,20 @@ mod tests {
             let model = model.unwrap();
             let said = cautions(&model, &Radii::of_model(&model).unwrap());
             assert_eq!(said.iter().any(|s| s.contains("take 0.005 or less")), warned, "{said:?}");
+        }
+    }
+
+    /// A bond between two spheres relaxes by both of them: at `2 k / (6 pi mu a)`, which order 4 follows up to 0.3 in a step.
+    #[test]
+    fn steps_too_long_for_bonds_are_warned_of() {
+        use crate::model::Bonds;
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+        let bonds = vec![Bonds { pairs: vec![[0, 1]], length: Some(2.0), stiffness: 3.0 * PI, breaking_force: None }];
+        for (step, warned) in [(0.29, false), (0.31, true)] {
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], (step, 1));
+            let model = Model::new(Parameters { bonds: bonds.clone(), ..usual }).unwrap();
+            let said = cautions(&model, &Radii::of_model(&model).unwrap());
+            assert_eq!(said.iter().any(|s| s.contains("relax within 1; take 0.3 or less, or")), warned, "{said:?}");
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod drive;
 mod fluctuating;
+mod tethered;
 
 pub use fluctuating::AMBIENT_NUMBERS;
 
@@ -20,6 +21,7 @@ use crate::relative_motion::RelativeMotion;
 use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::substeps;
+use crate::tethers::{TetherResistance, Tethers};
 use crate::warm_start::WarmStart;
 use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
@@ -73,6 +75,7 @@ pub struct Dynamics {
     moving: MovingBox,
     forces: Forces,
     contacts: Option<Contacts>,
+    tethers: Tethers,
     applied: AppliedForces,
     hydrodynamics: Hydrodynamics,
     lubrication: Option<Range>,
@@ -96,7 +99,9 @@ impl Dynamics {
         let radii = [setup.radii.smallest(), setup.radii.largest()];
         let contacts =
             model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
-        let springs = forces.reach_of_springs(setup.radii.largest()).filter(|_| is_implicit);
+        let tethers = Tethers::new(model, &setup.particles, setup.partition.comm());
+        let reaches = [forces.reach_of_springs(setup.radii.largest()), tethers.reach(setup.radii.largest())];
+        let springs = reaches.into_iter().flatten().reduce(f64::max).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
@@ -106,6 +111,7 @@ impl Dynamics {
             warm_start: WarmStart::new(model.is_coupled()),
             forces,
             contacts,
+            tethers,
             applied: AppliedForces::default(),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             viscosity: model.viscosity,
@@ -215,9 +221,10 @@ impl Dynamics {
         let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
         let besides = self.moving.expected_besides();
         let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate: besides });
-        let mut loads = self.loads_at(particles, moment, ahead.as_ref())?;
+        let (mut loads, tethers) = self.loads_at(particles, moment, ahead.as_ref())?;
         let Some(contacts) = &self.contacts else {
-            return Ok((self.solve((particles, &cell), (&loads, &[], &STILL), guess, moment)?, 0.0));
+            let resisting = (&[][..], &tethers);
+            return Ok((self.solve((particles, &cell), (&loads, resisting, &STILL), guess, moment)?, 0.0));
         };
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
@@ -225,7 +232,8 @@ impl Dynamics {
         let with = (contacts::Ahead { along, across }, velocities, flow);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
-        let outcome = self.solve((particles, &cell), (&loads, &touching.springs(), &STILL), guess, moment)?;
+        let outcome =
+            self.solve((particles, &cell), (&loads, (&touching.springs(), &tethers), &STILL), guess, moment)?;
         let motion = WarmStart::motion(particles);
         if moment.implicit.is_some() {
             let noted = touching.note(particles, &motion);
@@ -235,18 +243,20 @@ impl Dynamics {
         Ok((outcome, of_contacts))
     }
 
-    /// Forces and torques of the model and the user's at a moment. Collective.
+    /// Forces and torques of the model and the user's at a moment, and what bonds and traps resist. Collective.
     fn loads_at(
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
         ahead: Option<&Ahead>,
-    ) -> Result<Loads, StepError> {
+    ) -> Result<(Loads, TetherResistance), StepError> {
         let (place, clock) = ((self.moving.cell(), &self.partition), &moment.clock);
         let mut loads = self.forces.on(particles, place, ahead);
+        let resisting = self.tethers.add_to(&mut loads, particles, place, ahead);
+        let resisting = resisting.map_err(|source| StepError::Bonds { step: clock.step(), source })?;
         let applied = self.applied.add_to(&mut loads, particles, place, clock.time_at(moment.fraction));
         applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
-        Ok(loads)
+        Ok((loads, resisting))
     }
 
     /// Solves for the motions under loads, with what springs resist, in a fluid that moves at the particles besides, and writes
@@ -254,14 +264,14 @@ impl Dynamics {
     fn solve(
         &mut self,
         (particles, cell): (&mut Particles, &PeriodicBox),
-        (loads, contacts, ambient): (&Loads, &[Vec<ContactSprings>], &Motion),
+        (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
         guess: &Guess,
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
         let forces = &self.forces;
         let resistance =
             moment.implicit.map(|time| move |d: f64, between: Surfaces| forces.resistance(time, d, between));
-        let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts });
+        let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
         let (strain_rate, strain_slope) = self.moving.strain_rate();
         let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
@@ -447,7 +457,9 @@ impl Dynamics {
     /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in
     /// the order `[z][y][x]`, x fastest; on the first rank. An error where no grid can carry it. Collective.
     pub fn velocity_field(&mut self, particles: &Particles) -> Result<([usize; 3], Vec<Vector>), PlanError> {
-        let mut loads = self.forces.on(particles, (self.moving.cell(), &self.partition), None);
+        let place = (self.moving.cell(), &self.partition);
+        let mut loads = self.forces.on(particles, place, None);
+        self.tethers.add_known(&mut loads, particles, place);
         applied::add_last(&mut loads, particles);
         let loads = self.warm_start.felt(loads, particles);
         // Whatever the strain: programs that draw a series take all of its frames for as large as the first.

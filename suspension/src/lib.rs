@@ -65,6 +65,7 @@ mod step_error;
 mod stress;
 mod substeps;
 mod suspension;
+mod tethers;
 mod warm_start;
 
 pub use channel_flow::FlowRefused;
@@ -79,9 +80,9 @@ pub use lubrication::Elasticity;
 pub use memory::Ranks;
 pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Attraction, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION,
-    MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
-    SizeDistribution, Species, Start, Statistics as StatisticsWanted,
+    Adaptive, Attraction, Axis, Bonds, Centres, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice,
+    MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
+    SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};
@@ -94,3 +95,4 @@ pub use steadiness::longest_step;
 pub use step_error::StepError;
 pub use stress::ParticleStress;
 pub use suspension::{StepReport, Suspension};
+pub use tethers::{BondSprings, TetherResistance};

@@ -14,6 +14,7 @@ use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
 use crate::model::{Integrator, Model, Multipoles, Species, Start};
 use crate::plan::{Radii, largest_strain};
 use crate::sampling;
+use crate::tethers::TRAP_NUMBERS;
 use crate::warm_start::WarmStart;
 use domain::{
     Bytes, ExpectedCounts, Need, Pairs, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes,
@@ -172,6 +173,8 @@ impl Share<'_> {
         let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
         let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
         let velocities = velocities + if self.is_brownian() { AMBIENT_NUMBERS } else { 0 };
+        let velocities =
+            velocities + self.model.bond_numbers() + if self.model.traps.is_empty() { 0 } else { TRAP_NUMBERS };
         if self.is_rigid() {
             let kept = WarmStart::new(self.model.is_coupled()).numbers() + self.contact_numbers();
             velocities + FRAME[1].1 + FRAME[2].1 + kept

@@ -27,6 +27,8 @@ pub struct Observer {
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts; and the largest seen.
     aim: Option<f64>,
     deepest: f64,
+    /// Whether there are bonds, and traps.
+    tethers: [bool; 2],
     smallest_radius: f64,
 }
 
@@ -41,6 +43,9 @@ const CONTACTS: [(&str, &str); 5] = [
     ("largest_overlap", ""),
     ("elastic_energy", "force*length"),
 ];
+
+/// What a row tells of bonds.
+const BONDS: [(&str, &str); 2] = [("bond_energy", "force*length"), ("broken_bonds", "")];
 
 /// How often spheres were seen to overlap.
 #[derive(Debug, Clone, Copy, Default)]
@@ -67,6 +72,7 @@ impl Observer {
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| contacts.overlap),
             deepest: 0.0,
+            tethers: [!model.bonds.is_empty(), !model.traps.is_empty()],
             smallest_radius,
         }
     }
@@ -117,6 +123,13 @@ impl Observer {
         if self.aim.is_some() {
             quantities.extend(CONTACTS.map(|(name, unit)| Quantity::number(name, unit)));
         }
+        let [has_bonds, has_traps] = self.tethers;
+        if has_bonds {
+            quantities.extend(BONDS.map(|(name, unit)| Quantity::number(name, unit)));
+        }
+        if has_traps {
+            quantities.push(Quantity::number("trap_energy", "force*length"));
+        }
         quantities.extend([
             Quantity::number("smallest_gap", "length"),
             Quantity::number("iterations", ""),
@@ -156,6 +169,8 @@ impl Observer {
             self.deepest = self.deepest.max(numbers[3]);
             row.extend(numbers.map(|number| vec![number]));
         }
+        row.extend(suspension.bond_numbers().into_iter().flatten().map(|number| vec![number]));
+        row.extend(suspension.trap_energy().map(|energy| vec![energy]));
         let (iterations, evaluations) = (iterations as f64, evaluations as f64);
         row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));
         row

@@ -12,7 +12,9 @@ use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt};
 use fcm::Drawn;
-use simulation::{Clock, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField};
+use simulation::{
+    Clock, ContactForces, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField,
+};
 
 /// A suspension and who observes it.
 pub struct Observed {
@@ -132,6 +134,10 @@ impl Simulation for Observed {
             ));
         }
         warnings
+    }
+
+    fn contact_forces(&self) -> Option<ContactForces> {
+        self.suspension.contact_forces()
     }
 
     fn averages(&mut self) -> Option<TableSet> {

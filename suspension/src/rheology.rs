@@ -28,12 +28,13 @@ impl Rheology {
         if rates.largest() == 0.0 {
             return None;
         }
-        let all: [(bool, Origin); 5] = [
+        let all: [(bool, Origin); 6] = [
             (model.hydrodynamics.multipoles == Multipoles::Dipole, ("stress_stresslet", |s| s.stresslet)),
             (model.hydrodynamics.lubrication, ("stress_lubrication", |s| s.lubrication)),
             (model.repulsion.is_some(), ("stress_repulsion", |s| s.repulsion)),
             (model.attraction.is_some(), ("stress_attraction", |s| s.attraction)),
             (model.contacts.is_some(), ("stress_contact", |s| s.contact)),
+            (!model.bonds.is_empty(), ("stress_bond", |s| s.bond)),
         ];
         let species = model.species.iter().map(|s| s.name.clone()).collect();
         let origins = all.into_iter().filter(|(present, _)| *present).map(|(_, origin)| origin).collect();

@@ -10,6 +10,7 @@ use crate::near::smallest_gap;
 use crate::plan::{Radii, plan};
 use crate::poiseuille::Poiseuille;
 use crate::relative_motion::RelativeMotion;
+use crate::tethers;
 use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition};
 use fcm::{Plan, PlanError};
 use simulation::Clock;
@@ -58,6 +59,8 @@ impl Setup {
         if let Some(contacts) = model.contacts.filter(|_| setup.gap().length < 0.0) {
             setup.relax(contacts.roughness, comm);
         }
+        let Self { particles, moving, partition, .. } = &mut setup;
+        tethers::tie(particles, model, (moving.cell(), partition))?;
         let Gap { length: gap, radius } = setup.gap();
         // Touching spheres may touch, up to the round-off of a box's length.
         if gap > -1e-12 * model.cell.edges().max_element() {

@@ -28,6 +28,14 @@ pub enum StepError {
     /// More contacts of a sphere than there can be.
     #[error("{0}; spheres overlap by far: give a larger contacts.stiffness or a shorter time.step")]
     Contacts(Failure),
+    /// A bond that is too long.
+    #[error("step {step}: {source}")]
+    Bonds {
+        /// Steps taken before.
+        step: u64,
+        /// Which one, and how long it may be.
+        source: Failure,
+    },
     /// The fluid could not be computed around spheres that overlap.
     #[error(
         "step {step}: spheres overlap by {overlap}, and the flow around them can't be found; take a smaller time.step, \

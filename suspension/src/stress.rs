@@ -16,7 +16,7 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
-/// that of attraction like that, and that of contacts like that of repulsion, its symmetric part, with friction; each
+/// that of attraction and bonds like that, and that of contacts like that of repulsion, its symmetric part, with friction; each
 /// sphere of a pair has a share in proportion to its radius.
 ///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
@@ -34,12 +34,14 @@ pub struct ParticleStress {
     pub attraction: Tensor,
     /// Of contacts.
     pub contact: Tensor,
+    /// Of bonds.
+    pub bond: Tensor,
 }
 
 impl ParticleStress {
     /// All origins together.
     pub fn total(&self) -> Tensor {
-        self.stresslet + self.lubrication + self.repulsion + self.attraction + self.contact
+        self.stresslet + self.lubrication + self.repulsion + self.attraction + self.contact + self.bond
     }
 
     /// That of all species together.
@@ -53,17 +55,17 @@ impl ParticleStress {
     }
 
     /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume;
-    /// `pairs` has each particle's shares of the first moments of repulsion, attraction and contacts, or nothing. Collective.
+    /// `pairs` has each particle's shares of the first moments of repulsion, attraction, contacts and bonds, or nothing. Collective.
     pub fn by_species(
         particles: &Particles,
-        pairs: [&[Tensor]; 3],
+        pairs: [&[Tensor]; 4],
         (species, volume): (usize, f64),
         comm: &Comm,
     ) -> Vec<Self> {
         let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
         let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
         let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
-        let mut sums = vec![[Tensor::ZERO; 5]; species];
+        let mut sums = vec![[Tensor::ZERO; 6]; species];
         for (row, &kind) in particles.species.iter().enumerate() {
             let [stresslet, lubrication, of_pairs @ ..] = &mut sums[kind as usize];
             if let (Some(&whole), Some(&far)) = (whole.get(row), far.get(row)) {
@@ -75,12 +77,13 @@ impl ParticleStress {
             }
         }
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
-        let stress = |[stresslet, lubrication, repulsion, attraction, contact]: [Tensor; 5]| Self {
+        let stress = |[stresslet, lubrication, repulsion, attraction, contact, bond]: [Tensor; 6]| Self {
             stresslet,
             lubrication,
             repulsion,
             attraction,
             contact,
+            bond,
         };
         sums.into_iter().map(|sums| stress(sums.map(|sum| sum * (1.0 / volume)))).collect()
     }

@@ -3,7 +3,7 @@
 use crate::applied;
 use crate::brownian::{self, Heat};
 use crate::columns::VELOCITY;
-use crate::contacts::Measured;
+use crate::contacts::{Measured, contact_force};
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
 use crate::forces::Surface;
@@ -12,10 +12,10 @@ use crate::model::{Integrator, Model};
 use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::stress::ParticleStress;
-use crate::{adaptive, given_positions, implicit, initial, near};
+use crate::{adaptive, given_positions, implicit, initial, near, tethers};
 use domain::{Comm, GivenPositions, Interrupt, Particles, PeriodicBox, Tensor, Vector};
 use fcm::PlanError;
-use simulation::{Clock, LoadFunction, State};
+use simulation::{Clock, ContactForces, LoadFunction, State};
 
 /// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -90,6 +90,8 @@ impl Suspension {
         let then = state.as_ref().filter(|_| comm.is_first()).map(|state| state.plan.clone());
         let mut particles = state.map(|state| state.particles).unwrap_or_default();
         comm.agree(given_positions::check(&particles, model.species.len(), model.is_coupled()))?;
+        let is_tied = if comm.is_first() { tethers::check(&particles, model) } else { Ok(()) };
+        comm.agree(is_tied)?;
         initial::share_columns(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], model.time_step);
@@ -198,6 +200,7 @@ impl Suspension {
             }
         };
         dynamics.end_step(particles);
+        dynamics.break_bonds(particles, clock.step())?;
         self.evaluations = dynamics.evaluations() - before;
         self.clock.tick();
         self.has_applied_loads = false;
@@ -286,14 +289,34 @@ impl Suspension {
         let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
             .map(|which| self.dynamics.surface_moments(which, &self.particles));
         let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
-        let volume = self.cell().volume();
-        ParticleStress::by_species(&self.particles, [&repulsion, &attraction, &contacts], (species, volume), &self.comm)
+        let bonds = self.dynamics.bond_moments(&self.particles);
+        let (volume, pairs) = (self.cell().volume(), [&repulsion[..], &attraction, &contacts, &bonds]);
+        ParticleStress::by_species(&self.particles, pairs, (species, volume), &self.comm)
     }
 
     /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap
     /// over the roughness, and the elastic energy; nothing if spheres can't touch. Collective.
     pub fn contact_numbers(&self) -> Option<[f64; 5]> {
         self.contacts().map(|measured| measured.numbers(&self.comm))
+    }
+
+    /// The elastic energy of bonds and how many of them are broken; nothing without bonds. Collective.
+    pub fn bond_numbers(&self) -> Option<[f64; 2]> {
+        self.dynamics.bond_numbers(&self.particles)
+    }
+
+    /// The energy of spheres in traps; nothing without traps. Collective.
+    pub fn trap_energy(&self) -> Option<f64> {
+        self.dynamics.trap_energy(&self.particles)
+    }
+
+    /// Forces of contacts and bonds, on the first rank, if there can be any. Collective.
+    pub fn contact_forces(&self) -> Option<ContactForces> {
+        let own = self.dynamics.contact_forces(&self.particles)?;
+        let mut list: Vec<_> = self.comm.gather(&own).iter().map(contact_force).collect();
+        list.sort_unstable_by_key(|contact| (contact.ids, contact.state.number()));
+        let lattice = self.cell().lattice_vectors();
+        Some(ContactForces { step: self.clock.step(), time: self.clock.time(), lattice, list })
     }
 
     /// What contacts amount to, if there can be any. Collective.

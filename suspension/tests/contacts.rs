@@ -4,9 +4,9 @@
 mod ended;
 mod support;
 
-use domain::{Comm, Particles, Random, Vector};
+use domain::{Comm, Particles, Random, Tensor, Vector};
 use ended::ended;
-use simulation::Simulation;
+use simulation::{ContactForces, ContactState, Simulation};
 use support::model_of;
 use suspension::{Integrator, Model, Observed, Parameters, Suspension};
 
@@ -186,6 +186,34 @@ fn the_contact_stress_is_symmetric_and_presses() {
     assert!((stress - stress.transpose()).col(0).length() < 1e-12 * stress.col(0).length());
     let pressure = -(stress.col(0).x + stress.col(1).y + stress.col(2).z) / 3.0;
     assert!(pressure > 0.0 && stress.col(0).y > 0.0, "{stress}");
+}
+
+/// Contact by contact, forces make the stress of contacts and their number, and are the same on any ranks.
+#[test]
+fn forces_of_single_contacts_add_up_to_their_stress() {
+    let model = model_of(DENSE, &[]);
+    let looked = |ranks: usize| {
+        ended(&model, ranks, |suspension| {
+            let stress = suspension.stress(2).iter().fold(Tensor::ZERO, |sum, s| sum + s.contact);
+            let each = contacts(suspension)[0];
+            (suspension.contact_forces().unwrap(), stress, each, suspension.cell().volume())
+        })
+    };
+    let (forces, stress, each, volume) = looked(1);
+    assert_eq!((forces.step, forces.list.len() as f64), (model.steps, 0.5 * each * 22.0));
+    let moment = forces.list.iter().fold(Tensor::ZERO, |sum, contact| {
+        let on_first = contact.tangential - contact.normal * contact.separation.normalize();
+        let r = contact.separation;
+        sum + Tensor::from_cols(r * on_first.x, r * on_first.y, r * on_first.z)
+    });
+    let error = (moment + moment.transpose()) * (0.5 / volume) - stress;
+    // Round-off of sums of some ten forces.
+    assert!(error.col(0).length() + error.col(1).length() < 1e-12 * stress.col(0).length(), "{error}");
+    assert!(forces.list.iter().all(|c| c.ids[0] < c.ids[1] && c.tangential.dot(c.separation).abs() < 1e-9));
+    assert!(forces.list.iter().any(|contact| contact.state == ContactState::Sliding));
+    let pairs = |forces: &ContactForces| forces.list.iter().map(|contact| contact.ids).collect::<Vec<_>>();
+    assert!(pairs(&forces).is_sorted());
+    assert_eq!(pairs(&forces), pairs(&looked(3).0));
 }
 
 #[test]

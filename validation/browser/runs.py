@@ -31,6 +31,15 @@ SCENES = {
             "time.step": 0.000625,
         },
     ),
+    "dense": (
+        "dense",
+        {
+            "species[0].volume_fraction": 0.2,
+            "time.duration": 0.05,
+            "output.trajectory_every": 5,
+            "output.contacts_every": 5,
+        },
+    ),
     "disks": ("granular-disks", {"box.edges": "[40.0, 40.0]", "time.strain": 0.4, "output.trajectory_every": 40}),
     "cell": (
         "shear-cell",

@@ -93,7 +93,24 @@ class Reports(unittest.TestCase):
                 self.assertTrue(self.browser.choose("speed"))
                 self.assertIn("length/time", self.value("document.getElementById('legend').textContent"))
                 self.assertGreater(changed(by_species, self.seen()), 0.03)
-                self.assertEqual(self.browser.choose("stress"), name in ("settling", "sheared"))
+                self.assertEqual(self.browser.choose("stress"), name in ("settling", "sheared", "dense"))
+
+    def test_forces_of_contacts_are_lines_between_small_spheres(self):
+        for name in SCENES:
+            self.open(name)
+            self.assertEqual(self.value("document.getElementById('show-chains') !== null"), name == "dense")
+        self.open("dense")
+        self.browser.press("End")
+        whole = self.seen()
+        self.value("document.getElementById('show-chains').click()")
+        forces = self.seen()
+        # Lines are red, as no species is.
+        red = np.mean((forces[..., 0] > 0.3) & (forces[..., 1:].max(axis=-1) < 0.5 * forces[..., 0]))
+        self.assertGreater(red, 0.002)
+        self.assertLess(np.mean(coloured(forces)), 0.6 * np.mean(coloured(whole)))
+        self.value("document.getElementById('show-chains').click()")
+        self.assertEqual(changed(whole, self.seen()), 0)
+        self.assertEqual(self.browser.complaints(), [])
 
     def test_keys_step_and_play(self):
         self.open("settling")

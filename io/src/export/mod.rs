@@ -1,5 +1,6 @@
 //! Trajectories in the formats of other programs.
 
+mod contacts;
 mod gsd;
 mod range;
 #[cfg(test)]
@@ -7,6 +8,7 @@ mod tests;
 mod vtp;
 mod xyz;
 
+pub use contacts::{ContactFormat, export_contacts};
 pub use range::FrameRange;
 
 use crate::trajectory_reader::{Snapshot, TrajectoryReader};

@@ -2,12 +2,18 @@
 
 use crate::trajectory_reader::Snapshot;
 use crate::{FileError, atomic_file};
+use domain::Vector;
 use simulation::Frame;
 use std::fmt::Write as _;
 use std::io::{BufWriter, Result, Write};
 use std::path::Path;
 
 pub(super) fn write(list: &Path, frames: &mut dyn Iterator<Item = Snapshot>) -> std::result::Result<(), FileError> {
+    write_pieces(list, &mut frames.map(|snapshot| Piece::of_frame(&snapshot)))
+}
+
+/// Writes pieces, each to a file of its own, and their list.
+pub(super) fn write_pieces(list: &Path, pieces: &mut dyn Iterator<Item = Piece>) -> std::result::Result<(), FileError> {
     if list.extension().is_none_or(|extension| extension != "pvd") {
         return Err(FileError::write(list, &"the name of a list of VTP files needs to end in .pvd"));
     }
@@ -15,10 +21,10 @@ pub(super) fn write(list: &Path, frames: &mut dyn Iterator<Item = Snapshot>) -> 
     std::fs::create_dir_all(&folder).map_err(|e| FileError::write(&folder, &e))?;
     let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut entries = String::new();
-    for snapshot in frames {
-        let file = format!("{}.vtp", snapshot.step);
-        atomic_file::put(&folder.join(&file), |out, _| piece(&mut BufWriter::new(out), &snapshot))?;
-        let (time, path) = (snapshot.time, escaped(&format!("{name}/{file}")));
+    for piece in pieces {
+        let file = format!("{}.vtp", piece.step);
+        atomic_file::put(&folder.join(&file), |out, _| piece.write(&mut BufWriter::new(out)))?;
+        let (time, path) = (piece.time, escaped(&format!("{name}/{file}")));
         writeln!(entries, "    <DataSet timestep=\"{time:?}\" part=\"0\" file=\"{path}\"/>").expect("text grows");
     }
     let start = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
@@ -31,7 +37,7 @@ fn escaped(text: &str) -> String {
 }
 
 /// An array of the file: name, VTK's type, numbers a point, and its bytes.
-struct Array {
+pub(super) struct Array {
     name: String,
     kind: &'static str,
     width: usize,
@@ -39,70 +45,93 @@ struct Array {
 }
 
 impl Array {
-    fn reals(name: &str, width: usize, values: &[f64]) -> Self {
+    pub(super) fn reals(name: &str, width: usize, values: &[f64]) -> Self {
         let bytes = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         Self { name: name.to_owned(), kind: "Float64", width, bytes }
     }
 
-    fn integers(name: &str, values: impl Iterator<Item = i64>) -> Self {
+    pub(super) fn integers(name: &str, values: impl Iterator<Item = i64>) -> Self {
         Self { name: name.to_owned(), kind: "Int64", width: 1, bytes: values.flat_map(i64::to_le_bytes).collect() }
     }
-}
 
-/// A frame, in which each particle is a point and a vertex. All arrays stand at the end of the file as they are in
-/// memory, each after its number of bytes.
-fn piece(out: &mut impl Write, snapshot: &Snapshot) -> Result<()> {
-    let (points, data, vertices) = arrays(&snapshot.frame);
-    let count = snapshot.frame.particles.len();
-    let mut place = 0;
-    writeln!(out, "<?xml version=\"1.0\"?>")?;
-    writeln!(
-        out,
-        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>"
-    )?;
-    field_data(out, snapshot)?;
-    writeln!(out, "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\">")?;
-    for (group, arrays) in [("Points", &points), ("PointData", &data), ("Verts", &vertices)] {
-        writeln!(out, "<{group}>")?;
-        arrays.iter().try_for_each(|array| declare(out, array, &mut place))?;
-        writeln!(out, "</{group}>")?;
+    fn declare(&self, out: &mut impl Write, place: &mut usize) -> Result<()> {
+        let Self { name, kind, width, bytes } = self;
+        let what = format!("type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{width}\"");
+        writeln!(out, "<DataArray {what} format=\"appended\" offset=\"{place}\"/>")?;
+        *place += 8 + bytes.len();
+        Ok(())
     }
-    write!(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_")?;
-    for Array { bytes, .. } in points.iter().chain(&data).chain(&vertices) {
-        out.write_all(&(bytes.len() as u64).to_le_bytes())?;
-        out.write_all(bytes)?;
+}
+
+/// What a file has: points, and vertices or lines.
+pub(super) struct Piece {
+    pub(super) step: u64,
+    pub(super) time: f64,
+    pub(super) lattice: [Vector; 3],
+    /// How many points there are and how many of what, as attributes of the piece.
+    pub(super) counts: String,
+    /// Its elements and their arrays.
+    pub(super) groups: Vec<(&'static str, Vec<Array>)>,
+}
+
+impl Piece {
+    /// A frame, in which each particle is a point and a vertex.
+    fn of_frame(Snapshot { step, time, frame: Frame { particles, cell, .. } }: &Snapshot) -> Self {
+        let count = particles.len() as i64;
+        let points = vec![Array::reals("Points", 3, bytemuck::cast_slice(&particles.positions))];
+        let mut data = vec![
+            Array::integers("id", particles.ids.iter().map(|&id| id as i64)),
+            Array::integers("species", particles.species.iter().map(|&species| i64::from(species))),
+            Array::reals("radius", 1, &particles.radii),
+        ];
+        data.extend(particles.columns.iter().map(|column| Array::reals(&column.name, column.width, &column.values)));
+        let vertices = vec![Array::integers("connectivity", 0..count), Array::integers("offsets", 1..=count)];
+        Self {
+            step: *step,
+            time: *time,
+            lattice: cell.lattice_vectors(),
+            counts: format!("NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\""),
+            groups: vec![("Points", points), ("PointData", data), ("Verts", vertices)],
+        }
     }
-    writeln!(out, "\n</AppendedData>\n</VTKFile>")?;
-    out.flush()
-}
 
-/// Points, what they have, and vertices.
-fn arrays(Frame { particles, .. }: &Frame) -> (Vec<Array>, Vec<Array>, Vec<Array>) {
-    let count = particles.len() as i64;
-    let points = vec![Array::reals("Points", 3, bytemuck::cast_slice(&particles.positions))];
-    let mut data = vec![
-        Array::integers("id", particles.ids.iter().map(|&id| id as i64)),
-        Array::integers("species", particles.species.iter().map(|&species| i64::from(species))),
-        Array::reals("radius", 1, &particles.radii),
-    ];
-    data.extend(particles.columns.iter().map(|column| Array::reals(&column.name, column.width, &column.values)));
-    (points, data, vec![Array::integers("connectivity", 0..count), Array::integers("offsets", 1..=count)])
-}
+    /// All arrays stand at the end of the file as they are in memory, each after its number of bytes.
+    fn write(&self, out: &mut impl Write) -> Result<()> {
+        let mut place = 0;
+        writeln!(out, "<?xml version=\"1.0\"?>")?;
+        writeln!(
+            out,
+            "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>"
+        )?;
+        self.write_field_data(out)?;
+        writeln!(out, "<Piece {}>", self.counts)?;
+        for (group, arrays) in &self.groups {
+            writeln!(out, "<{group}>")?;
+            arrays.iter().try_for_each(|array| array.declare(out, &mut place))?;
+            writeln!(out, "</{group}>")?;
+        }
+        write!(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_")?;
+        for Array { bytes, .. } in self.groups.iter().flat_map(|(_, arrays)| arrays) {
+            out.write_all(&(bytes.len() as u64).to_le_bytes())?;
+            out.write_all(bytes)?;
+        }
+        writeln!(out, "\n</AppendedData>\n</VTKFile>")?;
+        out.flush()
+    }
 
-/// The time, and the lattice vectors of the box.
-fn field_data(out: &mut impl Write, Snapshot { time, frame, .. }: &Snapshot) -> Result<()> {
-    let [a, b, c] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| frame.cell.lattice(steps));
-    let ascii = "format=\"ascii\"";
-    writeln!(out, "<FieldData>")?;
-    writeln!(out, "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" {ascii}>{time:?}</DataArray>")?;
-    write!(out, "<DataArray type=\"Float64\" Name=\"lattice\" NumberOfComponents=\"3\" NumberOfTuples=\"3\" {ascii}>")?;
-    [a, b, c].iter().try_for_each(|v| write!(out, "{:?} {:?} {:?} ", v.x, v.y, v.z))?;
-    writeln!(out, "</DataArray>\n</FieldData>")
-}
-
-fn declare(out: &mut impl Write, Array { name, kind, width, bytes }: &Array, place: &mut usize) -> Result<()> {
-    let what = format!("type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{width}\"");
-    writeln!(out, "<DataArray {what} format=\"appended\" offset=\"{place}\"/>")?;
-    *place += 8 + bytes.len();
-    Ok(())
+    /// The time, and the lattice vectors of the box.
+    fn write_field_data(&self, out: &mut impl Write) -> Result<()> {
+        let (ascii, time) = ("format=\"ascii\"", self.time);
+        writeln!(out, "<FieldData>")?;
+        writeln!(
+            out,
+            "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" {ascii}>{time:?}</DataArray>"
+        )?;
+        write!(
+            out,
+            "<DataArray type=\"Float64\" Name=\"lattice\" NumberOfComponents=\"3\" NumberOfTuples=\"3\" {ascii}>"
+        )?;
+        self.lattice.iter().try_for_each(|v| write!(out, "{:?} {:?} {:?} ", v.x, v.y, v.z))?;
+        writeln!(out, "</DataArray>\n</FieldData>")
+    }
 }

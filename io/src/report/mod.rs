@@ -17,6 +17,7 @@ mod tables;
 mod tests;
 mod warnings;
 
+use crate::contacts::RecordedContacts;
 use crate::trajectory_reader::TrajectoryReader;
 use crate::{FileError, Provenance, atomic_file};
 use about::About;
@@ -45,7 +46,8 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
     let provenance = provenance(folder)?;
     let about = About::of(&provenance.scene);
     let trajectory = trajectory(&folder.join("trajectory.h5"))?;
-    let playback = trajectory.as_ref().map(|recorded| Playback::of(recorded, &about.colours()));
+    let contacts = RecordedContacts::of(folder)?;
+    let playback = trajectory.as_ref().map(|recorded| Playback::of(recorded, &contacts, &about.colours()));
     let series = Observables::read(&folder.join("observables.h5"))?.unwrap_or_default();
     let stored = stored_tables(folder)?;
     let course = Course { trajectory: trajectory.as_ref().zip(playback.as_ref()), series: &series };

@@ -32,10 +32,12 @@ const STAGE: &str = r#"<section id="player">
 <input id="frame" type="range" min="0" value="0" step="1" aria-label="frame">
 <label>colours: <select id="colouring"></select></label>
 <button id="reset" type="button">Reset view</button>
-</div>
+{CHOICE}</div>
 <p><span id="time"></span> <span id="legend"></span></p>
 </section>
 "#;
+/// What makes spheres small, so that lines between their centres are seen.
+const CHOICE: &str = "<label><input id=\"show-chains\" type=\"checkbox\"> contact forces</label>\n";
 const HINT: &str = "Drag to turn, with the right button to move, wheel to zoom; space plays, arrows step.";
 
 impl Page<'_> {
@@ -76,7 +78,9 @@ impl Page<'_> {
         let part = counts.filter(|(shown, recorded)| shown < recorded).map_or_else(String::new, |(shown, recorded)| {
             format!("Of the {recorded} frames of the trajectory this page has {shown}, evenly apart, so that it stays small. ")
         });
-        format!("{STAGE}<p class=\"hint\">{part}{HINT}</p>\n")
+        let has_chains = self.playback.is_some_and(|(playback, _)| playback.has_chains());
+        let stage = STAGE.replace("{CHOICE}", if has_chains { CHOICE } else { "" });
+        format!("{stage}<p class=\"hint\">{part}{HINT}</p>\n")
     }
 }
 

@@ -1,7 +1,7 @@
 use super::*;
-use crate::{Provenance, Series, Trajectory, write_tables};
+use crate::{Provenance, Series, Trajectory, write_contacts, write_tables};
 use domain::{Particles, PeriodicBox, Vector};
-use simulation::{Frame, Quantity, Table};
+use simulation::{ContactForce, ContactForces, ContactState, Frame, Quantity, Table};
 
 const SCENE: &str = r#"
 title = "<script>alert('a & b')</script>"
@@ -51,6 +51,32 @@ fn report(folder: &Path) -> Result<String, String> {
     let out = folder.join("report.html");
     write_report(folder, &out).map_err(|e| e.to_string())?;
     Ok(std::fs::read_to_string(out).unwrap())
+}
+
+/// No two elements have one name, by which the player finds them.
+#[test]
+fn forces_of_contacts_can_be_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    add_trajectory(folder.path());
+    assert!(!report(folder.path()).unwrap().contains("show-chains\" type"));
+    let contact = ContactForce {
+        ids: [0, 1],
+        place: Vector::ONE,
+        separation: Vector::splat(3.0),
+        normal: 1.0,
+        tangential: Vector::ZERO,
+        state: ContactState::Bond,
+    };
+    let lattice = [Vector::X * 8.0, Vector::Y * 8.0, Vector::Z * 8.0];
+    let contacts = ContactForces { step: 10, time: 1.0, lattice, list: vec![contact] };
+    write_contacts(&contacts, folder.path(), &provenance()).unwrap();
+    let page = report(folder.path()).unwrap();
+    let mut names: Vec<&str> = page.split(" id=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+    names.sort_unstable();
+    for name in ["chains", "show-chains", "widths"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    assert!(names.windows(2).all(|two| two[0] != two[1]), "{names:?}");
 }
 
 #[test]

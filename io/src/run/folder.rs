@@ -77,7 +77,7 @@ impl RunFolder {
         for name in FILES {
             remove(|| std::fs::remove_file(self.path.join(name)), &self.path.join(name))?;
         }
-        for name in ["fields", "statistics", "stats", "trajectory", "cases"] {
+        for name in ["fields", "contacts", "force-chains", "statistics", "stats", "trajectory", "cases"] {
             remove(|| std::fs::remove_dir_all(self.path.join(name)), &self.path.join(name))?;
         }
         self.keep(scene)
@@ -92,7 +92,7 @@ impl RunFolder {
 const SCENE: &str = "scene.toml";
 
 /// Files that a run of any kind may leave here, besides its checkpoints.
-const FILES: [&str; 18] = [
+const FILES: [&str; 20] = [
     "report.html",
     "trajectory.h5",
     "trajectory.xyz",
@@ -101,6 +101,8 @@ const FILES: [&str; 18] = [
     "observables.h5",
     "observables.csv",
     "fields.xdmf",
+    "contacts.csv",
+    "force-chains.pvd",
     "averages.h5",
     "averages.csv",
     "profile.csv",

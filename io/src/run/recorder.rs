@@ -3,7 +3,8 @@
 use super::{RunError, RunFolder};
 use crate::causes::in_full;
 use crate::{
-    Checkpoints, FileError, Output, Provenance, Scene, Series, Trajectory, drop_fields_after, write_field, write_tables,
+    Checkpoints, FileError, Output, Provenance, Scene, Series, Trajectory, drop_contacts_after, drop_fields_after,
+    write_contacts, write_field, write_tables,
 };
 use domain::{ById, Comm};
 use simulation::{Quantity, Simulation};
@@ -119,8 +120,8 @@ impl Recorder {
 
     /// The first step after this one at which anything is due.
     pub fn next_due(&self, step: u64) -> Option<u64> {
-        let Output { trajectory, observables, checkpoints, fields, .. } = &self.output;
-        [trajectory, observables, checkpoints, fields].into_iter().filter_map(|s| s.next_after(step)).min()
+        let Output { trajectory, observables, checkpoints, fields, contacts, .. } = &self.output;
+        [trajectory, observables, checkpoints, fields, contacts].into_iter().filter_map(|s| s.next_after(step)).min()
     }
 
     /// Writes what is due at the step where the simulation is.
@@ -137,6 +138,9 @@ impl Recorder {
         }
         if self.output.fields.is_due(step) {
             self.field(simulation)?;
+        }
+        if self.output.contacts.is_due(step) {
+            self.contacts(simulation)?;
         }
         simulation.sample();
         if self.output.checkpoints.is_due(step) || step == 0 {
@@ -191,6 +195,12 @@ impl Recorder {
         Ok(self.comm.agree(write)?)
     }
 
+    fn contacts(&self, simulation: &dyn Simulation) -> Result<(), RunError> {
+        let contacts = simulation.contact_forces().filter(|_| self.comm.is_first());
+        let write = contacts.map_or(Ok(()), |list| write_contacts(&list, self.folder.path(), &self.provenance));
+        Ok(self.comm.agree(write)?)
+    }
+
     fn state(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let state = simulation.state();
         // What a checkpoint follows on must be on the disk when it is.
@@ -233,6 +243,7 @@ impl Open<'_> {
     fn files(&self, output: &Output, frame: (&ById, [bool; 3]), quantities: &[Quantity]) -> Result<Files, FileError> {
         if let Some(last) = self.last {
             drop_fields_after(self.path, last)?;
+            drop_contacts_after(self.path, last)?;
         }
         let frames = output.trajectory.count_until(self.room);
         let rows = output.observables.count_until(self.room);

@@ -60,6 +60,10 @@ const FILE: f64 = 2e5;
 /// Bytes of a grid point's velocity.
 const POINT: f64 = 24.0;
 
+/// Bytes of a file of contacts, and of those of a sphere, of which it has three, with its share in each.
+const CONTACTS_FILE: f64 = 1e4;
+const CONTACTS: f64 = 1.5 * 108.0;
+
 /// A simulation that is tried in the place of a run: how much more the evaluations and the particles of the run are, and the
 /// points of its velocity fields.
 struct Trying {
@@ -136,8 +140,8 @@ fn observe(simulation: &mut dyn Simulation, output: &Output) {
 }
 
 fn next(output: &Output, step: u64) -> u64 {
-    let Output { trajectory, observables, checkpoints, fields, .. } = output;
-    let due = [trajectory, observables, checkpoints, fields].into_iter().filter_map(|s| s.next_after(step));
+    let Output { trajectory, observables, checkpoints, fields, contacts, .. } = output;
+    let due = [trajectory, observables, checkpoints, fields, contacts].into_iter().filter_map(|s| s.next_after(step));
     due.min().unwrap_or(u64::MAX)
 }
 
@@ -211,10 +215,12 @@ fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
     {
         return Written { bytes: FILE + sweep.cases().len() as f64 * series.bytes, seconds: 0.0 };
     }
-    let frame = trying.particles * Trajectory::frame_bytes(&simulation.frame()) as f64;
-    let mut shares = [checkpoint::bytes_of(&simulation.state()) as f64];
+    let now = simulation.frame();
+    let frame = trying.particles * Trajectory::frame_bytes(&now) as f64;
+    let mut shares = [checkpoint::bytes_of(&simulation.state()) as f64, now.particles.len() as f64];
     simulation.comm().sum(&mut shares);
     let state = trying.particles * shares[0];
+    let contacts = count(output.contacts) * (CONTACTS_FILE + CONTACTS * trying.particles * shares[1]);
     let tables = simulation.averages().map(|set| set.tables).unwrap_or_default();
     let averages = NUMBER * tables.iter().map(numbers_of).sum::<usize>() as f64;
     let files = [rows, frames].into_iter().filter(|&count| count > 0.0).count() as f64;
@@ -223,10 +229,16 @@ fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
     let checkpoints = count(output.checkpoints).max(1.0) + 1.0;
     let a_checkpoint = CHECKPOINT_TIME + TABLE_TIME * tables.len() as f64 + BYTE_TIME * (state + averages);
     Written {
-        bytes: FILE * files + frames * frame + series.bytes + fields + averages + checkpoint::KEPT as f64 * state,
+        bytes: FILE * files
+            + frames * frame
+            + series.bytes
+            + fields
+            + contacts
+            + averages
+            + checkpoint::KEPT as f64 * state,
         seconds: series.seconds
             + frames * (FRAME_TIME + BYTE_TIME * frame)
-            + BYTE_TIME * fields
+            + BYTE_TIME * (fields + contacts)
             + checkpoints * a_checkpoint,
     }
 }

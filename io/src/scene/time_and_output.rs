@@ -32,6 +32,8 @@ pub struct Output {
     pub checkpoints: Schedule,
     /// Velocity fields.
     pub fields: Schedule,
+    /// Forces of contacts.
+    pub contacts: Schedule,
 }
 
 impl Time {
@@ -136,6 +138,7 @@ impl RawOutput {
             observables: Schedule::every(self.observables_every.unwrap_or(share(steps, rows))),
             checkpoints: Schedule::every(self.checkpoint_every.unwrap_or(share(steps, 10))),
             fields: Schedule::NEVER,
+            contacts: Schedule::NEVER,
         }
     }
 }

@@ -17,6 +17,7 @@ export class Player {
     this.button.addEventListener("click", () => this.toggle());
     this.choice.addEventListener("change", () => this.colour());
     find("reset").addEventListener("click", () => view.reset());
+    find("show-chains")?.addEventListener("change", (event) => view.showChains(event.target.checked));
     document.addEventListener("keydown", (event) => this.key(event));
     this.frame = 0;
     this.colour();
@@ -62,7 +63,8 @@ export class Player {
   key(event) {
     const last = this.run.times.length - 1;
     const moves = { ArrowRight: this.frame + 1, ArrowLeft: this.frame - 1, Home: 0, End: last };
-    const isElsewhere = event.target instanceof HTMLSelectElement || event.ctrlKey || event.altKey || event.metaKey;
+    const isBox = event.target.type === "checkbox";
+    const isElsewhere = isBox || event.target instanceof HTMLSelectElement || event.ctrlKey || event.altKey || event.metaKey;
     if (isElsewhere || !(event.key === " " || event.key in moves)) return;
     event.preventDefault();
     if (event.key === " ") this.toggle();

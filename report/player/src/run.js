@@ -13,12 +13,17 @@ function bytes(id) {
 /**
  * The run that the page is about. `positions` has three numbers for each particle of each frame in turn, coordinates
  * along the edges of the box in 65536ths. Each colouring has a number from 0 to 255 for each particle, of each frame
- * in turn unless it is `fixed`.
+ * in turn unless it is `fixed`. With `chains` there are lines, so many of each frame in turn: three coordinates of the
+ * start as of positions, three from there to the end in 32768ths, and a width from 0 to 255.
  */
 export function readRun() {
   const run = JSON.parse(text("run"));
   run.radii = new Float32Array(bytes("radii").buffer);
   run.positions = new Uint16Array(bytes("positions").buffer);
+  if (run.chains) {
+    const lines = bytes("chains").buffer;
+    Object.assign(run.chains, { starts: new Uint16Array(lines), steps: new Int16Array(lines), widths: bytes("widths") });
+  }
   run.colourings.forEach((colouring, number) => (colouring.values = bytes(`colouring-${number}`)));
   return run;
 }

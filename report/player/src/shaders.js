@@ -5,6 +5,7 @@ export const vertex = `
 uniform mat3 edges;
 uniform highp usampler2D places;
 uniform highp sampler2D radii;
+uniform float share;
 varying vec3 centre;
 varying vec3 point;
 varying float size;
@@ -19,7 +20,7 @@ void main() {
   ivec2 listed = ivec2(particle % 1024, particle / 1024);
   vec4 place = vec4(texelFetch(places, listed, 0));
   vec2 corner = corners[gl_VertexID % 6];
-  size = texelFetch(radii, listed, 0).r;
+  size = share * texelFetch(radii, listed, 0).r;
   index = place.w;
   centre = (modelViewMatrix * vec4(edges * ((place.xyz + 0.5) / 65536.0), 1.0)).xyz;
   vec3 away = isOrthographic ? vec3(0.0, 0.0, -1.0) : normalize(centre);

@@ -6,11 +6,11 @@ import { fragment, vertex } from "./shaders.js";
 
 /** From as many particles on their edges are not smoothed, which would take too long. */
 export const MANY = 30000;
-/** Particles in a row of a texture; a power of two. */
-const ROW = 1024;
+/** Particles or lines in a row of a texture; a power of two. */
+export const ROW = 1024;
 
-/** A texture with some numbers for each particle, whose values are fetched as they are. */
-function listed(array, count, format, type) {
+/** A texture with some numbers for each particle or line, whose values are fetched as they are. */
+export function listed(array, count, format, type) {
   const texture = new THREE.DataTexture(array, ROW, Math.ceil(count / ROW), format, type);
   texture.unpackAlignment = 1;
   texture.needsUpdate = true;
@@ -24,8 +24,8 @@ function colours(isOfKinds) {
   return texture;
 }
 
-/** Six corners of two triangles for each particle, of which a shader knows only the number. */
-function geometry(count) {
+/** Six corners of two triangles for each particle or line, of which a shader knows only the number. */
+export function geometry(count) {
   const made = new THREE.BufferGeometry();
   made.setDrawRange(0, 6 * count);
   return made;
@@ -44,6 +44,7 @@ export class Spheres {
       edges: { value: new THREE.Matrix3() },
       places: { value: this.places },
       radii: { value: listed(radii, run.count, THREE.RedFormat, THREE.FloatType) },
+      share: { value: 1 },
       palette: { value: this.palettes.kinds },
       haze: { value: new THREE.Vector2() },
     };
@@ -70,6 +71,11 @@ export class Spheres {
     this.uniforms.palette.value = colouring.names ? this.palettes.kinds : this.palettes.scale;
     // The lattice vectors are the columns.
     this.uniforms.edges.value.fromArray(edges[frame]);
+  }
+
+  /** Draws them with a share of their radii. */
+  shrink(share) {
+    this.uniforms.share.value = share;
   }
 
   /** Distances from the eye between which particles grow pale. */

@@ -3,6 +3,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Box } from "./box.js";
+import { Chains } from "./chains.js";
 import { MANY, Spheres } from "./spheres.js";
 
 /** How much of the picture a flat box takes. */
@@ -11,6 +12,8 @@ const FILLED = 0.92;
 const ANGLE = 30;
 /** The eye's distance over that from which the ball around the box is seen whole; its corners take less room. */
 const NEARER = 0.95;
+/** The share of their radii with which spheres are drawn between the forces of contacts. */
+const SMALL = 0.3;
 
 function renderer(antialias) {
   const canvas = document.createElement("canvas");
@@ -30,6 +33,7 @@ export class View {
     place.append(this.renderer.domElement);
     [this.spheres, this.box, this.scene] = [new Spheres(run), new Box(run), new THREE.Scene()];
     this.scene.add(this.spheres.mesh, this.box.lines);
+    if (run.chains) this.scene.add((this.chains = new Chains(run)).mesh);
     this.measure();
     this.camera = run.flat ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(ANGLE);
     this.orbit = new OrbitControls(this.camera, this.renderer.domElement);
@@ -92,6 +96,14 @@ export class View {
   show(frame, colouring) {
     this.spheres.show(frame, colouring);
     this.box.show(frame);
+    this.chains?.show(frame);
+    this.draw();
+  }
+
+  /** Shows the forces of contacts between small spheres, or spheres as they are. */
+  showChains(isShown) {
+    this.chains.mesh.visible = isShown;
+    this.spheres.shrink(isShown ? SMALL : 1);
     this.draw();
   }
 

@@ -1,5 +1,6 @@
 //! Contacts between rough spheres: their springs in the solve, what slides, and what is remembered.
 
+mod forces;
 mod history;
 mod measured;
 mod touching;
@@ -8,6 +9,7 @@ use crate::hydrodynamics::ContactSprings;
 use crate::moving_box::MovingBox;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
+pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
 pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
 use lubrication::{Contact, Surfaces};
@@ -132,6 +134,14 @@ impl Contacts {
         };
         let expected = touching.list.iter().map(of_one).collect();
         Acting { law: self.law, slots: self.slots, ahead, touching, expected, flow }
+    }
+
+    /// The contacts of this rank's particles with others of higher ids, in rows of numbers that [`contact_force`] reads.
+    /// Collective.
+    pub fn forces(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Vec<[f64; FORCE_NUMBERS]> {
+        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+        let own = |contact: &&Touching| particles.ids[contact.rows[0]] < contact.other;
+        touching.list.iter().filter(own).map(|contact| forces::numbers(&self.law, contact, particles)).collect()
     }
 
     /// What contacts amount to. Collective.

@@ -50,9 +50,11 @@ impl Dynamics {
             moments.iter().map(|moment: &Tensor| moment.y_axis.x).sum::<f64>()
         };
         let of_surfaces = shear(Surface::Repulsion, beyond.as_ref()) + shear(Surface::Attraction, None);
+        let bonds = self.tethers.moments(particles, place, beyond.as_ref());
+        let of_bonds: f64 = bonds.iter().map(|moment| moment.y_axis.x).sum();
         let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
-        let mut sum = [of_surfaces + of_fluid + of_contacts];
+        let mut sum = [of_surfaces + of_fluid + of_contacts + of_bonds];
         self.partition.comm().sum(&mut sum);
         self.viscosity * self.flow().shear_rate() + sum[0] / self.cell().volume()
     }

@@ -52,7 +52,7 @@ impl Dynamics {
         }
         self.place(particles, moment)?;
         let cell = *self.moving.cell();
-        let mut loads = self.loads_at(particles, moment, None)?;
+        let (mut loads, tethers) = self.loads_at(particles, moment, None)?;
         let noise = self.hydrodynamics.pair_noise(&cell, particles, stream);
         for (loads, noise) in [(&mut loads.forces, noise.forces), (&mut loads.torques, noise.torques)] {
             loads.resize(particles.len(), Vector::ZERO);
@@ -64,7 +64,7 @@ impl Dynamics {
             induced_angular_velocities: ambient.angular_velocities.clone(),
             ..Guess::default()
         };
-        self.solve((particles, &cell), (&loads, &[], &ambient), &guess, moment)
+        self.solve((particles, &cell), (&loads, (&[], &tethers), &ambient), &guess, moment)
     }
 
     /// Forgets how the fluid moved.

@@ -82,6 +82,7 @@ mod tests {
     use super::*;
     use crate::hydrodynamics::pair_matrix::Padded;
     use crate::hydrodynamics::springs::ContactSprings;
+    use crate::tethers::TetherResistance;
     use domain::Boundaries;
     use lubrication::Range;
 
@@ -117,7 +118,8 @@ mod tests {
     fn springs_resist_slip_rolling_and_approach() {
         let contact = |other| ContactSprings { other, normal: 3.0, tangential: 5.0, rolling: 0.0 };
         let contacts = [vec![contact(ContactSprings::wall(0))], vec![], vec![]];
-        let springs = Springs { resistance: &|_, _| 2.0, contacts: &contacts };
+        let tethers = TetherResistance::default();
+        let springs = Springs { resistance: &|_, _| 2.0, contacts: &contacts, tethers: &tethers };
         let found = find(None, Some(&springs), &spheres(), &cell());
         let at = found.iter().find(|at| at.row == 0 && at.axis.z < 0.0).unwrap();
         let force = |velocity: Vector, turning: Vector| at.own().times(&Padded::from(&Screw::new(velocity, turning)));

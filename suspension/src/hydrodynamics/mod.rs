@@ -174,7 +174,9 @@ impl Hydrodynamics {
             let flow = (&cell.scaled(1.0 / units.length), (scaled_background, slope));
             let resistance = springs.map(|springs| scaled::resistance(springs, &units));
             let contacts = springs.map(|springs| scaled::contacts(springs, &units)).unwrap_or_default();
-            let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts });
+            let tethers = springs.map(|springs| scaled::tethers(springs, &units)).unwrap_or_default();
+            let springs =
+                resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
             let near = NearPairs::find((field, springs.as_ref()), &own, flow, &self.partition);
             if self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();

@@ -2,7 +2,7 @@
 
 use super::assembly::{Arrangement, Assembled, Assembly};
 use super::at_walls::{self, AtWall};
-use super::pair_matrix::{Padded, PairMatrix, ROWS};
+use super::pair_matrix::{Own, Padded, PairMatrix, ROWS};
 use super::screw::Screws;
 use super::springs::Springs;
 use super::stiffness::Stiffness;
@@ -60,6 +60,8 @@ pub struct NearPairs {
     /// Loads and moments in the ambient flow of particles that do not move relative to it.
     loads: Screws,
     moments: Vec<Traceless>,
+    /// Whether a particle is in a trap.
+    has_traps: bool,
 }
 
 impl NearPairs {
@@ -102,12 +104,17 @@ impl NearPairs {
             loads.0[at_wall.row] += load;
             moments[at_wall.row] += moment;
         }
-        Self { halo, stiff, soft, at_walls, loads, moments }
+        let trap = |row: usize| Some((row, springs?.trap(row)?));
+        let traps: Vec<(usize, f64)> = (0..owned).filter_map(trap).collect();
+        for &(row, resistance) in &traps {
+            stiff.add_own(row, &Own::against_velocity(resistance));
+        }
+        Self { halo, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty() }
     }
 
-    /// Whether no particle of this rank is near another or a wall.
+    /// Whether no particle of this rank is near another or a wall, or in a trap.
     pub fn is_empty(&self) -> bool {
-        self.stiff.is_empty() && self.soft.is_empty() && self.at_walls.is_empty()
+        self.stiff.is_empty() && self.soft.is_empty() && self.at_walls.is_empty() && !self.has_traps
     }
 
     /// What resists motions of stiff pairs, and of spheres at walls.

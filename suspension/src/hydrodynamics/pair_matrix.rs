@@ -166,6 +166,11 @@ impl PairMatrix {
 }
 
 impl Own {
+    /// What resists to all velocities alike.
+    pub fn against_velocity(resistance: f64) -> Self {
+        Self { force: [resistance, 0.0, 0.0, resistance, 0.0, resistance], ..Self::default() }
+    }
+
     /// All of its numbers.
     fn block(&self) -> Block {
         let mut rows = [[0.0; 6]; 6];

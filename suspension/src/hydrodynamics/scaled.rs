@@ -2,6 +2,7 @@
 //! the root of both, which loses its last digit where a power of two is taken out of it.
 
 use super::{ContactSprings, Guess, Solved, Springs};
+use crate::tethers::{BondSprings, TetherResistance};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
 use lubrication::Surfaces;
@@ -36,6 +37,20 @@ pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, S
 pub fn contacts(springs: &Springs, units: &Units) -> Vec<Vec<ContactSprings>> {
     let of_one = |all: &Vec<ContactSprings>| all.iter().map(|contact| contact.times(units.velocity())).collect();
     springs.contacts.iter().map(of_one).collect()
+}
+
+/// Bonds and traps of the particles that a rank owns.
+pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
+    let TetherResistance { bonds, traps } = springs.tethers;
+    let bond = |bond: &BondSprings| BondSprings {
+        within: bond.within / units.length,
+        resistance: bond.resistance * units.velocity(),
+        ..*bond
+    };
+    TetherResistance {
+        bonds: bonds.iter().map(|all| all.iter().map(bond).collect()).collect(),
+        traps: traps.iter().map(|trap| trap * units.velocity()).collect(),
+    }
 }
 
 /// Particles in place, without their columns.

@@ -1,5 +1,6 @@
 //! Short-range forces that change while particles move.
 
+use crate::tethers::TetherResistance;
 use lubrication::Surfaces;
 
 /// Forces between near particles, taken not as they are but as they will be after some time: a pair that opens at the rate
@@ -10,6 +11,8 @@ pub struct Springs<'a> {
     pub resistance: &'a (dyn Fn(f64, Surfaces) -> f64 + Sync),
     /// The particles that touch each of those that the rank owns, in their order; or nothing.
     pub contacts: &'a [Vec<ContactSprings>],
+    /// Bonds and traps.
+    pub tethers: &'a TetherResistance,
 }
 
 /// What a contact resists to the motions of two particles, force over velocity.
@@ -55,6 +58,17 @@ impl Springs<'_> {
     fn of(&self, (row, other): (usize, u64), distance: f64, between: Surfaces) -> [f64; 3] {
         let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
-        [(self.resistance)(distance, between) + normal, tangential, rolling]
+        [(self.resistance)(distance, between) + normal + self.bond((row, other), distance), tangential, rolling]
+    }
+
+    /// What a bond resists along its line.
+    fn bond(&self, (row, other): (usize, u64), distance: f64) -> f64 {
+        let mut bonds = self.tethers.bonds.get(row).into_iter().flatten();
+        bonds.find(|bond| bond.other == other && distance < bond.within).map_or(0.0, |bond| bond.resistance)
+    }
+
+    /// What a trap resists to the motion of the particle in a row, if there is one.
+    pub fn trap(&self, row: usize) -> Option<f64> {
+        self.tethers.traps.get(row).copied().filter(|&resistance| resistance > 0.0)
     }
 }

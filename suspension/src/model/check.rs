@@ -1,7 +1,7 @@
 //! The ranges that parameters have to be in.
 
 use super::spheres::check_species;
-use super::{Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion};
+use super::{Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, bonds, traps};
 use domain::{Boundaries, Number, ParameterError};
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
@@ -24,6 +24,8 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     p.attraction.as_ref().map_or(Ok(()), |attraction| attraction.check(p))?;
     p.hydrodynamics.check()?;
     p.contacts.as_ref().map_or(Ok(()), |contacts| contacts.check(p))?;
+    bonds::check(p)?;
+    traps::check(p)?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
     p.integrator.check(p.contacts.is_some())
 }
@@ -44,6 +46,10 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
     if p.contacts.is_some() {
         let message = "can't be with fluid.thermal_energy: steps of Brownian motion have no springs; use [repulsion]";
         return Err(ParameterError::new("contacts", message));
+    }
+    if p.shear_rates().stress().is_some() {
+        let message = "is \"stress\", which can't be with fluid.thermal_energy: random stresses would drive the flow; give flow.rate";
+        return Err(ParameterError::new("flow.control", message));
     }
     if let Flow::Shear { lees_edwards: false, .. } = p.flow {
         let message = "is false, but heat moves spheres across the faces of the box, beyond which images that do not move \

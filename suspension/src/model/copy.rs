@@ -6,7 +6,8 @@ use super::{Model, Start};
 const FEWEST_RADII: f64 = 8.0;
 
 impl Model {
-    /// The same suspension in a box of the same shape, with about `most` spheres at random places if it has more; `None`
+    /// The same suspension in a box of the same shape, with about `most` spheres at random places, without bonds and
+    /// traps, if it has more; `None`
     /// where whoever starts a run brings them, or if there is no such copy.
     #[must_use]
     pub fn with_at_most(&self, most: f64) -> Option<Self> {
@@ -22,6 +23,8 @@ impl Model {
         }
         let mut parameters = self.0.clone();
         parameters.cell = domain::PeriodicBox::new(self.cell.edges() * scale).ok()?;
+        parameters.bonds.clear();
+        parameters.traps.clear();
         for species in &mut parameters.species {
             species.count = species.count.map(|count| ((count as f64 * scale.powi(3)).round() as u64).max(1));
         }

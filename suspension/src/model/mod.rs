@@ -1,6 +1,7 @@
 //! What a suspension consists of and how it moves: parameters, and the model that they make once they are checked.
 
 mod attraction;
+mod bonds;
 mod check;
 mod contacts;
 mod copy;
@@ -10,8 +11,12 @@ mod rates;
 mod sizes;
 mod spheres;
 mod statistics;
+mod traps;
 
+use crate::tethers::BOND_NUMBERS;
 pub use attraction::Attraction;
+pub use bonds::Bonds;
+pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Vector};
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
@@ -21,6 +26,7 @@ pub use sizes::{SizeClass, SizeDistribution};
 pub use spheres::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
 pub use statistics::{Axis, Statistics};
 use std::ops::Deref;
+pub use traps::{Centres, Trapped, Traps};
 
 /// What a suspension consists of and how it moves. Keys in the messages of [`Model::new`] are those of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +55,10 @@ pub struct Parameters {
     pub attraction: Option<Attraction>,
     /// How rough spheres touch; without, they are smooth.
     pub contacts: Option<Contacts>,
+    /// Bonds between listed spheres.
+    pub bonds: Vec<Bonds>,
+    /// Harmonic traps.
+    pub traps: Vec<Traps>,
     /// How the fluid is computed.
     pub hydrodynamics: Hydrodynamics,
     /// The time step.
@@ -80,6 +90,8 @@ impl Parameters {
             repulsion: None,
             attraction: None,
             contacts: None,
+            bonds: Vec::new(),
+            traps: Vec::new(),
             hydrodynamics: Hydrodynamics::default(),
             time_step,
             steps,
@@ -158,6 +170,13 @@ impl Model {
     /// Whether forces between near spheres are part of the solve.
     pub(crate) fn is_coupled(&self) -> bool {
         self.hydrodynamics.lubrication || matches!(self.integrator, Integrator::Implicit(_))
+    }
+
+    /// Numbers of a particle in the column of bonds: slots for as many as any sphere has.
+    pub(crate) fn bond_numbers(&self) -> usize {
+        let mut ids: Vec<u64> = self.bonds.iter().flat_map(|bonds| bonds.pairs.as_flattened()).copied().collect();
+        ids.sort_unstable();
+        BOND_NUMBERS * ids.chunk_by(|a, b| a == b).map(<[u64]>::len).max().unwrap_or(0)
     }
 
     /// The axis along which the species' steady forces, added up by their sizes, act most; `None` without forces.

@@ -1,12 +1,15 @@
 //! The frames of a trajectory for the player of a page, in a compact form.
 
+mod chains;
 mod chosen;
 mod colouring;
 #[cfg(test)]
 mod tests;
 
 use super::base64::base64;
+use crate::contacts::RecordedContacts;
 use crate::trajectory_reader::{Snapshot, TrajectoryReader};
+use chains::Chains;
 use chosen::chosen;
 pub(super) use colouring::Colours;
 use colouring::{Colouring, columns_of};
@@ -24,6 +27,7 @@ pub(super) struct Playback {
     positions: Vec<u8>,
     radii: Vec<f32>,
     colourings: Vec<Colouring>,
+    chains: Chains,
     is_flat: bool,
     periodic: [bool; 3],
 }
@@ -37,7 +41,7 @@ struct Shown {
 
 impl Playback {
     /// Reads as many frames as a page can hold, evenly spaced. `colours` names what particles can be coloured by.
-    pub(super) fn of(recorded: &TrajectoryReader, colours: &Colours) -> Self {
+    pub(super) fn of(recorded: &TrajectoryReader, contacts: &RecordedContacts, colours: &Colours) -> Self {
         let count = recorded.species().len();
         let meant = chosen(recorded.times().len(), count);
         let mut playback = Self {
@@ -47,6 +51,7 @@ impl Playback {
             positions: Vec::new(),
             radii: Vec::new(),
             colourings: Vec::new(),
+            chains: Chains::default(),
             is_flat: true,
             periodic: [false; 3],
         };
@@ -58,11 +63,13 @@ impl Playback {
                         column.see(&snapshot.frame);
                     }
                     playback.see(&snapshot, colours);
+                    playback.damage.extend(playback.chains.see(contacts, &snapshot));
                 }
                 Err(error) => playback.damage.push(error.to_string()),
             }
         }
         playback.colourings.extend(columns.into_iter().filter_map(colouring::Column::finished));
+        playback.chains.finish();
         // Those that tell nothing apart come last.
         playback.colourings.sort_by_key(Colouring::is_of_one);
         playback
@@ -90,6 +97,11 @@ impl Playback {
         Some(format!("{}, periodic along {}", edges.join(" \u{d7} "), periodic.join(", ")))
     }
 
+    /// Whether there are forces of contacts to show.
+    pub(super) fn has_chains(&self) -> bool {
+        !self.chains.is_empty()
+    }
+
     /// How many frames are shown.
     pub(super) fn shown(&self) -> usize {
         self.frames.len()
@@ -106,12 +118,13 @@ impl Playback {
             "steps": self.frames.iter().map(|frame| frame.step).collect::<Vec<_>>(),
             "edges": edges.collect::<Vec<_>>(),
             "colourings": self.colourings.iter().map(Colouring::described).collect::<Vec<_>>(),
+            "chains": self.chains.described(),
         });
         let radii: Vec<u8> = self.radii.iter().flat_map(|radius| radius.to_le_bytes()).collect();
         let lists = [("radii".to_owned(), base64(&radii)), ("positions".to_owned(), base64(&self.positions))];
         let of_colours = self.colourings.iter().enumerate();
         let of_colours = of_colours.map(|(k, colouring)| (format!("colouring-{k}"), base64(&colouring.values)));
-        (description, lists.into_iter().chain(of_colours).collect())
+        (description, lists.into_iter().chain(of_colours).chain(self.chains.lists()).collect())
     }
 }
 

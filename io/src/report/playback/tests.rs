@@ -1,6 +1,7 @@
 use super::*;
-use crate::{Provenance, Trajectory};
+use crate::{Provenance, Trajectory, write_contacts};
 use domain::Particles;
+use simulation::{ContactForce, ContactForces, ContactState};
 use std::path::Path;
 
 /// A trajectory of two particles, of which one moves, in a box that is sheared ever more; as it was written.
@@ -27,7 +28,8 @@ fn written(path: &Path, frames: u32) -> Vec<Frame> {
 
 fn played(path: &Path) -> Playback {
     let colours = Colours { species: vec!["a".into()], flow: None };
-    Playback::of(&TrajectoryReader::open(path).unwrap(), &colours)
+    let contacts = RecordedContacts::of(path.parent().unwrap()).unwrap();
+    Playback::of(&TrajectoryReader::open(path).unwrap(), &contacts, &colours)
 }
 
 #[test]
@@ -72,6 +74,42 @@ fn the_player_is_told_what_there_is() {
     assert_eq!(names, ["radii", "positions", "colouring-0", "colouring-1"]);
     // 0.5 and 1.25 in single precision, little-endian; species 0 and 1; speeds 0 0, 0 1, 0 2 of 2.
     assert_eq!((lists[0].1.as_str(), lists[2].1.as_str(), lists[3].1.as_str()), ("AAAAPwAAoD8=", "AAE=", "AAAAgAD/"));
+}
+
+/// Of the frame at step 10 alone there are contacts: lines as thick as their forces, the thickest first.
+#[test]
+fn contacts_are_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trajectory.h5");
+    let frames = written(&path, 3);
+    assert!(!played(&path).has_chains());
+    assert_eq!(played(&path).parts('y').0["chains"], Value::Null);
+    let contact = |normal: f64| ContactForce {
+        ids: [0, 1],
+        place: Vector::new(1.1, 2.0, 3.0),
+        separation: Vector::new(0.0, -1.0, 0.5),
+        normal,
+        tangential: Vector::ZERO,
+        state: ContactState::Sticking,
+    };
+    let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| frames[1].cell.lattice(steps));
+    let list = vec![contact(1.0), contact(-2.0)];
+    let provenance =
+        Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 2 };
+    write_contacts(&ContactForces { step: 10, time: 0.1, lattice, list }, folder.path(), &provenance).unwrap();
+    let playback = played(&path);
+    let (told, lists) = playback.parts('y');
+    assert_eq!(told["chains"], json!({"counts": [0, 2, 0], "largest": "2"}));
+    let names: Vec<&str> = lists.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names[names.len() - 2..], ["chains", "widths"]);
+    // 255 and 128.
+    assert_eq!(lists[names.len() - 1].1, "/4A=");
+    // The box is 8, 4, 5 and sheared by 1/4: 2 up is half of it up and 0.5 to the right.
+    let parts = [(1.1 - 0.5) / 8.0, 0.5, 0.6].map(|part| (part * 65536.0) as u16);
+    let steps = [0.25 / 8.0, -0.25, 0.1].map(|part| (part * 32768.0_f64).round() as i16);
+    let expected: Vec<u8> =
+        parts.into_iter().flat_map(u16::to_le_bytes).chain(steps.into_iter().flat_map(i16::to_le_bytes)).collect();
+    assert_eq!(lists[names.len() - 2].1, base64(&expected.repeat(2)));
 }
 
 #[test]

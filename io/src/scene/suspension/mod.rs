@@ -3,6 +3,7 @@
 mod flow;
 mod raw;
 mod species;
+mod tethers;
 
 use super::checks::positive;
 use super::error::Fault;
@@ -38,12 +39,14 @@ impl SuspensionScene {
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, &cell)?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
+        check_contacts(&raw)?;
         let output = output(raw.output, time.steps);
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, path) = start(&raw.particles)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
         let shears = cell.boundaries() == Boundaries::Periodic;
         let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step), shears)?;
+        let traps = tethers::traps(&raw.traps, &species)?;
         let parameters = Parameters {
             seed: raw.seed,
             cell,
@@ -57,6 +60,8 @@ impl SuspensionScene {
             repulsion: raw.repulsion.as_ref().map(repulsion),
             attraction: raw.attraction.as_ref().map(attraction),
             contacts: raw.contacts.as_ref().map(contacts),
+            bonds: tethers::bonds(&raw.bonds),
+            traps,
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
             steps: time.steps,
@@ -71,6 +76,18 @@ impl SuspensionScene {
             time,
             output,
         })
+    }
+}
+
+/// Refuses that contacts be written where there can be none.
+fn check_contacts(raw: &Raw) -> Result<(), Fault> {
+    match raw.output.contacts_every {
+        every if every > 0 && raw.contacts.is_none() && raw.bonds.is_empty() => {
+            let message =
+                format!("is {every}, but there is nothing to write: add [contacts] or [[bonds]], or leave it out");
+            Err(Fault::new("output.contacts_every", message))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -239,5 +256,6 @@ fn output(raw: raw::Output, steps: u64) -> Output {
         observables: Schedule::every(raw.observables_every.unwrap_or(1)),
         checkpoints: Schedule::every(raw.checkpoint_every.unwrap_or(share(steps, 10))),
         fields: Schedule::every(raw.fields_every),
+        contacts: Schedule::every(raw.contacts_every),
     }
 }

@@ -35,6 +35,12 @@ pub(in crate::scene) struct Raw {
     pub(super) attraction: Option<Attraction>,
     /// Contacts of rough spheres; none without this section.
     pub(super) contacts: Option<Contacts>,
+    /// Bonds between listed spheres; none without such sections.
+    #[serde(default)]
+    pub(super) bonds: Vec<Bonds>,
+    /// Harmonic traps; none without such sections.
+    #[serde(default)]
+    pub(super) traps: Vec<Traps>,
     /// How the fluid is computed.
     #[serde(default)]
     pub(super) hydrodynamics: Hydrodynamics,
@@ -275,6 +281,34 @@ pub(super) struct Contacts {
     pub(super) law: Option<Elasticity>,
 }
 
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Bonds {
+    /// Pairs of spheres by their ids, which count from 0.
+    pub(super) pairs: Vec<[u64; 2]>,
+    /// Distance of the centres at rest; by default that at the start.
+    pub(super) length: Option<f64>,
+    /// Force over the distance from that at rest.
+    pub(super) stiffness: f64,
+    /// Pull at which a bond breaks; by default none.
+    pub(super) breaking_force: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Traps {
+    /// Name of the species that is trapped; or particles; all spheres without either.
+    pub(super) species: Option<String>,
+    /// Ids of the spheres that are trapped, which count from 0.
+    pub(super) particles: Option<Vec<u64>>,
+    /// One centre for all of them; by default each has its own where it starts.
+    pub(super) centre: Option<[f64; 3]>,
+    /// A centre for each of the particles listed.
+    pub(super) centres: Option<Vec<[f64; 3]>>,
+    /// Force over the distance from the centre.
+    pub(super) stiffness: f64,
+}
+
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(untagged, expecting = "a number or \"auto\" was expected")]
 pub(super) enum Stiffness {
@@ -392,6 +426,8 @@ pub(super) struct Output {
     pub(super) checkpoint_every: Option<u64>,
     /// Steps between velocity fields of the fluid on the grid; 0 is never.
     pub(super) fields_every: u64,
+    /// Steps between files of the forces of contacts and bonds; 0 is never.
+    pub(super) contacts_every: u64,
 }
 
 #[derive(Deserialize, JsonSchema)]

@@ -1,6 +1,7 @@
 //! Springs of repulsion and of contacts in the solve.
 
 use super::*;
+use crate::tethers::TetherResistance;
 use lubrication::Surfaces;
 
 /// With contacts the motions are those without, under the forces and torques that their springs make of them: along the line
@@ -37,7 +38,10 @@ fn contacts_push_and_turn_as_the_motions_say() {
             let acting = Acting { loads, strain_rate: strain, strain_slope: 0.0, springs, ambient: &STILL };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
         };
-        let sprung = solve(&given, Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts }));
+        let sprung = solve(
+            &given,
+            Some(&Springs { resistance: &|_, _| 0.0, contacts: &contacts, tethers: &TetherResistance::default() }),
+        );
         let mut pushed = given.clone();
         for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
             let Some(apart) = touch(i, j) else { continue };
@@ -92,7 +96,8 @@ fn springs_push_as_the_motions_say() {
             Surfaces::Spheres(radii) => resistance(distance, radii),
             Surfaces::Wall(_) => 0.0,
         };
-        let sprung = solve(&forces, Some(&Springs { resistance: &between, contacts: &[] }));
+        let tethers = TetherResistance::default();
+        let sprung = solve(&forces, Some(&Springs { resistance: &between, contacts: &[], tethers: &tethers }));
         let mut pushed = forces.clone();
         for i in 0..particles.len() {
             for j in (0..particles.len()).filter(|&j| j != i) {

@@ -1,0 +1,93 @@
+//! Forces of contacts, a file for each step at which they are due: `contacts/contacts-STEP.h5`.
+
+mod recorded;
+#[cfg(test)]
+mod tests;
+
+use crate::{FileError, Provenance, atomic_hdf5, checksum, text};
+use hdf5::{File, H5Type};
+pub use recorded::RecordedContacts;
+use simulation::{ContactForce, ContactForces};
+use std::path::{Path, PathBuf};
+
+/// The folder of the files.
+pub(crate) const FOLDER: &str = "contacts";
+
+/// Writes the contacts of a step to `contacts/` in a folder.
+pub fn write_contacts(contacts: &ContactForces, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
+    let folder = folder.join(FOLDER);
+    std::fs::create_dir_all(&folder).map_err(|e| FileError::write(&folder, &e))?;
+    atomic_hdf5::write(&folder.join(name(contacts.step)), |file| fill(file, contacts, provenance))
+}
+
+fn name(step: u64) -> String {
+    format!("contacts-{step:010}.h5")
+}
+
+fn fill(file: &File, contacts: &ContactForces, provenance: &Provenance) -> hdf5::Result<()> {
+    provenance.write(file)?;
+    let root = file.as_group()?;
+    root.new_attr::<u64>().create("step")?.write_scalar(&contacts.step)?;
+    root.new_attr::<f64>().create("time")?.write_scalar(&contacts.time)?;
+    let lattice: Vec<f64> = contacts.lattice.iter().flat_map(domain::Vector::to_array).collect();
+    root.new_attr::<f64>().shape((3, 3)).create("lattice")?.write_raw(&lattice)?;
+    let columns = Columns { file, list: &contacts.list };
+    columns.write("pair", ("", 2), |contact| contact.ids)?;
+    columns.write("position", ("length", 3), |contact| contact.place.to_array())?;
+    columns.write("separation", ("length", 3), |contact| contact.separation.to_array())?;
+    columns.write("normal_force", ("force", 1), |contact| [contact.normal])?;
+    columns.write("tangential_force", ("force", 3), |contact| contact.tangential.to_array())?;
+    columns.write("state", ("", 1), |contact| [contact.state.number()])
+}
+
+/// The datasets of a file, a row a contact.
+struct Columns<'a> {
+    file: &'a File,
+    list: &'a [ContactForce],
+}
+
+impl Columns<'_> {
+    fn write<T: H5Type + bytemuck::NoUninit, const N: usize>(
+        &self,
+        name: &str,
+        (unit, width): (&str, usize),
+        of_one: impl Fn(&ContactForce) -> [T; N],
+    ) -> hdf5::Result<()> {
+        let values: Vec<T> = self.list.iter().flat_map(of_one).collect();
+        let new = self.file.new_dataset::<T>();
+        let rows = self.list.len();
+        let dataset =
+            if width == 1 { new.shape((rows,)).create(name)? } else { new.shape((rows, width)).create(name)? };
+        dataset.write_raw(&values)?;
+        checksum::attach(&dataset, checksum::of(&values))?;
+        text::write_dimensions(&dataset, unit)
+    }
+}
+
+/// Removes the contacts of a former run after step `last`.
+pub fn drop_contacts_after(folder: &Path, last: u64) -> Result<(), FileError> {
+    let late = name(last);
+    for path in files(folder)? {
+        if path.file_name().is_some_and(|name| *name > *late) {
+            std::fs::remove_file(&path).map_err(|e| FileError::write(&path, &e))?;
+        }
+    }
+    Ok(())
+}
+
+/// The files in the folder of a run, oldest first.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let folder = folder.join(FOLDER);
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let entries = std::fs::read_dir(&folder).map_err(|e| FileError::read(&folder, &e))?;
+    let mut files: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).filter(|path| is_one(path)).collect();
+    files.sort();
+    Ok(files)
+}
+
+fn is_one(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with("contacts-") && name.ends_with(".h5")
+}

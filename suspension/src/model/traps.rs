@@ -1,0 +1,124 @@
+//! Harmonic traps.
+
+use super::Parameters;
+use super::bonds::{counted, unless_known};
+use domain::{Number, ParameterError, Vector};
+
+/// A harmonic trap for each of some spheres: the force `-stiffness (x - centre)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Traps {
+    /// Which spheres.
+    pub of: Trapped,
+    /// Where.
+    pub centres: Centres,
+    /// Force over the distance from the centre.
+    pub stiffness: f64,
+}
+
+/// Which spheres are trapped.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Trapped {
+    /// All.
+    All,
+    /// Those of a species, by its place in the list of species.
+    Species(u32),
+    /// Those of some ids, counted from 0 as species or a list of positions have them.
+    Spheres(Vec<u64>),
+}
+
+/// Where traps are.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Centres {
+    /// Each where its sphere starts.
+    AtStart,
+    /// All at one place.
+    One(Vector),
+    /// One for each sphere, in the order of the ids listed.
+    Each(Vec<Vector>),
+}
+
+impl Traps {
+    /// The centre for a sphere of some id and species, as its place in a list of its own says it; `None` if it is not
+    /// trapped.
+    pub(crate) fn place_of(&self, id: u64, species: u32) -> Option<usize> {
+        match &self.of {
+            Trapped::All => Some(0),
+            Trapped::Species(trapped) => (*trapped == species).then_some(0),
+            Trapped::Spheres(ids) => ids.iter().position(|&trapped| trapped == id),
+        }
+    }
+
+    /// Refuses ids that none of so many spheres has, in the traps at a place in the model.
+    pub(crate) fn check_ids(&self, index: usize, count: u64) -> Result<(), ParameterError> {
+        match &self.of {
+            Trapped::Spheres(ids) => unless_known(&format!("traps[{index}].particles"), ids, count),
+            _ => Ok(()),
+        }
+    }
+
+    fn check(&self, key: &str) -> Result<(), ParameterError> {
+        ParameterError::unless_positive(&format!("{key}.stiffness"), self.stiffness)?;
+        if let Trapped::Spheres(ids) = &self.of {
+            let key = format!("{key}.particles");
+            if ids.is_empty() {
+                return Err(ParameterError::new(key, "is empty; list ids, or leave it out for all spheres"));
+            }
+        }
+        match &self.centres {
+            Centres::AtStart => Ok(()),
+            Centres::One(centre) => ParameterError::unless_finite_vector(&format!("{key}.centre"), *centre).map(drop),
+            Centres::Each(list) => self.check_list(&format!("{key}.centres"), list),
+        }
+    }
+
+    fn check_list(&self, key: &str, list: &[Vector]) -> Result<(), ParameterError> {
+        let Trapped::Spheres(ids) = &self.of else {
+            let message = "go with a list of particles, one for each; write centre = [x, y, z] for one that all have";
+            return Err(ParameterError::new(key, message));
+        };
+        if ids.len() != list.len() {
+            let message = format!("has {} places for {} particles; give one for each", list.len(), ids.len());
+            return Err(ParameterError::new(key, message));
+        }
+        for (row, &centre) in list.iter().enumerate() {
+            ParameterError::unless_finite_vector(&format!("{key}[{row}]"), centre)?;
+        }
+        Ok(())
+    }
+
+    /// Ids and species that it names, each in numbers of their own.
+    fn named(&self, p: &Parameters) -> Vec<[u64; 2]> {
+        match &self.of {
+            Trapped::All => (0..p.species.len() as u64).map(|species| [0, species]).collect(),
+            Trapped::Species(species) => vec![[0, u64::from(*species)]],
+            Trapped::Spheres(ids) => ids.iter().map(|&id| [1, id]).collect(),
+        }
+    }
+}
+
+/// Checks all traps of a model.
+pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
+    for (index, traps) in p.traps.iter().enumerate() {
+        traps.check(&format!("traps[{index}]"))?;
+        counted(&p.species).map_or(Ok(()), |count| traps.check_ids(index, count))?;
+    }
+    if !p.traps.is_empty() && p.shear_rates().stress().is_some() {
+        let message =
+            "can't be with flow.control = \"stress\": what holds spheres in place bears a part of it; give flow.rate";
+        return Err(ParameterError::new("traps", message));
+    }
+    let mut named: Vec<([u64; 2], usize)> =
+        p.traps.iter().enumerate().flat_map(|(k, traps)| traps.named(p).into_iter().map(move |one| (one, k))).collect();
+    named.sort_unstable();
+    match named.windows(2).find(|two| two[0].0 == two[1].0) {
+        Some([([kind, number], first), (_, second)]) => {
+            let what = match kind {
+                0 => format!("species \"{}\"", p.species[*number as usize].name),
+                _ => format!("sphere {}", Number(*number as f64)),
+            };
+            let message = format!("hold {what}, as traps[{first}] do already; a sphere can be in one trap");
+            Err(ParameterError::new(format!("traps[{second}]"), message))
+        }
+        _ => Ok(()),
+    }
+}

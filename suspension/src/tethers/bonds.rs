@@ -1,0 +1,256 @@
+//! Bonds between listed spheres.
+
+use crate::forces::Ahead;
+use crate::model::Model;
+use domain::{Comm, Failure, Halo, Particles, Partition, PeriodicBox, Tensor, Vector};
+use fcm::Loads;
+use simulation::{ContactForce, ContactState};
+
+/// The column of the bonds of a particle, in slots: the id of the other particle plus 1, or 0 for none; the distance at rest;
+/// and the place of its kind in the model plus 1, negative once it is broken.
+pub const BONDS: &str = "bonds";
+pub const BOND_NUMBERS: usize = 3;
+
+/// Bonds are part of a solve up to this times the longest distance at rest; beyond they are as they are expected.
+const IMPLICIT: f64 = 1.25;
+
+/// The bonds of a suspension.
+pub struct Bonds {
+    kinds: Vec<Kind>,
+    longest: f64,
+    /// Half of the box's shortest edge: images that are nearer are the nearest.
+    half: f64,
+}
+
+/// What bonds of a kind have in common.
+#[derive(Debug, Clone, Copy)]
+struct Kind {
+    stiffness: f64,
+    breaking_force: f64,
+}
+
+/// What a bond resists to the parting of the centres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BondSprings {
+    /// The id of the other particle.
+    pub other: u64,
+    /// The distance up to which an image of it is the one that is meant.
+    pub within: f64,
+    /// Force over velocity.
+    pub resistance: f64,
+}
+
+/// A bond as one of its two particles sees it; the other sees the same with its axis reversed, to the last bit.
+#[derive(Debug, Clone, Copy)]
+struct Bond {
+    /// Rows of the particle and, among local particles and ghosts, of the other.
+    rows: [usize; 2],
+    other: u64,
+    /// From the particle's centre to the other's nearest image.
+    separation: Vector,
+    slot: usize,
+    kind: Kind,
+    length: f64,
+}
+
+/// The whole bonds of the particles that a rank owns, row by row.
+pub struct Tied {
+    halo: Halo,
+    list: Vec<Bond>,
+}
+
+impl Bond {
+    fn distance(&self) -> f64 {
+        self.separation.length()
+    }
+
+    /// The force by which it pulls; below 0 where it pushes.
+    fn pull(&self) -> f64 {
+        self.kind.stiffness * (self.distance() - self.length)
+    }
+
+    /// How fast the centres move apart.
+    fn parting(&self, velocities: &[Vector], ahead: &Ahead) -> f64 {
+        let [own, other] = self.rows;
+        let relative = velocities[other] - velocities[own] + ahead.strain_rate.tensor() * self.separation;
+        self.separation.dot(relative) / self.distance()
+    }
+}
+
+impl Tied {
+    /// The forces of bonds with others of higher ids.
+    pub(super) fn forces(&self, particles: &Particles) -> Vec<ContactForce> {
+        let force = |bond: &Bond| {
+            let own = bond.rows[0];
+            (particles.ids[own] < bond.other).then(|| ContactForce {
+                ids: [particles.ids[own], bond.other],
+                place: particles.positions[own],
+                separation: bond.separation,
+                normal: -bond.pull(),
+                tangential: Vector::ZERO,
+                state: ContactState::Bond,
+            })
+        };
+        self.list.iter().filter_map(force).collect()
+    }
+
+    /// Breaks those that pull too much.
+    pub(super) fn break_those(&self, particles: &mut Particles) {
+        let Some(column) = particles.columns.iter_mut().find(|column| column.name == BONDS) else { return };
+        for bond in self.list.iter().filter(|bond| bond.pull() > bond.kind.breaking_force) {
+            column.values[BOND_NUMBERS * bond.slot + 2] *= -1.0;
+        }
+    }
+
+    /// The energy of this rank's share.
+    pub(super) fn energy(&self) -> f64 {
+        self.list.iter().map(|bond| 0.25 * bond.kind.stiffness * (bond.distance() - bond.length).powi(2)).sum()
+    }
+}
+
+impl Bonds {
+    /// Those of a model, with the distances at rest that are in the particles' column. Collective.
+    pub(super) fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
+        if model.bonds.is_empty() {
+            return None;
+        }
+        let mut longest = [slots(particles).map(|(_, slot)| slot[1]).fold(0.0, f64::max)];
+        comm.max(&mut longest);
+        let kind = |bonds: &crate::model::Bonds| Kind {
+            stiffness: bonds.stiffness,
+            breaking_force: bonds.breaking_force.unwrap_or(f64::INFINITY),
+        };
+        let half = 0.5 * model.cell.edges().min_element();
+        Some(Self { kinds: model.bonds.iter().map(kind).collect(), longest: longest[0], half })
+    }
+
+    pub(super) fn implicit_reach(&self) -> f64 {
+        (IMPLICIT * self.longest).min(self.half)
+    }
+
+    /// Finds the bonds that are whole. Fails where one is as long as half of the box, so that it is not known which image of a
+    /// sphere it ends at. Collective.
+    pub(super) fn find(
+        &self,
+        particles: &Particles,
+        (cell, partition): (&PeriodicBox, &Partition),
+    ) -> Result<Tied, Failure> {
+        let comm = partition.comm();
+        let mut reach = self.implicit_reach();
+        loop {
+            let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
+            let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
+            halo.extend(&mut positions);
+            halo.extend(&mut ids);
+            let found = self.among(particles, (&positions, &ids), cell);
+            let is_missing = comm.any(found.is_none());
+            if let Some(list) = found.filter(|_| !is_missing) {
+                let long = list.iter().find(|bond| bond.distance() >= self.half);
+                comm.agree(long.map_or(Ok(()), |bond| Err(self.too_long(bond, particles))))?;
+                return Ok(Tied { halo, list });
+            }
+            if is_missing && reach >= 2.0 * self.half {
+                let message =
+                    "a bond is longer than the box is wide; give a larger bonds.stiffness or a shorter time.step";
+                comm.agree(Err::<(), _>(message))?;
+            }
+            reach *= 2.0;
+        }
+    }
+
+    fn too_long(&self, bond: &Bond, particles: &Particles) -> String {
+        format!(
+            "the bond of spheres {} and {} is {:.4} long; it needs to be shorter than half of the box's shortest edge, {:.4}",
+            particles.ids[bond.rows[0]],
+            bond.other,
+            domain::Number(bond.distance()),
+            domain::Number(self.half)
+        )
+    }
+
+    /// The bonds, if the others are all among those present.
+    fn among(
+        &self,
+        particles: &Particles,
+        (positions, ids): (&[Vector], &[u64]),
+        cell: &PeriodicBox,
+    ) -> Option<Vec<Bond>> {
+        let whole = || slots(particles).filter(|(_, slot)| slot[2] > 0.0);
+        let mut rows: Vec<(u64, Option<usize>)> = whole().map(|(_, slot)| (slot[0] as u64 - 1, None)).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        for (row, id) in ids.iter().enumerate() {
+            if let Ok(place) = rows.binary_search_by_key(id, |(id, _)| *id) {
+                rows[place].1 = Some(row);
+            }
+        }
+        let slots_each = particles.columns.iter().find(|c| c.name == BONDS).map_or(1, |c| c.width / BOND_NUMBERS);
+        let bond = |(slot, numbers): (usize, &[f64; BOND_NUMBERS])| {
+            let (own, other) = (slot / slots_each, numbers[0] as u64 - 1);
+            let row = rows[rows.binary_search_by_key(&other, |(id, _)| *id).ok()?].1?;
+            Some(Bond {
+                rows: [own, row],
+                other,
+                separation: cell.nearest_image(positions[row] - positions[own]),
+                slot,
+                kind: self.kinds[numbers[2] as usize - 1],
+                length: numbers[1],
+            })
+        };
+        whole().map(bond).collect()
+    }
+
+    /// With `w` the rate at which the centres part and `w*` that expected, a time `t` ahead, the known part of the pull
+    /// `F(x*) + t k (w - w*)`.
+    pub(super) fn add_to(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Ahead>) {
+        loads.forces.resize(tied.halo.owned(), Vector::ZERO);
+        for (bond, pull) in tied.list.iter().zip(self.pulls(tied, ahead.map(|ahead| (ahead, -1.0)))) {
+            loads.forces[bond.rows[0]] += bond.separation * (pull / bond.distance());
+        }
+    }
+
+    /// The pull of each, changed so many times by what it resists to velocities. Collective.
+    fn pulls(&self, tied: &Tied, ahead: Option<(&Ahead, f64)>) -> Vec<f64> {
+        let Some((ahead, times)) = ahead else { return tied.list.iter().map(Bond::pull).collect() };
+        let mut velocities = ahead.velocities.to_vec();
+        tied.halo.extend(&mut velocities);
+        let of_one =
+            |bond: &Bond| bond.pull() + times * self.resistance(bond, ahead.time) * bond.parting(&velocities, ahead);
+        tied.list.iter().map(of_one).collect()
+    }
+
+    fn resistance(&self, bond: &Bond, time: f64) -> f64 {
+        if bond.distance() <= self.implicit_reach() { time * bond.kind.stiffness } else { 0.0 }
+    }
+
+    /// What bonds resist to motions, particle by particle.
+    pub(super) fn springs(&self, tied: &Tied, time: f64) -> Vec<Vec<BondSprings>> {
+        let mut springs = vec![Vec::new(); tied.halo.owned()];
+        for bond in &tied.list {
+            let (within, resistance) = (self.half, self.resistance(bond, time));
+            springs[bond.rows[0]].push(BondSprings { other: bond.other, within, resistance });
+        }
+        springs
+    }
+
+    /// Of a pair at `x_i` and `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Collective.
+    pub(super) fn moments(&self, tied: &Tied, beyond: Option<&Ahead>) -> Vec<Tensor> {
+        let mut moments = vec![Tensor::ZERO; tied.halo.owned()];
+        for (bond, pull) in tied.list.iter().zip(self.pulls(tied, beyond.map(|ahead| (ahead, 1.0)))) {
+            let (r, force) = (bond.separation, bond.separation * (pull / bond.distance()));
+            moments[bond.rows[0]] += Tensor::from_cols(r * force.x, r * force.y, r * force.z) * 0.5;
+        }
+        moments
+    }
+}
+
+/// The slots of all particles that have a bond, broken or not, with their places in the column.
+fn slots(particles: &Particles) -> impl Iterator<Item = (usize, &[f64; BOND_NUMBERS])> {
+    let values = particles.columns.iter().find(|column| column.name == BONDS).map_or(&[][..], |c| &c.values);
+    values.as_chunks().0.iter().enumerate().filter(|(_, slot)| slot[0] != 0.0)
+}
+
+/// How many of this rank's share are broken.
+pub fn broken(particles: &Particles) -> f64 {
+    0.5 * slots(particles).filter(|(_, slot)| slot[2] < 0.0).count() as f64
+}
