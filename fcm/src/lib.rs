@@ -14,6 +14,7 @@
 //! let (radius, edge, viscosity) = (1.0, 32.0, 1.0);
 //! let plan = Plan::choose(&Problem {
 //!     edges: Vector::splat(edge),
+//!     contraction: 1.0,
 //!     largest_strain: 0.0,
 //!     radii: vec![(radius, 1)],
 //!     viscosity,

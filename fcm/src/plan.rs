@@ -70,8 +70,10 @@ impl From<solver::GridError> for PlanError {
 /// How an evaluation is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Edges of the box.
+    /// Edges of the box; the longest that will be met, where they change.
     pub edges: Vector,
+    /// The part of each of these edges that will be left at least.
+    pub contraction: f64,
     /// Distinct radii, in ascending order.
     pub radii: Vec<f64>,
     /// Viscosity of the fluid.
@@ -120,6 +122,7 @@ impl Plan {
     pub fn on_the_grid_alone(&self, strain: f64) -> Result<Self, PlanError> {
         let problem = Problem {
             edges: self.edges,
+            contraction: self.contraction,
             largest_strain: strain.abs(),
             radii: self.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: self.viscosity,

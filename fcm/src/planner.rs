@@ -211,6 +211,7 @@ impl Problem {
         let round_off = if precision == Precision::Single { accuracy::ROUND_OFF } else { 0.0 };
         let mut plan = Plan {
             edges: self.edges,
+            contraction: self.contraction,
             radii: self.radii.iter().map(|r| r.0).collect(),
             viscosity: self.viscosity,
             multipoles: self.multipoles,
@@ -245,7 +246,8 @@ impl Problem {
             };
         }
         let reach = 0.5 * needed as f64 / candidate.accuracy.resolution * widest;
-        let needed = |h: f64| ((2.0 * reach / h - 1e-9).ceil() as usize).min(Grid::MOST);
+        // Where edges shrink, the grid does.
+        let needed = |h: f64| ((2.0 * reach / (h * self.contraction) - 1e-9).ceil() as usize).min(Grid::MOST);
         let points = |h: f64| self.fixed.support.unwrap_or_else(|| needed(h));
         let reach = self.fixed.support.map_or(reach, |points| 0.5 * points as f64 * spacing.max_element());
         Support {

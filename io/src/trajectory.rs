@@ -76,7 +76,8 @@ impl Trajectory {
             bytemuck::cast_slice::<_, f64>(&particles.positions).into(),
             bytemuck::cast_slice::<_, i32>(&particles.steps).into(),
             lattice.as_flattened().into(),
-            cell.strain().into(),
+            // A lattice is told by its vectors alone.
+            if cell.axes().is_none() { cell.strain() } else { 0.0 }.into(),
         ];
         for element in &self.elements[values.len()..] {
             let named = COLUMNS.iter().find(|(_, path, _)| *path == element.path);

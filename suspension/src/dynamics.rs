@@ -144,8 +144,9 @@ impl Dynamics {
             substeps::forget(particles);
             self.warm_start.forget(particles);
             self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;
+        } else {
+            self.add_reference(particles, -1.0);
         }
-        self.add_reference(particles, -1.0);
         Ok(())
     }
 

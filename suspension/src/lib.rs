@@ -61,6 +61,7 @@ mod single_evaluation;
 mod steadiness;
 mod step_error;
 mod stress;
+mod stretching;
 mod substeps;
 mod suspension;
 mod warm_start;
@@ -76,8 +77,8 @@ pub use lubrication::Elasticity;
 pub use memory::Ranks;
 pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Attraction, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION,
-    MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
+    Adaptive, Attraction, Axis, Contacts, Evaluation, Extension, Flow, Hydrodynamics, Integrator, Lattice,
+    MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
     SizeDistribution, Species, Start, Statistics as StatisticsWanted,
 };
 pub use observed::Observed;

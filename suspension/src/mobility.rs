@@ -231,6 +231,7 @@ const NUMBERS: usize = 32;
 fn problem(parameters: &MobilityParameters) -> Problem {
     Problem {
         edges: parameters.cell.edges(),
+        contraction: 1.0,
         largest_strain: parameters.cell.strain().abs(),
         radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
         viscosity: parameters.viscosity,

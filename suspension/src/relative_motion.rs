@@ -1,6 +1,6 @@
 //! The relative motion of near pairs.
 
-use crate::moving_box::MovingBox;
+use crate::moving_box::{Deformation, MovingBox};
 use crate::near::Near;
 use bytemuck::{Pod, Zeroable};
 use domain::{Comm, Particles, Partition, Vector};
@@ -19,8 +19,8 @@ const SLACK: f64 = 0.1;
 pub struct RelativeMotion<const N: usize> {
     near: Near,
     pairs: Vec<MovingPair<N>>,
-    /// By how much the box shears separations besides.
-    carry: f64,
+    /// What the box does to separations besides.
+    carry: Deformation,
 }
 
 struct MovingPair<const N: usize> {
@@ -42,11 +42,11 @@ impl<const N: usize> RelativeMotion<N> {
             MovingPair { separation, velocities, radii }
         };
         let pairs = near.pairs().enumerate().map(pair).collect();
-        Self { near, pairs, carry: 0.0 }
+        Self { near, pairs, carry: Deformation::Shear(0.0) }
     }
 
-    /// The same with separations that are sheared by a strain too, after they changed by displacements.
-    pub fn sheared_by(&mut self, carry: f64) -> &Self {
+    /// The same with separations that the flow deforms too, after they changed by displacements.
+    pub fn carried_by(&mut self, carry: Deformation) -> &Self {
         self.carry = carry;
         self
     }
@@ -137,12 +137,12 @@ impl<const N: usize> MovingPair<N> {
         self.separation.length() - 2.0 * self.mean_radius()
     }
 
-    fn separation_after(&self, weights: [f64; N], carry: f64) -> Vector {
+    fn separation_after(&self, weights: [f64; N], carry: Deformation) -> Vector {
         let moved = self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>();
-        moved + Vector::X * (carry * moved.y)
+        carry.of(moved)
     }
 
-    fn gap_after(&self, weights: [f64; N], carry: f64) -> f64 {
+    fn gap_after(&self, weights: [f64; N], carry: Deformation) -> f64 {
         self.separation_after(weights, carry).length() - 2.0 * self.mean_radius()
     }
 

@@ -21,6 +21,7 @@ SMALLER = {
     "dense": {"time.duration": 0.05},
     "reversal": {"flow.reversal_at": "[0.025]", "time.duration": 0.05},
     "thickening": {"time.duration": 3.0},
+    "extension": {"time.duration": 1.0},
     "colloid": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "brownian-shear": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "granular-disks": {"time.strain": 1.0},

@@ -43,6 +43,7 @@ impl Suspension {
     pub fn problem(&self, tolerance: f64) -> Problem {
         Problem {
             edges: self.cell.edges(),
+            contraction: 1.0,
             largest_strain: self.cell.strain().abs(),
             radii: self.radii.iter().map(|&a| (a, 1)).collect(),
             viscosity: self.viscosity,

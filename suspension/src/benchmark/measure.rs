@@ -95,6 +95,7 @@ impl Task {
     fn plan(&self, spheres: &Spheres, comm: &Comm) -> Result<Plan, BenchmarkError> {
         let problem = Problem {
             edges: spheres.cell.edges(),
+            contraction: 1.0,
             largest_strain: 0.0,
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: 1.0,

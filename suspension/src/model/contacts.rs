@@ -78,7 +78,7 @@ impl Contacts {
             let room = 1.0 - filled / p.cell.volume() / jamming_fraction(friction);
             room.max(LEAST_ROOM).powi(-2)
         };
-        let rate = p.shear_rates().largest();
+        let rate = p.flow.as_shear(p.shear_rates().largest());
         // Below the stress at which suspensions thicken hardly a contact bears the critical load.
         let pressed = 6.0 * PI * p.viscosity * rate * radius * radius * viscosity(0.0);
         let friction = if pressed < THICKENING * self.critical_load { 0.0 } else { self.friction };
@@ -127,7 +127,7 @@ impl Contacts {
     /// A contact is known by the ids of its two spheres.
     fn check_images(&self, p: &Parameters) -> Result<(), ParameterError> {
         let largest = p.species.iter().map(|s| s.radius).fold(0.0, f64::max);
-        let (shortest, least) = (p.cell.edges().min_element(), 4.0 * largest * (1.0 + 0.5 * self.roughness));
+        let (shortest, least) = (p.shortest_vector(), 4.0 * largest * (1.0 + 0.5 * self.roughness));
         if shortest < least {
             let [shortest, least] = [shortest, least].map(Number);
             let message = format!(

@@ -1,6 +1,7 @@
 //! Smaller copies of a suspension.
 
 use super::{Model, Start};
+use domain::PeriodicBox;
 
 /// Radii of the largest sphere that the edges of a copy have at least.
 const FEWEST_RADII: f64 = 8.0;
@@ -21,7 +22,11 @@ impl Model {
             return Some(self.clone());
         }
         let mut parameters = self.0.clone();
-        parameters.cell = domain::PeriodicBox::new(self.cell.edges() * scale).ok()?;
+        parameters.cell = match self.cell.axes() {
+            None => PeriodicBox::new(self.cell.edges() * scale),
+            Some(_) => PeriodicBox::of_lattice(self.cell.lattice_vectors().map(|vector| vector * scale)),
+        }
+        .ok()?;
         for species in &mut parameters.species {
             species.count = species.count.map(|count| ((count as f64 * scale.powi(3)).round() as u64).max(1));
         }

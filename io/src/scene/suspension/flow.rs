@@ -4,7 +4,7 @@ use super::raw;
 use crate::scene::checks::positive;
 use crate::scene::error::Fault;
 use domain::Number;
-use suspension::{Flow, Protocol, RateChange};
+use suspension::{Extension, Flow, Protocol, RateChange};
 
 /// A time may be off a step by this part of it.
 const ROUND_OFF: f64 = 1e-6;
@@ -39,7 +39,22 @@ pub fn flow(raw: Option<&raw::Flow>, (viscosity, time_step): (f64, f64)) -> Resu
         }
         _ => rates(raw, time_step)?,
     };
-    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) }, protocol))
+    let Some(kind) = extension(raw.kind) else {
+        return Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(true) }, protocol));
+    };
+    if raw.lees_edwards == Some(false) {
+        let message = "is false, but in an extension the box is stretched with the flow; leave it out";
+        return Err(Fault::new("flow.lees_edwards", message));
+    }
+    Ok((Flow::Extension { kind, rate }, protocol))
+}
+
+/// The extension that a flow is, if it is one.
+pub fn extension(kind: raw::FlowKind) -> Option<Extension> {
+    match kind {
+        raw::FlowKind::None | raw::FlowKind::Shear => None,
+        raw::FlowKind::PlanarExtension => Some(Extension::Planar),
+    }
 }
 
 fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
@@ -49,7 +64,10 @@ fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
             let key = if rate.is_some() { "flow.rate" } else { "flow.reversal_at" };
             Err(Fault::new(key, "is set beside flow.oscillation, which says the whole strain; leave one of them out"))
         }
-        (None, _, None) => Err(Fault::new("flow.rate", "is missing; a shear flow u = rate y needs it")),
+        (None, _, None) => {
+            let flow = if extension(raw.kind).is_some() { "an extension" } else { "a shear flow u = rate y" };
+            Err(Fault::new("flow.rate", format!("is missing; {flow} needs it")))
+        }
         (Some(raw::Rate::Number(rate)), None, _) => Ok((*rate, Protocol::STEADY)),
         (Some(raw::Rate::Number(rate)), Some(strains), _) => {
             Ok((*rate, Protocol::Steps(reversals(*rate, strains, time_step)?)))

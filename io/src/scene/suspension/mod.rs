@@ -34,7 +34,7 @@ pub struct SuspensionScene {
 
 impl SuspensionScene {
     pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, Fault> {
-        let cell = cell(&raw.cell)?;
+        let cell = cell(&raw.cell, raw.flow.as_ref())?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, &cell)?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
@@ -73,11 +73,16 @@ impl SuspensionScene {
     }
 }
 
-fn cell(raw: &raw::Box) -> Result<PeriodicBox, Fault> {
+/// The box, which in an extension is another one of the same volume.
+fn cell(raw: &raw::Box, flow: Option<&raw::Flow>) -> Result<PeriodicBox, Fault> {
     for (axis, length) in raw.edges.iter().enumerate() {
         positive(&format!("box.edges[{axis}]"), *length)?;
     }
-    PeriodicBox::new(Vector::from_array(raw.edges)).map_err(|e| Fault::new("box.edges", e.to_string()))
+    let edges = Vector::from_array(raw.edges);
+    if let Some(extension) = flow.and_then(|flow| flow::extension(flow.kind)) {
+        return Ok(extension.cell(edges)?);
+    }
+    PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))
 }
 
 /// Where the spheres start, and the file that says so.

@@ -151,9 +151,9 @@ pub(super) enum Initial {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
-    /// The flow: none, or the shear u = rate y along x.
+    /// The flow: none, the shear u = rate y along x, or the extension u = rate (x, -y, 0).
     pub(super) kind: FlowKind,
-    /// Shear rate; or a table of times, from 0 on, and the rates from then on.
+    /// Rate of shear or extension; or a table of times, from 0 on, and the rates from then on.
     pub(super) rate: Option<Rate>,
     /// Strains since the start, however sheared, at which the rate changes its sign.
     pub(super) reversal_at: Option<Vec<f64>>,
@@ -163,7 +163,7 @@ pub(super) struct Flow {
     pub(super) control: Option<Control>,
     /// Shear stress, for control = "stress".
     pub(super) stress: Option<f64>,
-    /// Whether the box shears with the flow (default), or stays straight.
+    /// Whether the box goes with the flow (default), or stays straight, which it can in a shear flow only.
     pub(super) lees_edwards: Option<bool>,
 }
 
@@ -196,6 +196,7 @@ pub(super) enum Rate {
 pub(super) enum FlowKind {
     None,
     Shear,
+    PlanarExtension,
 }
 
 #[derive(Deserialize, JsonSchema)]
