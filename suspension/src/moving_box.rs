@@ -11,9 +11,9 @@ use solver::BackgroundFlow;
 /// Where a stress drives the flow, substeps are at most this long in strain: contacts stick or slide for all of one.
 const LONGEST_STRAIN: f64 = 0.005;
 
-/// A box in a shear flow, that shears with it or stays straight, or in an extension. In a shear flow, beyond each of its sides the flow is faster by
-/// `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and enters on the other is
-/// seen in another frame of reference from then on, and so is its past.
+/// A box in a shear flow, that shears with it or stays straight, or in an extension. In a shear flow, beyond each of its
+/// sides the flow is faster by `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and
+/// enters on the other is seen in another frame of reference from then on, and so is its past.
 ///
 /// Where the rate of the flow changes all the time, by an oscillation or since the stress is given, the particles are
 /// in the frame of the flow while they move: their velocities, past ones too, are relative to it, and the box carries
