@@ -63,6 +63,7 @@ mod single_evaluation;
 mod steadiness;
 mod step_error;
 mod stress;
+mod stretching;
 mod substeps;
 mod suspension;
 mod tethers;
@@ -80,9 +81,9 @@ pub use lubrication::Elasticity;
 pub use memory::Ranks;
 pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Attraction, Axis, Bonds, Centres, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice,
-    MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
-    SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
+    Adaptive, Attraction, Axis, Bonds, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics, Integrator,
+    Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates,
+    SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};

@@ -330,6 +330,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
     Problem {
         edges: parameters.cell.edges(),
         boundaries: parameters.cell.boundaries(),
+        contraction: 1.0,
         largest_strain: parameters.cell.strain().abs(),
         radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
         viscosity: parameters.viscosity,

@@ -254,10 +254,10 @@ impl Suspension {
         velocities.iter().zip(places).map(|(&v, (&x, &a))| v - moving.velocity_of(x, a)).collect()
     }
 
-    /// The rate of shear of the flow that the velocities belong to, and the strain so far.
+    /// The rate of the flow that the velocities belong to, of shear or extension, and the strain so far.
     pub fn shear(&self) -> [f64; 2] {
         let moving = self.dynamics.moving_box();
-        [moving.shear_rate(), moving.strain(self.clock.time())]
+        [moving.rate(), moving.strain(self.clock.time())]
     }
 
     /// Whether a stress drives the flow that has next to no effect any more.

@@ -35,7 +35,7 @@ pub struct SuspensionScene {
 
 impl SuspensionScene {
     pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, Fault> {
-        let cell = cell(&raw.cell)?;
+        let cell = cell(&raw.cell, raw.flow.as_ref())?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, &cell)?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
@@ -91,12 +91,22 @@ fn check_contacts(raw: &Raw) -> Result<(), Fault> {
     }
 }
 
-fn cell(raw: &raw::Box) -> Result<PeriodicBox, Fault> {
+/// The box, which in an extension is another one of the same volume.
+fn cell(raw: &raw::Box, flow: Option<&raw::Flow>) -> Result<PeriodicBox, Fault> {
     for (axis, length) in raw.edges.iter().enumerate() {
         positive(&format!("box.edges[{axis}]"), *length)?;
     }
-    let cell = PeriodicBox::new(Vector::from_array(raw.edges)).map_err(|e| Fault::new("box.edges", e.to_string()))?;
+    let edges = Vector::from_array(raw.edges);
     let boundaries = boundaries(raw.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
+    if let Some(extension) = flow.and_then(|flow| flow::extension(flow.kind)) {
+        if boundaries != Boundaries::Periodic {
+            let message =
+                "has walls or open axes, but an extension stretches a box that repeats along all axes; leave it out";
+            return Err(Fault::new("box.boundaries", message));
+        }
+        return Ok(extension.cell(edges)?);
+    }
+    let cell = PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))?;
     cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))
 }
 

@@ -172,9 +172,10 @@ pub(super) enum Initial {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
-    /// The flow along x: none, the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls.
+    /// The flow: none; along x the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls; or
+    /// the extension u = rate (x, -y, 0).
     pub(super) kind: FlowKind,
-    /// Shear rate; or a table of times, from 0 on, and the rates from then on.
+    /// Rate of shear or extension; or a table of times, from 0 on, and the rates from then on.
     pub(super) rate: Option<Rate>,
     /// Strains since the start, however sheared, at which the rate changes its sign.
     pub(super) reversal_at: Option<Vec<f64>>,
@@ -186,7 +187,7 @@ pub(super) struct Flow {
     pub(super) stress: Option<f64>,
     /// By how much the pressure falls per length along x, for "poiseuille".
     pub(super) pressure_gradient: Option<f64>,
-    /// Whether the box shears with the flow (default), or stays straight.
+    /// Whether the box goes with the flow (default), or stays straight, which it can in a shear flow only.
     pub(super) lees_edwards: Option<bool>,
 }
 
@@ -220,6 +221,7 @@ pub(super) enum FlowKind {
     None,
     Shear,
     Poiseuille,
+    PlanarExtension,
 }
 
 #[derive(Deserialize, JsonSchema)]
