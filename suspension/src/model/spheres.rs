@@ -62,7 +62,7 @@ impl Species {
         self.force + gravity * (self.density_difference * volume(radius))
     }
 
-    pub(super) fn check(&self, index: usize, shortest: f64) -> Result<(), ParameterError> {
+    pub(super) fn check(&self, index: usize, cell: &PeriodicBox, shortest: f64) -> Result<(), ParameterError> {
         let key = |name: &str| format!("species[{index}].{name}");
         ParameterError::unless_positive(&key("radius"), self.radius)?;
         if 2.0 * self.radius >= shortest {
@@ -92,7 +92,7 @@ pub(super) fn check_species(species: &[Species], cell: &PeriodicBox, shortest: f
     if species.is_empty() {
         return Err(ParameterError::new("species", "is empty; write at least one [[species]] section"));
     }
-    species.iter().enumerate().try_for_each(|(index, one)| one.check(index, shortest))?;
+    species.iter().enumerate().try_for_each(|(index, one)| one.check(index, cell, shortest))?;
     for (index, one) in species.iter().enumerate() {
         if species[..index].iter().any(|other| other.name == one.name) {
             let message = format!("is \"{}\", as another species' name; give each its own", one.name);
