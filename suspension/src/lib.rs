@@ -53,6 +53,7 @@ mod observed;
 mod outline;
 mod overlaps;
 mod plan;
+mod random_motion;
 mod relative_motion;
 mod rheology;
 mod sampling;
@@ -74,10 +75,10 @@ pub use hydrodynamics::{
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use lubrication::Elasticity;
 pub use memory::Ranks;
-pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
+pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Attraction, Axis, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION,
-    MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
+    Adaptive, Attraction, Axis, BrownianScheme, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice,
+    MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
     SizeDistribution, Species, Start, Statistics as StatisticsWanted,
 };
 pub use observed::Observed;

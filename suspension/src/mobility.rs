@@ -1,9 +1,13 @@
 //! The mobility of spheres at given positions: loads to motions.
 
+mod drift;
+
+pub use drift::Drift;
+
 use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
-use domain::{Bytes, Comm, Failure, Interrupt, Particles, Partition, PeriodicBox, Traceless, Vector};
+use domain::{Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Costs, Drawn, Evaluation, Fixed, Loads, Motion, Multipoles, Plan, PlanError, Problem, SolveError, Stream};
 use lubrication::{PairForceError, Range};
 use solver::BackgroundFlow;
@@ -150,6 +154,7 @@ impl Mobility {
         let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
         let tolerance = ROOT * self.parameters.tolerance;
         for draw in draws {
+            self.unless_interrupted()?;
             let mut particles = self.placed(&Loads::default());
             let stream = Stream::new(seed, draw);
             let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, (tolerance, stream));
@@ -158,11 +163,7 @@ impl Mobility {
             let mut motion = ambient.clone();
             if is_rigid {
                 let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
-                let guess = Guess {
-                    induced_velocities: ambient.velocities.clone(),
-                    induced_angular_velocities: ambient.angular_velocities.clone(),
-                    ..Guess::default()
-                };
+                let guess = Guess::induced_by(&ambient);
                 let acting = Acting { loads: &loads, strain_rate: Traceless::ZERO, springs: None, ambient: &ambient };
                 motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;
                 motion.strain_rates.clear();
@@ -171,6 +172,12 @@ impl Mobility {
             motions.push(moved(&mut particles.gathered(&self.partition)));
         }
         Ok((motions, worst))
+    }
+
+    /// An error where some rank is asked to stop. Collective.
+    fn unless_interrupted(&self) -> Result<(), MobilityError> {
+        let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
+        if is_requested { Err(SolveError::from(Interrupted).into()) } else { Ok(()) }
     }
 
     /// The particles, with their loads, on the ranks that own them.

@@ -152,3 +152,59 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
         assert!(error < 1e-6, "{ranks} ranks: {error}");
     }
 }
+
+/// Velocities and angular velocities of lists.
+fn flat_drift(drift: &suspension::Drift) -> Vec<f64> {
+    let suspension::Drift { velocities, angular_velocities, .. } = drift;
+    velocities.iter().chain(angular_velocities).flat_map(|v| v.to_array()).collect()
+}
+
+/// The divergence of the velocities that forces cause is that of the differences between places; along it, the mean of draws is its
+/// length, within three and a half errors. Without drift it would be nothing, many errors away.
+#[test]
+fn draws_of_the_drift_have_the_mean_that_the_mobility_has_as_its_divergence() {
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let mut mobility = mobility(MobilityParameters { lubrication, ..parameters(14.0, 1e-4) }, &Comm::alone());
+    let length = 0.02;
+    let mut divergence = [0.0; 18];
+    for (sphere, axis) in (0..3).flat_map(|sphere| (0..3).map(move |axis| (sphere, axis))) {
+        for sign in [1.0, -1.0] {
+            let mut moved = places();
+            moved[sphere][axis] += sign * length;
+            mobility.place(&moved).unwrap();
+            let mut forces = vec![Vector::ZERO; 3];
+            forces[sphere][axis] = 1.0;
+            let loads = Loads { forces, ..Loads::default() };
+            let motion = mobility.apply(&loads, &BackgroundFlow::NONE).unwrap().motion;
+            let numbers = motion.velocities.iter().chain(&motion.angular_velocities).flat_map(|v| v.to_array());
+            divergence.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += sign * number / (2.0 * length));
+        }
+    }
+    mobility.place(&places()).unwrap();
+    let size: f64 = divergence[..9].iter().map(|d| d * d).sum();
+    let along = |drift: &suspension::Drift| flat_drift(drift)[..9].iter().zip(divergence).map(|(a, b)| a * b).sum::<f64>();
+    let found: Vec<f64> = mobility.drift(5, 0..120).unwrap().iter().map(|drift| along(drift) / size).collect();
+    let count = found.len() as f64;
+    let mean = found.iter().sum::<f64>() / count;
+    let error = (found.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count * (count - 1.0))).sqrt();
+    assert!((mean - 1.0).abs() < 3.5 * error && error < 0.2, "{mean} +- {error}");
+}
+
+#[test]
+fn ranks_agree_on_the_drift() {
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let draw = |ranks: usize| {
+        let all = Comm::threads(ranks, |comm| {
+            let tight = MobilityParameters { lubrication, ..parameters(9.0, 1e-7) };
+            mobility(tight, &comm).drift(3, 0..1).unwrap()
+        });
+        all.into_iter().next().unwrap()
+    };
+    let alone = flat_drift(&draw(1)[0]);
+    let size = alone.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    for ranks in [2, 7] {
+        let together = flat_drift(&draw(ranks)[0]);
+        let error = together.iter().zip(&alone).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 0.03 * size, "{ranks} ranks: {error} of {size}");
+    }
+}

@@ -89,6 +89,13 @@ impl NearPairs {
         Self { halo, stiff, soft, loads, moments }
     }
 
+    /// None, where nothing acts between near particles. Collective.
+    pub fn none(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Self {
+        let halo = Halo::plan(partition, cell, &particles.positions, [0.0; 2]);
+        let (loads, moments) = (Screws::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
+        Self { halo, stiff: PairMatrix::default(), soft: PairMatrix::default(), loads, moments }
+    }
+
     /// Whether no particle of this rank is near another.
     pub fn is_empty(&self) -> bool {
         self.stiff.is_empty() && self.soft.is_empty()

@@ -15,7 +15,7 @@ pub use attraction::Attraction;
 pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Vector};
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
-pub use integrator::{Adaptive, Integrator};
+pub use integrator::{Adaptive, BrownianScheme, Integrator};
 pub use rates::{Protocol, RateChange, ShearRates};
 pub use sizes::{SizeClass, SizeDistribution};
 pub use spheres::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
