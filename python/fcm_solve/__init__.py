@@ -22,6 +22,7 @@ from .simulation import Simulation  # noqa: E402
 
 __all__ = [
     "Caution",
+    "Drift",
     "Error",
     "InputError",
     "Mobility",

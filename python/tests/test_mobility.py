@@ -68,6 +68,8 @@ def test_the_drift_is_that_of_the_program(program, tmp_path):
     drift = mobility(lubrication=True).drift(2, 8)
     for name in ("velocities", "angular_velocities", "stresslets"):
         assert np.array_equal(getattr(drift, name), answer[f"drift_{name}"]), name
+    with pytest.raises(fcm.Error, match="fewer draws at a time"):
+        mobility().noise(2**50, 8)
     with pytest.raises(ValueError, match="only rigid spheres drift"):
         mobility(rigid=False).drift(1, 8)
 

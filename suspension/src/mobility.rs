@@ -149,6 +149,7 @@ impl Mobility {
     /// the same motion, on any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid,
     /// else none.
     pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
+        self.check_draws(&draws)?;
         let (cell, mut worst) = (self.parameters.cell, Drawn::default());
         let mut motions = Vec::new();
         let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
@@ -172,6 +173,15 @@ impl Mobility {
             motions.push(moved(&mut particles.gathered(&self.partition)));
         }
         Ok((motions, worst))
+    }
+
+    /// Refuses draws for whose motions there is no memory, as they are and as the caller has them. Collective.
+    fn check_draws(&self, draws: &std::ops::Range<u64>) -> Result<(), MobilityError> {
+        let numbers = DRAWN_NUMBERS * draws.end.saturating_sub(draws.start) as f64 * self.parameters.radii.len() as f64;
+        let (plan, radii, lubrication) = (&self.plan, self.problem.radii.clone(), self.parameters.lubrication);
+        let (numbers, besides) = (NUMBERS, Bytes::keep(2.0 * 8.0 * numbers));
+        let evaluation = SingleEvaluation { plan, radii, lubrication, numbers, besides, remedy: FEWER_DRAWS };
+        Ok(evaluation.check_memory(self.partition.comm())?)
     }
 
     /// An error where some rank is asked to stop. Collective.
@@ -231,6 +241,12 @@ const ROOT: f64 = 0.3;
 
 /// What to change where it takes too much memory.
 const REMEDY: &str = "fewer positions, a larger tolerance";
+
+/// The same where draws do.
+const FEWER_DRAWS: &str = "fewer draws at a time, fewer positions";
+
+/// Numbers of a particle in one draw.
+const DRAWN_NUMBERS: f64 = 11.0;
 
 /// Numbers of a particle in columns, about.
 const NUMBERS: usize = 32;

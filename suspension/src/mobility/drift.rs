@@ -1,6 +1,7 @@
 //! The mean motion that heat causes.
 
 use super::{Mobility, MobilityError, ROOT};
+use crate::integrator::move_by;
 use crate::random_motion::{self, DISPLACEMENT};
 use domain::{Traceless, Vector};
 use fcm::{Loads, Multipoles, Stream};
@@ -31,6 +32,7 @@ impl Mobility {
     /// with `v, w, e` random motions of the fluid of the covariance of the method's own mobility, whose divergence vanishes, and
     /// `U` those of the spheres in that fluid: its scatter does not grow as `h` falls.
     pub fn drift(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<Vec<Drift>, MobilityError> {
+        self.check_draws(&draws)?;
         let (cell, tolerance) = (self.parameters.cell, ROOT * self.parameters.tolerance);
         let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
         let step = self.step();
@@ -44,7 +46,7 @@ impl Mobility {
                 let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
                 random_motion::solve(&mut self.hydrodynamics, (&cell, &mut particles), (&loads, &fluid))?;
                 random_motion::displace(&mut particles, step);
-                crate::integrator::move_by(&mut particles, [DISPLACEMENT], [1.0]);
+                move_by(&mut particles, [DISPLACEMENT], [1.0]);
                 particles.wrap(&cell);
                 particles.migrate(&self.partition, &cell);
                 random_motion::note_drift(&mut self.hydrodynamics, (&cell, &mut particles), step)?;
