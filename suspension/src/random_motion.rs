@@ -26,8 +26,8 @@ pub const DISPLACEMENT: &str = "random displacement";
 /// Numbers of a particle in all of these and in [`BROWNIAN`].
 pub const RANDOM_NUMBERS: usize = 3 * 7 + 5 * 3;
 
-/// Error of the change of random motions, over it: noise leaves much more of a mean.
-const CHANGE: f64 = 0.03;
+/// Error of the change of random motions, over it, that is small enough: noise leaves much more of a mean.
+pub const CHANGE: f64 = 0.03;
 
 /// Solves for the random motions of rigid particles under random loads in a fluid that moves at each, and notes both. The fluid
 /// that is noted is the one in which they are exact. Collective; fails on every rank or on none.
@@ -50,7 +50,7 @@ pub fn solve(
 }
 
 /// Notes as mean motions and stresslets by heat what random ones that were noted are more where the particles are now, with the same
-/// fluid and loads, over a factor. Collective; fails on every rank or on none.
+/// fluid and loads, over a factor, with an error of a tolerance relative to the change. Collective; fails on every rank or on none.
 ///
 /// With the displacement `h v` by the velocities of the fluid before, whose covariance with its motions `(v, w, e)` is `2 kT / dt`
 /// times the mobility of the method, that factor is `2 h / dt`, and the means are `kT div M` of the mobility `M` of rigid,
@@ -58,11 +58,11 @@ pub fn solve(
 pub fn note_drift(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &mut Particles),
-    over: f64,
+    (over, tolerance): (f64, f64),
 ) -> Result<(), SolveError> {
     let (fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
     let Found { mut motion, stresslets, .. } =
-        hydrodynamics.changed((cell, particles), (&loads, &fluid), &found, CHANGE)?;
+        hydrodynamics.changed((cell, particles), (&loads, &fluid), &found, tolerance)?;
     motion.add(-1.0, &found.motion);
     for (name, list) in DRIFT.into_iter().zip([motion.velocities, motion.angular_velocities]) {
         particles.vectors(name).iter_mut().zip(list).for_each(|(drift, change)| *drift = change * (1.0 / over));

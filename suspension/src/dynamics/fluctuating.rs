@@ -3,7 +3,7 @@
 use super::{Dynamics, Moment, Outcome};
 use crate::hydrodynamics::{Found, Guess};
 use crate::integrator::PAST;
-use crate::random_motion::{self, ambient, set_ambient};
+use crate::random_motion::{self, CHANGE, ambient, set_ambient};
 use crate::step_error::StepError;
 use domain::{Interrupted, Particles, Vector};
 use fcm::{Loads, Stream};
@@ -75,7 +75,7 @@ impl Dynamics {
             return Ok(());
         }
         let cell = *self.moving.cell();
-        let noted = random_motion::note_drift(&mut self.hydrodynamics, (&cell, particles), over);
+        let noted = random_motion::note_drift(&mut self.hydrodynamics, (&cell, particles), (over, CHANGE));
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }
 

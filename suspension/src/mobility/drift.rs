@@ -2,7 +2,7 @@
 
 use super::{Mobility, MobilityError, ROOT};
 use crate::integrator::move_by;
-use crate::random_motion::{self, DISPLACEMENT};
+use crate::random_motion::{self, CHANGE, DISPLACEMENT};
 use domain::{Traceless, Vector};
 use fcm::{Loads, Multipoles, Stream};
 use std::f64::consts::PI;
@@ -49,7 +49,7 @@ impl Mobility {
                 move_by(&mut particles, [DISPLACEMENT], [1.0]);
                 particles.wrap(&cell);
                 particles.migrate(&self.partition, &cell);
-                random_motion::note_drift(&mut self.hydrodynamics, (&cell, &mut particles), step)?;
+                random_motion::note_drift(&mut self.hydrodynamics, (&cell, &mut particles), (step, CHANGE))?;
             }
             let (motion, stresslets) = random_motion::drift(&mut particles.gathered(&self.partition));
             let fcm::Motion { velocities, angular_velocities, .. } = motion;

@@ -87,11 +87,11 @@ fn hydrodynamics(cell: &PeriodicBox, lubrication: Option<Range>) -> Hydrodynamic
 }
 
 /// `sum_k d_k (A M_{.,k})` over the coordinates `k` of all spheres, with `M_{.,k}` what a unit force along `k` does to the fluid,
-/// which stays as it was while that sphere is moved along `k`: what the mean over random motions is without their scatter.
-fn divergence(lubrication: Option<Range>) -> (Vec<f64>, Vec<Traceless>) {
+/// which stays as it was while that sphere is moved along `k`, ahead and back: what the mean over random motions is without their scatter.
+fn divergence(lubrication: Option<Range>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
     let cell = PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap();
     let mut hydrodynamics = hydrodynamics(&cell, lubrication);
-    let (mut sums, mut stresslets, length) = (vec![0.0; 18], vec![Traceless::ZERO; 3], 1e-3);
+    let (mut sums, mut stresslets) = ([0.0; 18], [Traceless::ZERO; 3]);
     for (sphere, axis) in (0..3).flat_map(|sphere| (0..3).map(move |axis| (sphere, axis))) {
         let mut particles = particles();
         let mut forces = vec![Vector::ZERO; 3];
@@ -99,12 +99,15 @@ fn divergence(lubrication: Option<Range>) -> (Vec<f64>, Vec<Traceless>) {
         hydrodynamics.mobility().arrange(&cell, &particles);
         let fluid = hydrodynamics.mobility().apply(&Loads { forces, ..Loads::default() }, Evaluation::All);
         solve(&mut hydrodynamics, (&cell, &mut particles), (&Loads::default(), &fluid)).unwrap();
-        particles.positions[sphere][axis] += length;
-        note_drift(&mut hydrodynamics, (&cell, &mut particles), length).unwrap();
-        let (Motion { velocities, angular_velocities, .. }, by_heat) = drift(&mut particles);
-        let numbers = [velocities, angular_velocities].concat().into_iter().flat_map(|v| v.to_array());
-        sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
-        stresslets.iter_mut().zip(by_heat).for_each(|(sum, s)| *sum += s);
+        for length in [1e-3, -1e-3] {
+            let mut moved = particles.clone();
+            moved.positions[sphere][axis] += length;
+            note_drift(&mut hydrodynamics, (&cell, &mut moved), (length, tolerance)).unwrap();
+            let (Motion { velocities, angular_velocities, .. }, by_heat) = drift(&mut moved);
+            let numbers = [velocities, angular_velocities].concat().into_iter().flat_map(|v| v.to_array());
+            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += 0.5 * number);
+            stresslets.iter_mut().zip(by_heat).for_each(|(sum, s)| *sum += s * 0.5);
+        }
     }
     (sums, stresslets)
 }
@@ -115,36 +118,35 @@ fn error(found: &[f64], exact: &[f64]) -> f64 {
     (square(&mut found.iter().zip(exact).map(|(a, b)| a - b)) / square(&mut exact.iter().copied())).sqrt()
 }
 
-/// Of velocities and of angular velocities, each over its own: 3 hundredths are allowed to the solve for the change.
-#[test]
-fn the_drift_is_the_divergence_of_the_mobility() {
-    for (name, lubrication, exact) in
-        [("far field", None, FAR), ("lubrication", Some(Range::new(2.5, Range::CLOSEST).unwrap()), LUBRICATED)]
-    {
-        let (found, _) = divergence(lubrication);
-        for kind in [0..9, 9..18] {
-            let error = error(&found[kind.clone()], &exact[kind.clone()]);
-            assert!(error < 0.03, "{name}, {kind:?}: {error}, {:?}", &found[kind.clone()]);
-        }
-    }
+/// Components in the orthonormal basis of the reference.
+fn along(s: &Traceless) -> [f64; 5] {
+    let ([xx, xy, xz, yy, yz], root) = (s.0, 2.0_f64.sqrt());
+    [-1.5_f64.sqrt() * (xx + yy), (xx - yy) / root, root * xy, root * xz, root * yz]
 }
 
-/// That of the stresslets by heat is minus that of the first moments.
+/// Velocities, angular velocities and, with lubrication, stresslets by heat, which are minus the divergence of first moments, each over
+/// their own size. The matrices with lubrication are known to half a hundredth, and their divergence to less. Without the change there
+/// would be nothing.
 #[test]
-fn stresslets_by_heat_are_the_divergence_of_those_of_forces() {
-    let (_, stresslets) = divergence(Some(Range::new(2.5, Range::CLOSEST).unwrap()));
-    let along = |s: &Traceless| {
-        let [xx, xy, xz, yy, yz] = s.0;
-        [
-            -1.5_f64.sqrt() * (xx + yy),
-            (xx - yy) / 2.0_f64.sqrt(),
-            2.0_f64.sqrt() * xy,
-            2.0_f64.sqrt() * xz,
-            2.0_f64.sqrt() * yz,
-        ]
-    };
-    let found: Vec<f64> = stresslets.iter().flat_map(along).collect();
-    let exact: Vec<f64> = MOMENTS.concat().into_iter().map(|moment| -moment).collect();
-    let error = error(&found, &exact);
-    assert!(error < 0.03, "{error}: {found:?}");
+fn drift_and_stress_by_heat_are_divergences() {
+    let (far, _) = divergence(None, 1e-3);
+    let (near, stresslets) = divergence(Some(Range::new(2.5, Range::CLOSEST).unwrap()), 1e-3);
+    let stresslets: Vec<f64> = stresslets.iter().flat_map(along).collect();
+    let minus_moments: Vec<f64> = MOMENTS.concat().into_iter().map(|moment| -moment).collect();
+    let errors = [
+        error(&far[..9], &FAR[..9]),
+        error(&far[9..], &FAR[9..]),
+        error(&near[..9], &LUBRICATED[..9]),
+        error(&near[9..], &LUBRICATED[9..]),
+        error(&stresslets, &minus_moments),
+    ];
+    assert!(errors.iter().all(|error| *error < 0.03), "{errors:?}");
+}
+
+/// The error that is allowed to the change in a step is that of the drift, more or less.
+#[test]
+fn rough_changes_are_as_exact_as_they_say() {
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let [rough, exact] = [CHANGE, 1e-3].map(|tolerance| divergence(lubrication, tolerance).0);
+    assert!(error(&rough[..9], &exact[..9]) < 2.0 * CHANGE && rough != exact);
 }
