@@ -4,8 +4,6 @@ mod drive;
 mod fluctuating;
 mod tethered;
 
-pub use fluctuating::AMBIENT_NUMBERS;
-
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::contacts::{self, Contacts, Measured};

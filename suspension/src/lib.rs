@@ -55,6 +55,7 @@ mod outline;
 mod overlaps;
 mod plan;
 mod poiseuille;
+mod random_motion;
 mod relative_motion;
 mod rheology;
 mod sampling;
@@ -79,9 +80,9 @@ pub use hydrodynamics::{
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use lubrication::Elasticity;
 pub use memory::Ranks;
-pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
+pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Attraction, Axis, Bonds, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics, Integrator,
+    Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics, Integrator,
     Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates,
     SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };

@@ -1,6 +1,6 @@
 //! What is observed of the stress of a sheared suspension.
 
-use crate::model::{Flow, Model, Multipoles};
+use crate::model::{BrownianScheme, Flow, Integrator, Model, Multipoles};
 use crate::stress::ParticleStress;
 use domain::Tensor;
 use simulation::Quantity;
@@ -30,13 +30,16 @@ impl Rheology {
         if rates.largest() == 0.0 {
             return None;
         }
-        let all: [(bool, Origin); 6] = [
-            (model.hydrodynamics.multipoles == Multipoles::Dipole, ("stress_stresslet", |s| s.stresslet)),
+        let is_rigid = model.hydrodynamics.multipoles == Multipoles::Dipole;
+        let has_heat = is_rigid && model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations);
+        let all: [(bool, Origin); 7] = [
+            (is_rigid, ("stress_stresslet", |s| s.stresslet)),
             (model.hydrodynamics.lubrication, ("stress_lubrication", |s| s.lubrication)),
             (model.repulsion.is_some(), ("stress_repulsion", |s| s.repulsion)),
             (model.attraction.is_some(), ("stress_attraction", |s| s.attraction)),
             (model.contacts.is_some(), ("stress_contact", |s| s.contact)),
             (!model.bonds.is_empty(), ("stress_bond", |s| s.bond)),
+            (has_heat, ("stress_brownian", |s| s.brownian)),
         ];
         let species = model.species.iter().map(|s| s.name.clone()).collect();
         let origins = all.into_iter().filter(|(present, _)| *present).map(|(_, origin)| origin).collect();

@@ -191,9 +191,9 @@ impl Suspension {
         *outcome = match integrator {
             Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
             Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
-            Integrator::Brownian => {
+            Integrator::Brownian(scheme) => {
                 let heat = heat.as_ref().expect("a model whose steps are Brownian has heat");
-                brownian::advance(particles, clock, heat, dynamics)?
+                brownian::advance(particles, clock, (heat, *scheme), dynamics)?
             }
             Integrator::AdamsBashforth { order } => {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?

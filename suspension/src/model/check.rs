@@ -32,7 +32,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
 
 /// Heat needs steps that know of it, and a box in which the images of a sphere move with the flow.
 fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
-    let is_brownian = p.integrator == Integrator::Brownian;
+    let is_brownian = matches!(p.integrator, Integrator::Brownian(_));
     let Some(energy) = p.thermal_energy else {
         let message = "is missing; time.integrator = \"brownian\" needs it";
         return if is_brownian { Err(ParameterError::new("fluid.thermal_energy", message)) } else { Ok(()) };

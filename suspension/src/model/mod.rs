@@ -22,7 +22,7 @@ pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Tensor, Vector};
 pub use extension::Extension;
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
-pub use integrator::{Adaptive, Integrator};
+pub use integrator::{Adaptive, BrownianScheme, Integrator};
 pub use rates::{Protocol, RateChange, ShearRates};
 pub use sizes::{SizeClass, SizeDistribution};
 use solver::BackgroundFlow;

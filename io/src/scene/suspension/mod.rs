@@ -13,8 +13,8 @@ pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Adaptive, Attraction, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start,
-    StatisticsWanted,
+    Adaptive, Attraction, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion,
+    Start, StatisticsWanted,
 };
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
@@ -240,6 +240,11 @@ fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> R
             }
         }
     }
+    if raw.brownian.is_some() && integrator != raw::Integrator::Brownian {
+        let message =
+            "is set, but only steps of \"brownian\", with fluid.thermal_energy, have a choice of it; leave it out";
+        return Err(Fault::new("time.brownian", message));
+    }
     if integrator == raw::Integrator::AdamsBashforth {
         return Ok(Integrator::AdamsBashforth { order: raw.order.unwrap_or(4) });
     }
@@ -248,7 +253,7 @@ fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> R
         return Err(Fault::new("time.order", message));
     }
     if integrator == raw::Integrator::Brownian {
-        return Ok(Integrator::Brownian);
+        return Ok(Integrator::Brownian(raw.brownian.map_or_else(BrownianScheme::default, Into::into)));
     }
     let usual = if with_contacts { Adaptive::UNLIMITED } else { Adaptive::default() };
     let control = Adaptive {

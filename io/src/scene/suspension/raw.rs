@@ -385,6 +385,7 @@ names! { Evaluation for suspension::Evaluation: Auto Direct Split }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Elasticity for suspension::Elasticity: Linear Hertz }
 names! { Axis for suspension::Axis: X Y Z }
+names! { BrownianScheme for suspension::BrownianScheme: Midpoint TwoEvaluations }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -398,6 +399,9 @@ pub(super) struct Time {
     /// Steps all alike, or each in as many parts as needed; "implicit" takes short-range forces at the end of a part, so that
     /// their stiffness does not limit it, and is the default with contacts; "brownian" is that with heat.
     pub(super) integrator: Option<Integrator>,
+    /// How a step of "brownian" has its drift: by one solve half a step on, "midpoint", which is the default, or by
+    /// "two-evaluations", for dense suspensions and for stresses.
+    pub(super) brownian: Option<BrownianScheme>,
     /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
     /// Error of a part of a step in any position, over the radius, for "adaptive" and "implicit".
