@@ -75,7 +75,7 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
         Integrator::AdamsBashforth { order } => {
             (AdamsBashforth::of_order(order).stable(), ", or time.integrator = \"implicit\"")
         }
-        Integrator::Brownian => (LONGEST_TETHERED, ""),
+        Integrator::Brownian(_) => (LONGEST_TETHERED, ""),
         Integrator::Adaptive(_) | Integrator::Implicit(_) => return None,
     };
     let most = |list: &mut dyn Iterator<Item = f64>| list.fold(0.0, f64::max);

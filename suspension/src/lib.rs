@@ -82,9 +82,9 @@ pub use lubrication::Elasticity;
 pub use memory::Ranks;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics, Integrator,
-    Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates,
-    SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
+    Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics,
+    Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion,
+    ShearRates, SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};

@@ -8,7 +8,10 @@ use crate::channel_flow::{FlowRefused, check_linear, check_pressure, poiseuille}
 use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
-use domain::{Boundaries, Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn, Vector};
+use domain::{
+    Boundaries, Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn,
+    Vector,
+};
 use fcm::{
     Costs, Drawn, Evaluation, Fixed, Loads, Motion, Multipoles, OutsideError, Plan, PlanError, Problem, SolveError,
     Stream, check_inside,

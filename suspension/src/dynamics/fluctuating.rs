@@ -22,10 +22,9 @@ impl Dynamics {
 
     /// The velocities of the fluid as it was drawn and of the background flow, as the first past ones.
     pub fn carry(&self, particles: &mut Particles) {
-        let places = particles.positions.iter().zip(&particles.radii);
-        let carried = ambient(particles).velocities.into_iter().zip(places);
-        let velocities: Vec<Vector> =
-            carried.map(|(v, (&x, &a))| v + self.moving.carried_velocity_of(x, a)).collect();
+        let drawn = ambient(particles).velocities;
+        let carried = drawn.into_iter().zip(particles.positions.iter().zip(&particles.radii));
+        let velocities: Vec<Vector> = carried.map(|(v, (&x, &a))| v + self.moving.carried_velocity_of(x, a)).collect();
         particles.vectors(PAST[0]).copy_from_slice(&velocities);
     }
 

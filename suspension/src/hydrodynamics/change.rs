@@ -90,7 +90,9 @@ impl Hydrodynamics {
         let (units, own) = (self.units, scaled::particles(particles, &self.units));
         let scaled_cell = cell.scaled(1.0 / units.length);
         let near = match &mut self.near {
-            Some(field) => NearPairs::find((field, None), &own, (&scaled_cell, (Traceless::ZERO, 0.0)), &self.partition),
+            Some(field) => {
+                NearPairs::find((field, None), &own, (&scaled_cell, (Traceless::ZERO, 0.0)), &self.partition)
+            }
             None => NearPairs::none(&own, &scaled_cell, &self.partition),
         };
         let (interrupt, comm) = (self.far.interrupt().clone(), self.partition.comm());

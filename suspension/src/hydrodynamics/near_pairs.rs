@@ -116,7 +116,15 @@ impl NearPairs {
     pub fn none(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [0.0; 2]);
         let (loads, moments) = (Screws::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
-        Self { halo, stiff: PairMatrix::default(), soft: PairMatrix::default(), at_walls: Vec::new(), loads, moments, has_traps: false }
+        Self {
+            halo,
+            stiff: PairMatrix::default(),
+            soft: PairMatrix::default(),
+            at_walls: Vec::new(),
+            loads,
+            moments,
+            has_traps: false,
+        }
     }
 
     /// Whether no particle of this rank is near another or a wall, or in a trap.

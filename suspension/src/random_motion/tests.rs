@@ -70,6 +70,8 @@ fn particles() -> Particles {
 fn hydrodynamics(cell: &PeriodicBox, lubrication: Option<Range>) -> Hydrodynamics {
     let problem = Problem {
         edges: cell.edges(),
+        boundaries: domain::Boundaries::Periodic,
+        contraction: 1.0,
         largest_strain: 0.2,
         radii: vec![(1.0, 2), (2.0, 1)],
         viscosity: 1.0,
