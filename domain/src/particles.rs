@@ -105,16 +105,17 @@ impl Particles {
         for (position, steps) in self.positions.iter_mut().zip(&mut self.steps) {
             let (wrapped, taken) = cell.wrap(*position);
             *position = wrapped;
-            *steps = std::array::from_fn(|i| steps[i] + taken[i]);
+            *steps = std::array::from_fn(|i| steps[i].wrapping_add(taken[i]));
         }
     }
 
     /// Updates the lattice steps after the lattice's vectors were replaced by others of the same lattice: `steps` now are
-    /// a matrix of whole numbers, row by row, times those before.
+    /// a matrix of whole numbers, row by row, times those before. Steps beyond the range of their type are counted modulo
+    /// `2^32`.
     pub fn relabel(&mut self, matrix: &[[i32; 3]; 3]) {
         for steps in &mut self.steps {
             let before = *steps;
-            *steps = matrix.map(|row| row.iter().zip(before).map(|(m, s)| m * s).sum());
+            *steps = matrix.map(|row| (0..3).fold(0, |sum: i32, k| sum.wrapping_add(row[k].wrapping_mul(before[k]))));
         }
     }
 

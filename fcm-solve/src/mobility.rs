@@ -11,7 +11,7 @@ use lubrication::Range;
 use solver::BackgroundFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use suspension::{Mobility, MobilityParameters, Motions, Overlaps};
+use suspension::{Drift, Mobility, MobilityParameters, Motions, Overlaps};
 
 /// What to evaluate.
 #[derive(clap::Args)]
@@ -43,13 +43,16 @@ A case for N particles:
               (then box may be left out: spheres are where they are)
   background  {\"velocity_gradient\": 3 x 3, G[i][j] = du_i/dx_j, between walls a shear of both;
               \"pressure_gradient\": dp/dx, dp/dy, dp/dz, between two walls}
-  noise       {\"draws\": n, \"seed\": s}: random motions whose covariance is the mobility, besides
+  noise       {\"draws\": n, \"seed\": s}: random motions whose covariance is the mobility, besides;
+              with \"drift\": true also random parts of the mean motion by heat
   strain      the box's Lees-Edwards strain: its second lattice vector is (strain Ly, Ly, 0)
 What is absent is zero. The answer has velocities and angular_velocities relative to the background
 flow at the centres, strain_rates of the disturbance flow, stresslets (with lubrication the whole
 hydrodynamic ones, and stresslets_far, the far field's part), iterations, residual, seconds and plan;
 noise_velocities and noise_angular_velocities, draws x N x 3, are what heat does to the particles in a
-time dt at kT = dt/2, noise_strain_rates those of the fluid, of particles that are not rigid.";
+time dt at kT = dt/2, noise_strain_rates those of the fluid, of particles that are not rigid; the mean
+of drift_velocities, drift_angular_velocities and drift_stresslets over many draws is what heat does to
+them in the mean, at kT = 1.";
 
 /// Evaluates the case. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
@@ -76,7 +79,9 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     let start = Instant::now();
     let motions = mobility.apply(&loads(case), &background)?;
     let seconds = start.elapsed().as_secs_f64();
-    let noise = case.noise.map(|Noise { draws, seed }| mobility.noise(seed, 0..draws)).transpose()?;
+    let noise = case.noise.map(|Noise { draws, seed, .. }| mobility.noise(seed, 0..draws)).transpose()?;
+    let drifting = case.noise.filter(|noise| noise.drift);
+    let drift = drifting.map(|Noise { draws, seed, .. }| mobility.drift(seed, 0..draws)).transpose()?;
     if let Some(clipped) =
         noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&c| c > Drawn::NEGLIGIBLE && comm.is_first())
     {
@@ -88,6 +93,9 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     let mut answer = comm.is_first().then(|| answer(&motions, case, mobility.plan(), seconds));
     if let (Some(answer), Some((motions, _))) = (&mut answer, noise) {
         add_noise(answer, &motions, case);
+    }
+    if let (Some(answer), Some(drift)) = (&mut answer, drift) {
+        add_drift(answer, &drift);
     }
     comm.agree(answer.as_ref().map_or(Ok(()), finite).map_err(|e| in_full(&e)))?;
     Ok(answer)
@@ -111,7 +119,8 @@ fn cautions(overlaps: Option<Overlaps>, mobility: &Mobility) -> Vec<String> {
 /// Bytes of the numbers of the case and of the answer, 32 of a particle and those of random motions, as they are and as
 /// text of about 20 characters each.
 fn text_bytes(case: &Case) -> Bytes {
-    let noise = case.noise.map_or(0.0, |noise| noise.draws as f64) * NOISE_NUMBERS as f64;
+    let kinds = |noise: Noise| if noise.drift { 2.0 } else { 1.0 };
+    let noise = case.noise.map_or(0.0, |noise| kinds(noise) * noise.draws as f64) * NOISE_NUMBERS as f64;
     Bytes::keep((8.0 + 20.0) * (32.0 + 2.0 * noise) * case.positions.len() as f64)
 }
 
@@ -168,6 +177,16 @@ fn add_noise(answer: &mut Answer, motions: &[Motion], case: &Case) {
     answer.noise_angular_velocities = dipoles.then(|| each(&|motion| motion.angular_velocities.clone()));
     answer.noise_strain_rates = (dipoles && !case.rigid)
         .then(|| motions.iter().map(|motion| motion.strain_rates.iter().map(|tensor| tensor.0).collect()).collect());
+}
+
+fn add_drift(answer: &mut Answer, drift: &[Drift]) {
+    let vectors = |of: &dyn Fn(&Drift) -> &[Vector]| {
+        Some(drift.iter().map(|drift| of(drift).iter().map(Vector::to_array).collect()).collect())
+    };
+    answer.drift_velocities = vectors(&|drift| &drift.velocities);
+    answer.drift_angular_velocities = vectors(&|drift| &drift.angular_velocities);
+    let stresslets = |drift: &Drift| drift.stresslets.iter().map(|tensor| tensor.0).collect();
+    answer.drift_stresslets = Some(drift.iter().map(stresslets).collect());
 }
 
 /// Refuses an answer that is beyond the numbers of the machine.

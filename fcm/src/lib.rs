@@ -15,6 +15,7 @@
 //! let plan = Plan::choose(&Problem {
 //!     edges: Vector::splat(edge),
 //!     boundaries: Boundaries::Periodic,
+//!     contraction: 1.0,
 //!     largest_strain: 0.0,
 //!     radii: vec![(radius, 1)],
 //!     viscosity,

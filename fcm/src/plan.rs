@@ -70,12 +70,14 @@ impl From<solver::GridError> for PlanError {
 /// How an evaluation is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Edges of the box.
+    /// Edges of the box; the longest that will be met, where they change.
     pub edges: Vector,
     /// What lies at its faces.
     pub boundaries: Boundaries,
     /// Lengths after which the grid repeats: the edges, or longer along axes that do not repeat.
     pub period: Vector,
+    /// The part of each of these edges that will be left at least.
+    pub contraction: f64,
     /// Distinct radii, in ascending order.
     pub radii: Vec<f64>,
     /// Viscosity of the fluid.
@@ -125,6 +127,7 @@ impl Plan {
         let problem = Problem {
             edges: self.edges,
             boundaries: self.boundaries,
+            contraction: self.contraction,
             largest_strain: strain.abs(),
             radii: self.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: self.viscosity,

@@ -260,6 +260,7 @@ impl Problem {
             edges: self.edges,
             boundaries: self.boundaries,
             period,
+            contraction: self.contraction,
             radii: self.radii.iter().map(|r| r.0).collect(),
             viscosity: self.viscosity,
             multipoles: self.multipoles,
@@ -294,7 +295,8 @@ impl Problem {
             };
         }
         let reach = 0.5 * needed as f64 / candidate.accuracy.resolution * widest;
-        let needed = |h: f64| ((2.0 * reach / h - 1e-9).ceil() as usize).min(Grid::MOST);
+        // Where edges shrink, the grid does.
+        let needed = |h: f64| ((2.0 * reach / (h * self.contraction) - 1e-9).ceil() as usize).min(Grid::MOST);
         let points = |h: f64| self.fixed.support.unwrap_or_else(|| needed(h));
         let reach = self.fixed.support.map_or(reach, |points| 0.5 * points as f64 * spacing.max_element());
         Support {

@@ -48,10 +48,12 @@ pub enum Multipoles {
 /// What is to be evaluated, and what the user fixed of how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// Edges of the box.
+    /// Edges of the box; the longest that will be met, where they change.
     pub edges: Vector,
     /// What lies at its faces.
     pub boundaries: Boundaries,
+    /// The part of each of these edges that will be left at least: 1 where they do not change.
+    pub contraction: f64,
     /// Largest strain of the box that will be met.
     pub largest_strain: f64,
     /// Radius and number of each kind of particle; radii may repeat.

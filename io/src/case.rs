@@ -64,9 +64,12 @@ pub struct Noise {
     pub draws: u64,
     /// Where random numbers start.
     pub seed: u64,
+    /// Whether random parts of the drift are wanted besides, of rigid particles.
+    #[serde(default)]
+    pub drift: bool,
 }
 
-/// Random motions of one draw come as this many numbers of a particle, at most.
+/// Random motions of one draw come as this many numbers of a particle, at most, and so does the drift.
 pub const NOISE_NUMBERS: usize = 11;
 
 /// A number for all particles, or one for each.
@@ -139,6 +142,15 @@ pub struct Answer {
     /// Random rates of strain (xx, xy, xz, yy, yz), of particles that are not rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_strain_rates: Option<Vec<Vec<[f64; 5]>>>,
+    /// Random parts of the drift at a thermal energy of 1, velocities, one list for each draw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drift_velocities: Option<Vec<Vec<[f64; 3]>>>,
+    /// Angular velocities.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drift_angular_velocities: Option<Vec<Vec<[f64; 3]>>>,
+    /// Stresslets (xx, xy, xz, yy, yz) that go with it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drift_stresslets: Option<Vec<Vec<[f64; 5]>>>,
     /// Iterations for the stresslets and for lubrication.
     pub iterations: usize,
     /// Their relative residual.
@@ -244,6 +256,12 @@ impl Case {
         if self.noise.is_some_and(|noise| noise.draws == 0 || noise.draws > MOST_DRAWS) {
             return Err(format!("noise.draws needs to be 1 to {MOST_DRAWS}"));
         }
+        let is_rigid = self.rigid && self.multipoles == Terms::Dipole;
+        if self.noise.is_some_and(|noise| noise.drift) && !is_rigid {
+            return Err("noise.drift is true, but only rigid particles drift; set rigid to true and multipoles to \"dipole\", or \
+                        noise.drift to false"
+                .to_owned());
+        }
         if self.multipoles == Terms::Monopole {
             let twisted = self.torques.iter().flatten().any(|&t| t != 0.0);
             if twisted || given(&self.stresslets) {
@@ -294,6 +312,9 @@ impl Answer {
         draws(file, "noise_velocities", self.noise_velocities.as_deref())?;
         draws(file, "noise_angular_velocities", self.noise_angular_velocities.as_deref())?;
         draws(file, "noise_strain_rates", self.noise_strain_rates.as_deref())?;
+        draws(file, "drift_velocities", self.drift_velocities.as_deref())?;
+        draws(file, "drift_angular_velocities", self.drift_angular_velocities.as_deref())?;
+        draws(file, "drift_stresslets", self.drift_stresslets.as_deref())?;
         file.new_dataset::<u64>().create("iterations")?.write_scalar(&(self.iterations as u64))?;
         file.new_dataset::<f64>().create("residual")?.write_scalar(&self.residual)?;
         file.new_dataset::<f64>().create("seconds")?.write_scalar(&self.seconds)?;
@@ -429,6 +450,8 @@ mod tests {
         assert!(message(r#", "lubrication": true, "lubrication_cutoff": 9.0"#).contains("<= 8"));
         assert!(message(r#", "noise": {"draws": 0, "seed": 1}"#).contains("noise.draws needs to be 1 to"));
         assert!(message(r#", "noise": {"draws": 2}"#).contains("missing field `seed`"));
+        let drift = r#", "rigid": false, "noise": {"draws": 2, "seed": 1, "drift": true}"#;
+        assert!(message(drift).contains("noise.drift is true, but only rigid particles drift"));
         assert!(message(r#", "multipoles": "quadrupole""#).contains("unknown variant"));
         assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `box`"));
         assert!(

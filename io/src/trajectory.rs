@@ -98,11 +98,13 @@ impl Trajectory {
     /// Adds a frame of particles that are on many ranks.
     pub(crate) fn append_for(&mut self, clock: (u64, f64), rows: &ById, cell: &PeriodicBox) -> Result<(), FileError> {
         let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
+        // A lattice is told by its vectors alone.
+        let strain = if cell.axes().is_none() { cell.strain() } else { 0.0 };
         let mut values = vec![
             Added::InBlocks(Box::new(|each| rows.positions(|x| each(&bytemuck::cast_slice::<_, f64>(x).into())))),
             Added::InBlocks(Box::new(|each| rows.steps(|steps| each(&steps.as_flattened().into())))),
             Added::Whole(lattice.as_flattened().into()),
-            Added::Whole(cell.strain().into()),
+            Added::Whole(strain.into()),
         ];
         for element in &self.elements[values.len()..] {
             let is_its =

@@ -2,7 +2,7 @@
 
 use crate::frames::Sums;
 use crate::{FileError, Provenance, checksum, claimed_size};
-use domain::{Column, Particles, PeriodicBox, Vector};
+use domain::{BoxError, Column, Particles, PeriodicBox, Vector};
 use hdf5::types::FixedAscii;
 use hdf5::{File, Group, H5Type, Hyperslab};
 use simulation::Frame;
@@ -110,11 +110,11 @@ impl TrajectoryReader {
         }
         let edges: Vec<f64> = self.value("box/edges", frame)?;
         let strains: Vec<f64> = claimed_size::read(&self.group, "box/strain/value")?;
-        let [xx, _, _, _, yy, _, _, _, zz] = edges[..] else {
-            return Err(format!("its box/edges have {} numbers a frame instead of 9", edges.len()).into());
-        };
+        let vectors: [f64; 9] = edges
+            .try_into()
+            .map_err(|edges: Vec<f64>| format!("its box/edges have {} numbers a frame instead of 9", edges.len()))?;
         let strain = *strains.get(frame).ok_or_else(|| format!("its box/strain has {} frames", strains.len()))?;
-        let cell = PeriodicBox::sheared(Vector::new(xx, yy, zz), strain);
+        let cell = cell(&vectors, strain);
         let mut particles = self.fixed.clone();
         let positions: Vec<f64> = self.value("position", frame)?;
         particles.positions = positions.chunks_exact(3).map(Vector::from_slice).collect();
@@ -135,6 +135,14 @@ impl TrajectoryReader {
         let slice = Hyperslab::from((frame, .., ..));
         let dataset = claimed_size::dataset(&self.group, &format!("{name}/value"))?;
         Ok(dataset.read_slice_2d::<T, _>(slice)?.into_raw_vec_and_offset().0)
+    }
+}
+
+/// The box of lattice vectors, one after the other, which is at a strain if it is a sheared one.
+fn cell(vectors: &[f64; 9], strain: f64) -> Result<PeriodicBox, BoxError> {
+    match *vectors {
+        [xx, 0.0, 0.0, _, yy, 0.0, 0.0, 0.0, zz] => PeriodicBox::sheared(Vector::new(xx, yy, zz), strain),
+        _ => PeriodicBox::of_lattice([0, 3, 6].map(|first| Vector::from_slice(&vectors[first..]))),
     }
 }
 
@@ -198,6 +206,18 @@ mod tests {
         };
         assert_ne!(changed(|file| short(file, "particles/all/box/edges/value")), "");
         assert_ne!(changed(|file| file.dataset("particles/all/box/strain/value")?.resize((0,))), "");
+    }
+
+    #[test]
+    fn lattices_are_told_by_their_vectors() {
+        let vectors = [[2.0, 1.0, 0.0], [-1.0, 2.5, 0.0], [0.0, 0.0, 4.0]];
+        let found = cell(&vectors.concat().try_into().unwrap(), 0.0).unwrap();
+        for (found, given) in found.lattice_vectors().iter().zip(vectors) {
+            assert!((*found - Vector::from_array(given)).length() < 1e-14, "{found} is not {given:?}");
+        }
+        let sheared = PeriodicBox::sheared(Vector::new(3.0, 4.0, 5.0), 0.3).unwrap();
+        let written = sheared.lattice_vectors().map(|vector| vector.to_array()).concat();
+        assert_eq!(cell(&written.try_into().unwrap(), 0.3).unwrap(), sheared);
     }
 
     #[test]

@@ -14,7 +14,7 @@ os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 
 from ._core import __version__  # noqa: E402
 from ._errors import Caution, Error, InputError  # noqa: E402
-from .mobility import Mobility, Motion, Noise, Plan  # noqa: E402
+from .mobility import Drift, Mobility, Motion, Noise, Plan  # noqa: E402
 from .pages import report, show  # noqa: E402
 from .results import Run, open  # noqa: A004, E402
 from .scene import Scene  # noqa: E402
@@ -22,6 +22,7 @@ from .simulation import Simulation  # noqa: E402
 
 __all__ = [
     "Caution",
+    "Drift",
     "Error",
     "InputError",
     "Mobility",

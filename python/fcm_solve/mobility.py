@@ -67,6 +67,21 @@ class Noise:
 
 
 @dataclass(frozen=True)
+class Drift:
+    """Random parts of what heat does to N rigid spheres in the mean, at kT = 1: the mean over many draws is the drift.
+
+    With a communicator the first rank has them; the arrays of the others are empty.
+    """
+
+    velocities: np.ndarray
+    """(draws, N, 3): their mean is the divergence of the mobility from forces to velocities"""
+    angular_velocities: np.ndarray
+    """(draws, N, 3): that of the mobility from forces to angular velocities"""
+    stresslets: np.ndarray
+    """(draws, N, 5): xx, xy, xz, yy, yz; the Brownian stresslets, those of the divergence of what forces cause"""
+
+
+@dataclass(frozen=True)
 class Plan:
     """How a mobility is computed."""
 
@@ -218,16 +233,28 @@ class Mobility:
         Times sqrt(2 kT/dt) they are velocities whose displacements over dt have the variance 2 kT M dt; the mean drift,
         kT div M, is not in them.
         """
-        if self._positions is None:
-            raise ValueError("the spheres have no positions yet: set .positions")
-        for name, number, least in (("draws", draws, 1), ("seed", seed, 0), ("first", first, 0)):
-            if not least <= number < 2**63:
-                raise ValueError(f"{name} is {number}; it needs to be a whole number from {least} on")
+        self._check_draws(draws, seed, first)
         motions, clipped = self._core.noise(int(draws), int(seed), int(first))
         if clipped > 1e-3:
             self._say(f"{clipped:.1e} of the near field's weight is negative, as where spheres overlap, and left out")
         count = len(self._radii) if self._core.is_first else 0
         return Noise(*(np.reshape(motion, (int(draws), count, motion.shape[-1])) for motion in motions))
+
+    def drift(self, draws: int, seed: int, first: int = 0) -> Drift:
+        """Random parts of the drift kT div M that goes with `noise` of the same arguments, at kT = 1. Of rigid spheres."""
+        self._check_draws(draws, seed, first)
+        if not (self._rigid and self._dipoles):
+            raise ValueError("only rigid spheres drift: leave out rigid=False and multipoles=\"monopole\"")
+        parts = self._core.drift(int(draws), int(seed), int(first))
+        count = len(self._radii) if self._core.is_first else 0
+        return Drift(*(np.reshape(part, (int(draws), count, part.shape[-1])) for part in parts))
+
+    def _check_draws(self, draws: int, seed: int, first: int) -> None:
+        if self._positions is None:
+            raise ValueError("the spheres have no positions yet: set .positions")
+        for name, number, least in (("draws", draws, 1), ("seed", seed, 0), ("first", first, 0)):
+            if not least <= number < 2**63:
+                raise ValueError(f"{name} is {number}; it needs to be a whole number from {least} on")
 
     def linear_operator(self, loads: str, motions: str) -> LinearOperator:
         """The part of the mobility from `loads` to `motions` as a scipy LinearOperator.

@@ -26,7 +26,7 @@ pub struct Mobility {
 /// Velocities, angular velocities, strain rates, stresslets, far stresslets, iterations, residual.
 type Answer<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, usize, f64);
 
-/// Velocities, angular velocities, strain rates.
+/// Velocities, angular velocities, strain rates or stresslets.
 type Random<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
 /// Edges in one row or lattice vectors in three, and what the box is along each axis.
@@ -123,6 +123,22 @@ impl Mobility {
         let random =
             (rows_of(py, all.velocities)?, rows_of(py, all.angular_velocities)?, rows_of(py, all.strain_rates)?);
         Ok((random, drawn.clipped))
+    }
+
+    /// Random parts of the drift of so many draws from a number on: velocities, angular velocities and stresslets, draw after draw.
+    #[pyo3(signature = (draws, seed, first))]
+    fn drift<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<Random<'py>> {
+        let drawn = self.planned.with(py, |mobility| mobility.drift(seed, first..first + draws))?;
+        if let Some(raised) = self.signals.take() {
+            return Err(raised);
+        }
+        let (mut velocities, mut angular_velocities, mut stresslets) = (Vec::new(), Vec::new(), Vec::new());
+        for drift in drawn.map_err(|cause| failed(&cause))? {
+            velocities.extend(drift.velocities);
+            angular_velocities.extend(drift.angular_velocities);
+            stresslets.extend(drift.stresslets);
+        }
+        Ok((rows_of(py, velocities)?, rows_of(py, angular_velocities)?, rows_of(py, stresslets)?))
     }
 
     /// Whether this is the first rank, which has all arrays.

@@ -81,6 +81,17 @@ def test_noise_is_that_of_the_program_and_has_the_covariance_of_the_mobility(pro
         made.noise(0, 1)
 
 
+def test_the_drift_is_that_of_the_program(program, tmp_path):
+    answer = asked(program, tmp_path, 1e-3, noise={"draws": 2, "seed": 8, "drift": True}, lubrication=True)
+    drift = mobility(lubrication=True).drift(2, 8)
+    for name in ("velocities", "angular_velocities", "stresslets"):
+        assert np.array_equal(getattr(drift, name), answer[f"drift_{name}"]), name
+    with pytest.raises(fcm.Error, match="fewer draws at a time"):
+        mobility().noise(2**50, 8)
+    with pytest.raises(ValueError, match="only rigid spheres drift"):
+        mobility(rigid=False).drift(1, 8)
+
+
 def test_spheres_that_are_not_rigid_and_points_are_those_of_the_program(program, tmp_path):
     answer = asked(program, tmp_path, 1e-3, rigid=False, stresslets=STRESSLETS.tolist())
     assert np.array_equal(mobility(rigid=False)(stresslets=STRESSLETS).strain_rates, answer["strain_rates"])

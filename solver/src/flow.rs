@@ -33,6 +33,11 @@ impl BackgroundFlow {
         Self { gradient: Tensor::from_cols(Vector::ZERO, Vector::ZERO, Vector::new(rate, 0.0, 0.0)) }
     }
 
+    /// A flow that stretches along the axes, `u = (a x, b y, -(a + b) z)`, at rates `a` along x and `b` along y.
+    pub fn stretching([a, b]: [f64; 2]) -> Self {
+        Self { gradient: Tensor::from_diagonal(Vector::new(a, b, -(a + b))) }
+    }
+
     /// The flow of a velocity gradient; component `ij` of a tensor is `gradient.col(j)[i]`.
     pub fn with_gradient(gradient: Tensor) -> Result<Self, FlowError> {
         let trace = gradient.x_axis.x + gradient.y_axis.y + gradient.z_axis.z;
@@ -91,6 +96,14 @@ mod tests {
         let x = Vector::new(0.4, -1.2, 2.3);
         let sum = flow.angular_velocity().cross(x) + flow.strain_rate().tensor() * x;
         assert!((sum - flow.velocity(x)).length() < 1e-15);
+    }
+
+    #[test]
+    fn stretching_is_strain_alone() {
+        let flow = BackgroundFlow::stretching([2.0, -0.5]);
+        assert_eq!(flow.velocity(Vector::new(1.0, 2.0, 4.0)), Vector::new(2.0, -1.0, -6.0));
+        assert_eq!(flow.angular_velocity(), Vector::ZERO);
+        assert_eq!(BackgroundFlow::with_gradient(flow.gradient()), Ok(flow));
     }
 
     #[test]

@@ -89,7 +89,7 @@ impl Substep<'_> {
             let step = share(rest, longest);
             let both = [weights(self.ages, step), lower_weights(self.ages, step)];
             let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.closest(), self.control.tolerance]);
-            let gaps = approach.sheared_by(dynamics.moving_box().carry(step, [0.0; 3])).after(both, least, comm);
+            let gaps = approach.carried_by(dynamics.moving_box().carry(step, [0.0; 3])).after(both, least, comm);
             let difference = std::array::from_fn(|k| both[0][k] - both[1][k]);
             let error = largest_displacement(self.particles, (USED, difference), comm) / self.control.tolerance;
             let error = error.max(gaps.error / (GAP_ERROR * self.control.gap_fraction));

@@ -1,7 +1,7 @@
 //! Statistics in the course of a run.
 
 use crate::Suspension;
-use crate::model::{Model, Statistics as Wanted};
+use crate::model::{Flow, Model, Statistics as Wanted};
 use crate::sampling::{COLUMNS, Sample, Statistics};
 use crate::stress::ParticleStress;
 use domain::Particles;
@@ -14,6 +14,7 @@ pub struct Averages {
     from: f64,
     /// Species and viscosity, where the stress is a part of the statistics.
     sheared: Option<(usize, f64)>,
+    flow: Flow,
     statistics: Statistics,
 }
 
@@ -22,7 +23,7 @@ impl Averages {
     pub fn new(model: &Model, wanted: Wanted, frame: &Particles) -> Self {
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
         let statistics = Statistics::new(model, wanted, frame);
-        Self { samples: wanted.samples, from: wanted.from, sheared, statistics }
+        Self { samples: wanted.samples, from: wanted.from, sheared, flow: model.flow, statistics }
     }
 
     /// Takes a sample if it is time for one. Collective.
@@ -32,7 +33,8 @@ impl Averages {
             let particles = suspension.gathered(Some(&COLUMNS));
             let [rate, _] = suspension.shear();
             let shear_stress = self.sheared.map(|(species, viscosity)| {
-                viscosity * rate + ParticleStress::sum(&suspension.stress(species)).y_axis.x
+                let total = ParticleStress::sum(&suspension.stress(species));
+                viscosity * rate + self.flow.driving_stress(&total, suspension.cell().gradient_axis())
             });
             if suspension.comm().is_first() {
                 let (time, cell, particles) = (clock.time(), suspension.cell(), &particles);

@@ -33,7 +33,7 @@ const LONGEST_STRAIN: f64 = 0.01;
 
 /// Contacts stick and slide for a step at a time.
 fn long_steps(model: &Model) -> Option<String> {
-    let rate = model.shear_rates().largest();
+    let rate = model.flow.as_shear(model.shear_rates().largest());
     let strain = rate * model.time_step;
     let (step, limit) = (Number(model.time_step), Number(LONGEST_STRAIN / rate));
     let is_given = model.shear_rates().stress().is_none();
@@ -75,7 +75,7 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
         Integrator::AdamsBashforth { order } => {
             (AdamsBashforth::of_order(order).stable(), ", or time.integrator = \"implicit\"")
         }
-        Integrator::Brownian => (LONGEST_TETHERED, ""),
+        Integrator::Brownian(_) => (LONGEST_TETHERED, ""),
         Integrator::Adaptive(_) | Integrator::Implicit(_) => return None,
     };
     let most = |list: &mut dyn Iterator<Item = f64>| list.fold(0.0, f64::max);

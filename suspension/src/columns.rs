@@ -8,3 +8,6 @@ pub const STRESSLET: &str = "stresslet";
 
 /// The column of angular velocities.
 pub const ANGULAR_VELOCITY: &str = "angular_velocity";
+
+/// The column of stresslets by heat of the last step, where they are told apart from random ones.
+pub const BROWNIAN: &str = "brownian stresslet";

@@ -4,8 +4,6 @@ mod drive;
 mod fluctuating;
 mod tethered;
 
-pub use fluctuating::AMBIENT_NUMBERS;
-
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::contacts::{self, Contacts, Measured};
@@ -154,8 +152,9 @@ impl Dynamics {
             substeps::forget(particles);
             self.warm_start.forget(particles);
             self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;
+        } else {
+            self.add_reference(particles, -1.0);
         }
-        self.add_reference(particles, -1.0);
         Ok(())
     }
 
@@ -171,7 +170,7 @@ impl Dynamics {
     pub fn evaluate_now(&mut self, particles: &mut Particles, clock: &Clock) -> Result<Outcome, StepError> {
         let now = Moment::in_step(clock, 0.0, self.steps_before(clock));
         let outcome = self.evaluate(particles, &now)?;
-        let rate = self.moving.shear_rate();
+        let rate = self.moving.rate();
         if let Some(driven) = self.moving.driven() {
             driven.start_from(rate);
         }
@@ -411,7 +410,7 @@ impl Dynamics {
         let mut sums = self.forces.sums_along_walls(particles);
         self.partition.comm().sum(&mut sums);
         let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
-        let flow = [self.viscosity * self.moving.shear_rate(), 0.0];
+        let flow = [self.viscosity * self.moving.rate(), 0.0];
         let height = cell.edges().z;
         let driven =
             self.moving.profile().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));

@@ -171,7 +171,7 @@ fn choose(
         let is_smooth = control.tolerance.is_finite();
         let length = Length { ages: ages.to_vec(), step: share(rest, longest), is_smooth };
         let least = dynamics.least_gaps(control.tolerance);
-        let sheared = approach.sheared_by(dynamics.moving_box().carry(length.step, length.expected()));
+        let sheared = approach.carried_by(dynamics.moving_box().carry(length.step, length.expected()));
         let change = sheared.after([length.expected(), [0.0; 3]], least, comm);
         if length.step < SHORTEST * clock.dt() {
             return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });
@@ -189,7 +189,7 @@ fn expect(particles: &mut Particles, length: &Length, dynamics: &mut Dynamics) {
     let expected = combined(particles, [VELOCITY, PAST[0]], length.extrapolation());
     particles.vectors(EXPECTED).copy_from_slice(&expected);
     let mut approach = dynamics.approach(particles, USED);
-    let sheared = approach.sheared_by(dynamics.moving_box().carry(length.step, length.expected()));
+    let sheared = approach.carried_by(dynamics.moving_box().carry(length.step, length.expected()));
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
     move_by(particles, USED, length.expected());
     displace(particles, &apart);
@@ -207,7 +207,7 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let difference = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
     let error = share * largest_displacement(particles, difference, comm) / control.tolerance;
     let mut approach = dynamics.approach(particles, columns);
-    let sheared = approach.sheared_by(missing);
+    let sheared = approach.carried_by(dynamics.moving_box().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
     let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
     move_by(particles, columns, weights);

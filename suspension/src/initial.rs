@@ -89,7 +89,7 @@ fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64))
     let corners = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
     let site = |corner: [usize; 3]| {
         let corner = Vector::from_array(corner.map(|c| c as f64));
-        basis.iter().map(move |&b| (corner + Vector::from_array(b)) / cells * edges)
+        basis.iter().map(move |&b| cell.at((corner + Vector::from_array(b)) / cells * edges))
     };
     let sites: Vec<Vector> = corners.flat_map(site).collect();
     let mut chosen: Vec<usize> = (0..sites.len()).collect();

@@ -55,6 +55,7 @@ mod outline;
 mod overlaps;
 mod plan;
 mod poiseuille;
+mod random_motion;
 mod relative_motion;
 mod rheology;
 mod sampling;
@@ -63,6 +64,7 @@ mod single_evaluation;
 mod steadiness;
 mod step_error;
 mod stress;
+mod stretching;
 mod substeps;
 mod suspension;
 mod tethers;
@@ -78,11 +80,11 @@ pub use hydrodynamics::{
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use lubrication::Elasticity;
 pub use memory::Ranks;
-pub use mobility::{Mobility, MobilityError, MobilityParameters, Motions};
+pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
-    Adaptive, Attraction, Axis, Bonds, Centres, Contacts, Evaluation, Flow, Hydrodynamics, Integrator, Lattice,
-    MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass,
-    SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
+    Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics,
+    Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion,
+    ShearRates, SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};

@@ -7,12 +7,12 @@ use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::contacts::{CONTACT_NUMBERS, most_contacts};
 use crate::driven::DRIVEN_NUMBERS;
-use crate::dynamics::AMBIENT_NUMBERS;
 use crate::forces::SurfaceForces;
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
 use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
-use crate::model::{Integrator, Model, Multipoles, Species, Start};
+use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
 use crate::plan::{Radii, largest_strain};
+use crate::random_motion::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use crate::sampling;
 use crate::tethers::TRAP_NUMBERS;
 use crate::warm_start::WarmStart;
@@ -172,7 +172,7 @@ impl Share<'_> {
     fn numbers(&self) -> usize {
         let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
         let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
-        let velocities = velocities + if self.is_brownian() { AMBIENT_NUMBERS } else { 0 };
+        let velocities = velocities + self.random_numbers();
         let velocities =
             velocities + self.model.bond_numbers() + if self.model.traps.is_empty() { 0 } else { TRAP_NUMBERS };
         if self.is_rigid() {
@@ -210,6 +210,15 @@ impl Share<'_> {
     fn step(&self) -> Bytes {
         let copies = if self.is_implicit() { 2.0 } else { 1.0 };
         Particles::bytes(copies * self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
+    }
+
+    /// Numbers of a particle's random motions.
+    fn random_numbers(&self) -> usize {
+        match self.model.integrator {
+            Integrator::Brownian(BrownianScheme::Midpoint) => AMBIENT_NUMBERS,
+            Integrator::Brownian(BrownianScheme::TwoEvaluations) => AMBIENT_NUMBERS + RANDOM_NUMBERS,
+            _ => 0,
+        }
     }
 
     fn is_brownian(&self) -> bool {

@@ -1,10 +1,17 @@
 //! The mobility of spheres at given positions: loads to motions.
 
+mod drift;
+
+pub use drift::Drift;
+
 use crate::channel_flow::{FlowRefused, check_linear, check_pressure, poiseuille};
 use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
-use domain::{Boundaries, Bytes, Comm, Failure, Interrupt, Particles, Partition, PeriodicBox, Traceless, Turn, Vector};
+use domain::{
+    Boundaries, Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn,
+    Vector,
+};
 use fcm::{
     Costs, Drawn, Evaluation, Fixed, Loads, Motion, Multipoles, OutsideError, Plan, PlanError, Problem, SolveError,
     Stream, check_inside,
@@ -196,14 +203,13 @@ impl Mobility {
     /// the same motion, on any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid,
     /// else none.
     pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
-        if self.parameters.cell.boundaries() != Boundaries::Periodic {
-            return Err(MobilityError::Noise);
-        }
+        self.check_draws(&draws)?;
         let (cell, mut worst) = (self.parameters.cell, Drawn::default());
         let mut motions = Vec::new();
         let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
         let tolerance = ROOT * self.parameters.tolerance;
         for draw in draws {
+            self.unless_interrupted()?;
             let mut particles = self.placed(&Loads::default());
             let stream = Stream::new(seed, draw);
             let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, (tolerance, stream));
@@ -212,11 +218,7 @@ impl Mobility {
             let mut motion = ambient.clone();
             if is_rigid {
                 let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
-                let guess = Guess {
-                    induced_velocities: ambient.velocities.clone(),
-                    induced_angular_velocities: ambient.angular_velocities.clone(),
-                    ..Guess::default()
-                };
+                let guess = Guess::induced_by(&ambient);
                 let acting = Acting {
                     loads: &loads,
                     strain_rate: Traceless::ZERO,
@@ -231,6 +233,25 @@ impl Mobility {
             motions.push(moved(&mut particles.gathered(&self.partition)));
         }
         Ok((motions, worst))
+    }
+
+    /// Refuses draws in a box that does not repeat along all axes, and those for whose motions there is no memory, as they are and as
+    /// the caller has them. Collective.
+    fn check_draws(&self, draws: &std::ops::Range<u64>) -> Result<(), MobilityError> {
+        if self.parameters.cell.boundaries() != Boundaries::Periodic {
+            return Err(MobilityError::Noise);
+        }
+        let numbers = DRAWN_NUMBERS * draws.end.saturating_sub(draws.start) as f64 * self.parameters.radii.len() as f64;
+        let (plan, radii, lubrication) = (&self.plan, self.problem.radii.clone(), self.parameters.lubrication);
+        let (numbers, besides) = (NUMBERS, Bytes::keep(2.0 * 8.0 * numbers));
+        let evaluation = SingleEvaluation { plan, radii, lubrication, numbers, besides, remedy: FEWER_DRAWS };
+        Ok(evaluation.check_memory(self.partition.comm())?)
+    }
+
+    /// An error where some rank is asked to stop. Collective.
+    fn unless_interrupted(&self) -> Result<(), MobilityError> {
+        let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
+        if is_requested { Err(SolveError::from(Interrupted).into()) } else { Ok(()) }
     }
 
     /// The particles, with their loads, on the ranks that own them.
@@ -323,6 +344,12 @@ const ROOT: f64 = 0.3;
 /// What to change where it takes too much memory.
 const REMEDY: &str = "fewer positions, a larger tolerance";
 
+/// The same where draws do.
+const FEWER_DRAWS: &str = "fewer draws at a time, fewer positions";
+
+/// Numbers of a particle in one draw.
+const DRAWN_NUMBERS: f64 = 11.0;
+
 /// Numbers of a particle in columns, about.
 const NUMBERS: usize = 32;
 
@@ -330,6 +357,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
     Problem {
         edges: parameters.cell.edges(),
         boundaries: parameters.cell.boundaries(),
+        contraction: 1.0,
         largest_strain: parameters.cell.strain().abs(),
         radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
         viscosity: parameters.viscosity,

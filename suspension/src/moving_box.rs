@@ -2,8 +2,9 @@
 
 use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
-use crate::model::ShearRates;
+use crate::model::{Extension, ShearRates};
 use crate::poiseuille::Poiseuille;
+use crate::stretching::{Matrix, Named, StretchingLattice};
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -11,14 +12,15 @@ use solver::BackgroundFlow;
 /// Where a stress drives the flow, substeps are at most this long in strain: contacts stick or slide for all of one.
 const LONGEST_STRAIN: f64 = 0.005;
 
-/// A box in a shear flow, that shears with it or stays straight. Beyond each of its sides the flow is faster by
-/// `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and enters on the other is
-/// seen in another frame of reference from then on, and so is its past.
+/// A box in a shear flow, that shears with it or stays straight, or in an extension. In a shear flow, beyond each of its
+/// sides the flow is faster by `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and
+/// enters on the other is seen in another frame of reference from then on, and so is its past.
 ///
 /// Where the rate of the flow changes all the time, by an oscillation or since the stress is given, the particles are
 /// in the frame of the flow while they move: their velocities, past ones too, are relative to it, and the box carries
 /// them along as it shears, by `x += strain y` for places and velocities alike. So a multistep method for the
-/// velocities keeps its order, and images that move apart by exactly the strain of the box see the same past.
+/// velocities keeps its order, and images that move apart by exactly the strain of the box see the same past. In an
+/// extension, which carries particles away from each other exponentially, it is always so, `x -> D x` with its stretch `D`.
 #[derive(Clone)]
 pub struct MovingBox {
     start: PeriodicBox,
@@ -26,14 +28,52 @@ pub struct MovingBox {
     driven: Option<Driven>,
     /// A flow by a pressure gradient besides.
     profile: Option<Poiseuille>,
-    shears: bool,
-    /// The flow as it is, and the step at which it became so.
+    motion: Motion,
+    /// The flow as it is, by its rate, and the step at which it became so.
+    rate: f64,
     flow: BackgroundFlow,
     began: u64,
     time: f64,
     cell: PeriodicBox,
-    /// Whole periods that the lattice's strain has been turned back by since the start.
-    turns: i32,
+    vectors: Vectors,
+}
+
+/// How the box moves.
+#[derive(Clone, Copy)]
+enum Motion {
+    Still,
+    Shearing,
+    Stretching(StretchingLattice),
+}
+
+/// Which vectors of its lattice the box has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Vectors {
+    /// Those of a lattice that was turned back by so many periods of its strain since the start.
+    Sheared(i32),
+    Stretched(Named),
+}
+
+/// What the flow makes of what it carries along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deformation {
+    /// `x += s . r` of a vector `r`, where `s` is the strain along the gradient axis.
+    Shear(Vector),
+    /// Factors along the axes.
+    Stretch(Vector),
+}
+
+impl Deformation {
+    /// None.
+    pub const NONE: Self = Self::Shear(Vector::ZERO);
+
+    /// What becomes of a vector.
+    pub fn of(self, vector: Vector) -> Vector {
+        match self {
+            Self::Shear(strain) => vector + Vector::X * strain.dot(vector),
+            Self::Stretch(factors) => factors * vector,
+        }
+    }
 }
 
 impl MovingBox {
@@ -41,11 +81,21 @@ impl MovingBox {
     /// it shears, or does not.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
         let (rate, began) = rates.before(clock.step());
-        let (flow, time) = (shear(&start, rate), clock.time());
-        let mut moving =
-            Self { start, rates, driven: None, profile: None, shears, flow, began, time, cell: start, turns: 0 };
-        (moving.cell, moving.turns) = moving.shape_at(time);
+        let motion = if shears { Motion::Shearing } else { Motion::Still };
+        let (flow, time, vectors) = (shear(&start, rate), clock.time(), Vectors::Sheared(0));
+        let (driven, profile) = (None, None);
+        let mut moving = Self { start, rates, driven, profile, motion, rate, flow, began, time, cell: start, vectors };
+        (moving.cell, moving.vectors) = moving.shape_at(time);
         moving
+    }
+
+    /// The same where the rates are those of an extension, and the box is the one of that.
+    #[must_use]
+    pub fn stretched_by(mut self, extension: Extension) -> Self {
+        self.motion = Motion::Stretching(StretchingLattice::new(extension, &self.start));
+        self.set_rate(self.rate);
+        (self.cell, self.vectors) = self.shape_at(self.time);
+        self
     }
 
     /// The same with a flow by a pressure gradient besides, if there is one.
@@ -89,9 +139,10 @@ impl MovingBox {
     /// particles on the first rank remember it. Collective.
     #[must_use]
     pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
-        let driven = Driven::start(stress, self.flow.shear_rate()).recalled(particles, comm);
-        (self.driven, self.flow) = (Some(driven), shear(&self.start, driven.rate()));
-        (self.cell, self.turns) = self.shape_at(self.time);
+        let driven = Driven::start(stress, self.rate).recalled(particles, comm);
+        self.driven = Some(driven);
+        self.set_rate(driven.rate());
+        (self.cell, self.vectors) = self.shape_at(self.time);
         self
     }
 
@@ -105,14 +156,23 @@ impl MovingBox {
         self.driven.as_ref().map(Driven::search)
     }
 
-    /// Goes on with another rate of shear.
+    /// Goes on with another rate.
     pub fn set_rate(&mut self, rate: f64) {
-        self.flow = shear(&self.start, rate);
+        self.rate = rate;
+        self.flow = match &self.motion {
+            Motion::Stretching(lattice) => lattice.kind().flow(rate),
+            Motion::Still | Motion::Shearing => shear(&self.start, rate),
+        };
+    }
+
+    /// The rate of the flow, of shear or extension.
+    pub fn rate(&self) -> f64 {
+        self.rate
     }
 
     /// The rate of strain that was expected besides that of the flow.
     pub fn expected_besides(&self) -> Traceless {
-        let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.flow.shear_rate());
+        let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.rate);
         shear(&self.start, missing).strain_rate()
     }
 
@@ -128,22 +188,25 @@ impl MovingBox {
 
     /// Whether velocities are relative to the flow while particles move.
     pub fn carries(&self) -> bool {
-        self.rates.frequency().is_some() || self.driven.is_some()
+        self.rates.frequency().is_some() || self.driven.is_some() || matches!(self.motion, Motion::Stretching(_))
     }
 
-    /// By how much the box shears the particles that it carries, in the time that comes; `weights` are those of the rates of
-    /// now, before, and the mean of the last substep.
-    pub fn carry(&self, duration: f64, weights: [f64; 3]) -> f64 {
-        match &self.driven {
+    /// What the box does to the particles that it carries, in the time that comes; `weights` are those of the rates of now,
+    /// before, and the mean of the last substep.
+    pub fn carry(&self, duration: f64, weights: [f64; 3]) -> Deformation {
+        self.deformation(match &self.driven {
             Some(driven) => driven.carry(weights),
             None if self.carries() => self.rates.strain(self.time + duration) - self.rates.strain(self.time),
             None => 0.0,
-        }
+        })
     }
 
-    /// The rate of shear of the flow.
-    pub fn shear_rate(&self) -> f64 {
-        self.flow.gradient().col(self.start.gradient_axis()).x
+    /// What the flow does by a strain.
+    pub fn deformation(&self, strain: f64) -> Deformation {
+        match &self.motion {
+            Motion::Stretching(lattice) => Deformation::Stretch(lattice.kind().stretch(strain)),
+            Motion::Still | Motion::Shearing => Deformation::Shear(Vector::AXES[self.start.gradient_axis()] * strain),
+        }
     }
 
     /// The background flow.
@@ -155,7 +218,8 @@ impl MovingBox {
     pub fn begin(&mut self, step: u64) -> bool {
         let changed = self.rates.changed_at(step);
         if let Some(rate) = changed {
-            (self.flow, self.began) = (shear(&self.start, rate), step);
+            self.set_rate(rate);
+            self.began = step;
         }
         changed.is_some()
     }
@@ -178,45 +242,68 @@ impl MovingBox {
     /// The largest strain that the lattice ever has.
     pub fn largest_strain(&self) -> f64 {
         let edges = self.start.edges();
-        let moves = self.shears && self.rates.largest() > 0.0;
-        if moves { 0.5 * edges.x / edges.y } else { self.start.strain().abs() }
+        let moves = self.rates.largest() > 0.0;
+        match self.motion {
+            Motion::Shearing if moves => 0.5 * edges.x / edges.y,
+            Motion::Stretching(_) => StretchingLattice::LARGEST_STRAIN,
+            Motion::Shearing | Motion::Still => self.start.strain().abs(),
+        }
     }
 
     /// The velocity of the image that is `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
-        if self.shears && !self.carries() { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
+        let moves = matches!(self.motion, Motion::Shearing) && !self.carries();
+        if moves { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
     }
 
-    fn shape_at(&self, time: f64) -> (PeriodicBox, i32) {
-        if self.start.boundaries() != Boundaries::Periodic {
-            return (self.start, 0);
+    fn shape_at(&self, time: f64) -> (PeriodicBox, Vectors) {
+        if let Motion::Stretching(lattice) = &self.motion {
+            let (cell, named) = lattice.at(self.strain(time));
+            return (cell, Vectors::Stretched(named));
         }
-        let strain = self.start.strain() + if self.shears { self.strain(time) } else { 0.0 };
+        if self.start.boundaries() != Boundaries::Periodic {
+            return (self.start, Vectors::Sheared(0));
+        }
+        let strain = self.start.strain() + if let Motion::Shearing = self.motion { self.strain(time) } else { 0.0 };
         let cell = PeriodicBox::sheared(self.start.edges(), strain).expect("times and rates are finite");
         let period = cell.edges().x / cell.edges().y;
-        (cell, ((strain - cell.strain()) / period).round() as i32)
+        (cell, Vectors::Sheared(((strain - cell.strain()) / period).round() as i32))
     }
 
     /// Brings the box to a time and the particles into it.
     pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
         if let Some(driven) = &mut self.driven {
-            shear_by(driven.go(), self.start.gradient_axis(), particles);
-            self.flow = shear(&self.start, driven.expected());
+            let (strain, rate) = (driven.go(), driven.expected());
+            carry_by(self.deformation(strain), particles);
+            self.set_rate(rate);
         } else if self.carries() {
             let strain = self.rates.strain(time) - self.rates.strain(self.time);
-            shear_by(strain, self.start.gradient_axis(), particles);
-            self.flow = shear(&self.start, self.rates.before_time(time));
+            carry_by(self.deformation(strain), particles);
+            if self.rates.frequency().is_some() {
+                self.set_rate(self.rates.before_time(time));
+            }
         }
         self.time = time;
-        let (cell, turns) = self.shape_at(time);
-        if turns != self.turns {
-            particles.relabel(&[[1, turns - self.turns, 0], [0, 1, 0], [0, 0, 1]]);
+        let (cell, vectors) = self.shape_at(time);
+        if vectors != self.vectors {
+            particles.relabel(&self.renamed(vectors));
         }
-        (self.cell, self.turns) = (cell, turns);
+        (self.cell, self.vectors) = (cell, vectors);
         if self.carries() || self.flow == BackgroundFlow::NONE {
             particles.wrap(&self.cell);
         } else {
             self.wrap_in_flow(particles);
+        }
+    }
+
+    /// By what lattice steps are to be multiplied where the box takes other vectors.
+    fn renamed(&self, vectors: Vectors) -> Matrix {
+        match (&self.motion, self.vectors, vectors) {
+            (_, Vectors::Sheared(before), Vectors::Sheared(now)) => [[1, now - before, 0], [0, 1, 0], [0, 0, 1]],
+            (Motion::Stretching(lattice), Vectors::Stretched(before), Vectors::Stretched(now)) => {
+                lattice.renamed(&before, &now)
+            }
+            _ => unreachable!("a box moves in one way"),
         }
     }
 
@@ -247,11 +334,11 @@ fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
     if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
 }
 
-/// Carries particles along with a shear by a strain, and their velocities relative to it.
-fn shear_by(strain: f64, gradient: usize, particles: &mut Particles) {
-    let shear = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| vector.x += strain * vector[gradient]);
-    shear(&mut particles.positions);
-    velocities(particles).for_each(shear);
+/// Carries particles along with a flow, and their velocities relative to it.
+fn carry_by(deformation: Deformation, particles: &mut Particles) {
+    let carry = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| *vector = deformation.of(*vector));
+    carry(&mut particles.positions);
+    velocities(particles).for_each(carry);
 }
 
 #[cfg(test)]
@@ -298,7 +385,7 @@ mod tests {
         let exact = Vector::new(x, y, from.z + drift.z * t);
         let found = particles.positions[0] + moving.cell().lattice(particles.steps[0]);
         assert!((found - exact).length() < 1e-10 * exact.length(), "{found} is not {exact}");
-        assert!(moving.turns >= 9, "the lattice turned back: {}", moving.turns);
+        assert!(matches!(moving.vectors, Vectors::Sheared(9..)), "the lattice turned back: {:?}", moving.vectors);
     }
 
     /// In a flow that oscillates, a particle that drifts relative to it is `x' = rate cos(w t) y + drift`; the error is that of
@@ -342,6 +429,6 @@ mod tests {
         let mut moving = at_rate(0, start, 0.7);
         moving.go_to(0.1 * 137.0, &mut Particles::default());
         let later = at_rate(137, start, 0.7);
-        assert_eq!((moving.cell, moving.turns), (later.cell, later.turns));
+        assert_eq!((moving.cell, moving.vectors), (later.cell, later.vectors));
     }
 }

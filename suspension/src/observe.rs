@@ -15,8 +15,8 @@ use std::time::Instant;
 pub struct Observer {
     species: Vec<String>,
     rheology: Option<Rheology>,
-    /// Columns in which species may separate, if there is more than one.
-    columns: Option<SpeciesColumns>,
+    /// Columns in which species may separate, if there is more than one, and the edges of the box without strain.
+    columns: Option<(SpeciesColumns, Vector)>,
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
@@ -59,7 +59,7 @@ impl Observer {
     /// An observer of a scene's species from step `step` on.
     pub fn new(model: &Model, step: u64, smallest_radius: f64) -> Self {
         let species = model.species.iter().map(|s| s.name.clone()).collect();
-        let columns = (model.species.len() > 1).then(|| columns(model));
+        let columns = (model.species.len() > 1).then(|| (columns(model), model.cell.edges()));
         let (last, repels) = ((step, Instant::now()), model.repulsion.is_some());
         Self {
             species,
@@ -160,8 +160,8 @@ impl Observer {
         if let (Some(heat), Some(stress)) = (self.heat, &stress) {
             row.push(vec![heat * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
         }
-        if let Some(columns) = &self.columns {
-            let mut counted = counted(columns, suspension.particles());
+        if let Some((columns, edges)) = &self.columns {
+            let mut counted = counted((columns, *edges), (suspension.cell(), suspension.particles()));
             suspension.comm().sum(counted.counts());
             row.push(vec![counted.intensity()]);
         }

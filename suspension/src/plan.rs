@@ -1,7 +1,8 @@
 //! How the fluid of a scene is to be computed.
 
-use crate::model::{Evaluation, Flow, Model, Multipoles, Start};
-use domain::{Comm, Particles};
+use crate::model::{Evaluation, Extension, Flow, Model, Multipoles, Start};
+use crate::stretching::StretchingLattice;
+use domain::{Comm, Particles, Vector};
 use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Problem};
 
 /// The radii that occur, smallest first, and how many particles have each.
@@ -74,10 +75,12 @@ pub fn plan(model: &Model, radii: &Radii) -> Result<Plan, PlanError> {
 
 /// What [`plan`] plans.
 pub fn problem(model: &Model, radii: &Radii) -> Problem {
+    let (edges, contraction) = edges(model);
     let costs = model.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
     Problem {
-        edges: model.cell.edges(),
+        edges,
         boundaries: model.cell.boundaries(),
+        contraction,
         largest_strain: largest_strain(model),
         radii: radii.0.clone(),
         viscosity: model.viscosity,
@@ -94,9 +97,18 @@ pub fn problem(model: &Model, radii: &Radii) -> Problem {
     }
 }
 
+/// The longest edges that the box of a scene will have, and the least part of them that it will.
+fn edges(model: &Model) -> (Vector, f64) {
+    let (longest, contraction) = model.flow.extension().map_or((Vector::ONE, 1.0), Extension::extremes);
+    (model.cell.edges() * longest, contraction)
+}
+
 /// The largest strain that the box of a scene will have.
 pub fn largest_strain(model: &Model) -> f64 {
     let edges = model.cell.edges();
+    if model.flow.extension().is_some() {
+        return StretchingLattice::LARGEST_STRAIN;
+    }
     let shears = matches!(model.flow, Flow::Shear { lees_edwards: true, .. });
     if shears { 0.5 * edges.x / edges.y } else { 0.0 }
 }

@@ -1,6 +1,6 @@
 //! The relative motion of near pairs.
 
-use crate::moving_box::MovingBox;
+use crate::moving_box::{Deformation, MovingBox};
 use crate::near::Near;
 use bytemuck::{Pod, Zeroable};
 use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
@@ -20,9 +20,8 @@ pub struct RelativeMotion<const N: usize> {
     near: Near,
     pairs: Vec<MovingPair<N>>,
     at_walls: Vec<MovingAtWall<N>>,
-    /// By how much the flow shears separations besides, per length along each axis.
-    carry: Vector,
-    gradient: Vector,
+    /// What the flow does to separations besides.
+    carry: Deformation,
 }
 
 struct MovingPair<const N: usize> {
@@ -53,13 +52,12 @@ impl<const N: usize> RelativeMotion<N> {
         };
         let pairs = near.pairs().enumerate().map(pair).collect();
         let at_walls = at_walls(particles, moving.cell(), columns);
-        let gradient = Vector::AXES[moving.cell().gradient_axis()];
-        Self { near, pairs, at_walls, carry: Vector::ZERO, gradient }
+        Self { near, pairs, at_walls, carry: Deformation::NONE }
     }
 
-    /// The same with separations that are sheared by a strain too, after they changed by displacements.
-    pub fn sheared_by(&mut self, carry: f64) -> &Self {
-        self.carry = carry * self.gradient;
+    /// The same with separations that the flow deforms too, after they changed by displacements.
+    pub fn carried_by(&mut self, carry: Deformation) -> &Self {
+        self.carry = carry;
         self
     }
 
@@ -194,12 +192,12 @@ impl<const N: usize> MovingPair<N> {
         self.separation.length() - 2.0 * self.mean_radius()
     }
 
-    fn separation_after(&self, weights: [f64; N], carry: Vector) -> Vector {
+    fn separation_after(&self, weights: [f64; N], carry: Deformation) -> Vector {
         let moved = self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>();
-        moved + Vector::X * carry.dot(moved)
+        carry.of(moved)
     }
 
-    fn gap_after(&self, weights: [f64; N], carry: Vector) -> f64 {
+    fn gap_after(&self, weights: [f64; N], carry: Deformation) -> f64 {
         self.separation_after(weights, carry).length() - 2.0 * self.mean_radius()
     }
 

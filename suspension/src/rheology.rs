@@ -1,15 +1,17 @@
 //! What is observed of the stress of a sheared suspension.
 
-use crate::model::{Model, Multipoles};
+use crate::model::{BrownianScheme, Flow, Integrator, Model, Multipoles};
 use crate::stress::ParticleStress;
 use domain::Tensor;
 use simulation::Quantity;
 
-/// The rows of the time series that tell of stress, in a shear flow `u = rate y e_x`, or `u = rate z e_x` between walls.
+/// The rows of the time series that tell of stress, in a shear flow `u = rate y e_x`, or `u = rate z e_x` between walls, or in an
+/// extension.
 pub struct Rheology {
     species: Vec<String>,
     viscosity: f64,
-    /// Whether the rate of shear changes.
+    flow: Flow,
+    /// Whether the rate of the flow changes.
     changes: bool,
     /// The axis along which the flow grows.
     gradient: usize,
@@ -22,25 +24,29 @@ type Origin = (&'static str, fn(&ParticleStress) -> Tensor);
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 
 impl Rheology {
-    /// What a scene has of it; nothing if it isn't sheared.
+    /// What a scene has of it; nothing without a flow.
     pub fn of(model: &Model) -> Option<Self> {
         let rates = model.shear_rates();
         if rates.largest() == 0.0 {
             return None;
         }
-        let all: [(bool, Origin); 6] = [
-            (model.hydrodynamics.multipoles == Multipoles::Dipole, ("stress_stresslet", |s| s.stresslet)),
+        let is_rigid = model.hydrodynamics.multipoles == Multipoles::Dipole;
+        let has_heat = is_rigid && model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations);
+        let all: [(bool, Origin); 7] = [
+            (is_rigid, ("stress_stresslet", |s| s.stresslet)),
             (model.hydrodynamics.lubrication, ("stress_lubrication", |s| s.lubrication)),
             (model.repulsion.is_some(), ("stress_repulsion", |s| s.repulsion)),
             (model.attraction.is_some(), ("stress_attraction", |s| s.attraction)),
             (model.contacts.is_some(), ("stress_contact", |s| s.contact)),
             (!model.bonds.is_empty(), ("stress_bond", |s| s.bond)),
+            (has_heat, ("stress_brownian", |s| s.brownian)),
         ];
         let species = model.species.iter().map(|s| s.name.clone()).collect();
         let origins = all.into_iter().filter(|(present, _)| *present).map(|(_, origin)| origin).collect();
         Some(Self {
             species,
             viscosity: model.viscosity,
+            flow: model.flow,
             changes: !rates.is_constant(),
             gradient: model.cell.gradient_axis(),
             origins,
@@ -53,7 +59,8 @@ impl Rheology {
     /// shear stress = mu rate + s_xy,  relative viscosity = 1 + s_xy / (mu rate),  N1 = s_xx - s_yy,  N2 = s_yy - s_zz,  particle pressure = -tr(s) / 3
     /// ```
     ///
-    /// and between walls, where the flow grows along z, y and z exchanged.
+    /// and between walls, where the flow grows along z, y and z exchanged. In an extension the stress that drives it, see
+    /// [`Flow::driving_stress`], takes the place of `s_xy`.
     pub fn quantities(&self) -> Vec<Quantity> {
         let unit = "force/length^2";
         let table = |&(name, _): &Origin| {
@@ -61,8 +68,8 @@ impl Rheology {
             Quantity { name, unit, table: Some((self.species.clone(), columns)) }
         };
         let mut quantities: Vec<Quantity> = self.origins.iter().map(table).collect();
-        if self.changes {
-            let all = [("shear_rate", "1/time"), ("strain", ""), ("shear_stress", unit)];
+        if let Some(names) = self.names() {
+            let all = names.into_iter().zip(["1/time", "", unit]);
             quantities.extend(all.map(|(name, unit)| Quantity::number(name, unit)));
         }
         quantities.push(Quantity::number("relative_viscosity", ""));
@@ -72,18 +79,27 @@ impl Rheology {
         quantities
     }
 
-    /// The numbers of these quantities at a rate of shear and a strain.
+    /// What the rate, the strain and the stress that drives the flow are called, where they are written: of a shear flow whose
+    /// rate changes, and of extensions.
+    fn names(&self) -> Option<[&'static str; 3]> {
+        match self.flow {
+            Flow::Extension { .. } => Some(["extension_rate", "strain", "extensional_stress"]),
+            _ => self.changes.then_some(["shear_rate", "strain", "shear_stress"]),
+        }
+    }
+
+    /// The numbers of these quantities at a rate of the flow and a strain.
     pub fn row(&self, stress: &[ParticleStress], [rate, strain]: [f64; 2]) -> Vec<Vec<f64>> {
         let of_all = |&(_, part): &Origin| stress.iter().flat_map(|s| components(&part(s))).collect();
         let mut row: Vec<Vec<f64>> = self.origins.iter().map(of_all).collect();
         let total = ParticleStress::sum(stress);
-        let [xx, xy, xz, yy, _, zz] = components(&total);
-        let [xy, yy, zz] = if self.gradient == 2 { [xz, zz, yy] } else { [xy, yy, zz] };
-        let fluid = self.viscosity * rate;
-        if self.changes {
-            row.extend([rate, strain, fluid + xy].map(|number| vec![number]));
+        let [xx, _, _, yy, _, zz] = components(&total);
+        let [yy, zz] = if self.gradient == 2 { [zz, yy] } else { [yy, zz] };
+        let (fluid, driving) = (self.viscosity * rate, self.flow.driving_stress(&total, self.gradient));
+        if self.names().is_some() {
+            row.extend([rate, strain, fluid + driving].map(|number| vec![number]));
         }
-        let viscosity = if rate == 0.0 { f64::NAN } else { 1.0 + xy / fluid };
+        let viscosity = if rate == 0.0 { f64::NAN } else { 1.0 + driving / fluid };
         row.extend([viscosity, xx - yy, yy - zz, ParticleStress::pressure(&total)].map(|number| vec![number]));
         row
     }

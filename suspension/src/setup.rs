@@ -111,6 +111,10 @@ impl Setup {
         let stress = rates.stress();
         let moving = MovingBox::at(&Clock::at(step, model.time_step), model.cell, rates, shears);
         let moving = moving.with_profile(profile(model));
+        let moving = match model.flow.extension() {
+            Some(extension) => moving.stretched_by(extension),
+            None => moving,
+        };
         let moving = match stress {
             Some(stress) => {
                 moving.driven_by((stress, model.viscosity, model.hydrodynamics.tolerance), &particles, comm)

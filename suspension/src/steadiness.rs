@@ -14,10 +14,11 @@ const GAPS: u32 = 16;
 pub fn caution(model: &Model, radii: &Radii) -> Option<String> {
     let (step, longest) = (model.time_step, longest_for(model, radii)?);
     let lower = match model.integrator {
-        Integrator::Brownian | Integrator::AdamsBashforth { order: 2 } => "",
+        Integrator::Brownian(_) | Integrator::AdamsBashforth { order: 2 } => "",
         _ => " time.order = 2,",
     };
-    let instead = if model.integrator == Integrator::Brownian { "" } else { ", or time.integrator = \"adaptive\"" };
+    let is_brownian = matches!(model.integrator, Integrator::Brownian(_));
+    let instead = if is_brownian { "" } else { ", or time.integrator = \"adaptive\"" };
     (step > longest).then(|| {
         format!(
             "time.step = {} is longer than the {:.2} with which pairs are steady that repulsion holds \
@@ -42,7 +43,7 @@ pub fn longest_step(model: &Model) -> Option<f64> {
 fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
     let stable = match model.integrator {
         Integrator::AdamsBashforth { order } => AdamsBashforth::of_order(order).stable(),
-        Integrator::Brownian => 1.0,
+        Integrator::Brownian(_) => 1.0,
         Integrator::Adaptive(_) | Integrator::Implicit(_) => return None,
     };
     let repulsion = SurfaceForces::of(model).ok()?.repulsion?;

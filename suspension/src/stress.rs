@@ -1,6 +1,6 @@
 //! The stress that particles add to that of the fluid.
 
-use crate::columns::STRESSLET;
+use crate::columns::{BROWNIAN, STRESSLET};
 use crate::warm_start::STRESSLET_FAR;
 use bytemuck::cast_slice;
 use domain::{Comm, Particles, Tensor, Traceless};
@@ -17,7 +17,7 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// ```
 ///
 /// that of attraction and bonds like that, and that of contacts like that of repulsion, its symmetric part, with friction; each
-/// sphere of a pair has a share in proportion to its radius.
+/// sphere of a pair has a share in proportion to its radius. That of heat is like that of stresslets.
 ///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
 /// Stresslets have no trace: of the pressure of the particles only the part of repulsion is defined. Forces from
@@ -36,12 +36,15 @@ pub struct ParticleStress {
     pub contact: Tensor,
     /// Of bonds.
     pub bond: Tensor,
+    /// Of heat, the mean of the stresslets that random motions cause, where it is told apart from them.
+    pub brownian: Tensor,
 }
 
 impl ParticleStress {
     /// All origins together.
     pub fn total(&self) -> Tensor {
-        self.stresslet + self.lubrication + self.repulsion + self.attraction + self.contact + self.bond
+        let of_surfaces = self.stresslet + self.lubrication + self.repulsion + self.attraction;
+        of_surfaces + self.contact + self.bond + self.brownian
     }
 
     /// That of all species together.
@@ -65,9 +68,11 @@ impl ParticleStress {
         let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
         let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
         let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
-        let mut sums = vec![[Tensor::ZERO; 6]; species];
+        let by_heat: &[Traceless] = column(BROWNIAN).unwrap_or_default();
+        let mut sums = vec![[Tensor::ZERO; 7]; species];
         for (row, &kind) in particles.species.iter().enumerate() {
-            let [stresslet, lubrication, of_pairs @ ..] = &mut sums[kind as usize];
+            let [stresslet, lubrication, brownian, of_pairs @ ..] = &mut sums[kind as usize];
+            *brownian += by_heat.get(row).map_or(Tensor::ZERO, |s| s.tensor());
             if let (Some(&whole), Some(&far)) = (whole.get(row), far.get(row)) {
                 *stresslet += far.tensor();
                 *lubrication += (whole - far).tensor();
@@ -77,7 +82,8 @@ impl ParticleStress {
             }
         }
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
-        let stress = |[stresslet, lubrication, repulsion, attraction, contact, bond]: [Tensor; 6]| Self {
+        let stress = |[stresslet, lubrication, brownian, repulsion, attraction, contact, bond]: [Tensor; 7]| Self {
+            brownian,
             stresslet,
             lubrication,
             repulsion,

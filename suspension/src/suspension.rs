@@ -191,9 +191,9 @@ impl Suspension {
         *outcome = match integrator {
             Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
             Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
-            Integrator::Brownian => {
+            Integrator::Brownian(scheme) => {
                 let heat = heat.as_ref().expect("a model whose steps are Brownian has heat");
-                brownian::advance(particles, clock, heat, dynamics)?
+                brownian::advance(particles, clock, (heat, *scheme), dynamics)?
             }
             Integrator::AdamsBashforth { order } => {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
@@ -254,10 +254,10 @@ impl Suspension {
         velocities.iter().zip(places).map(|(&v, (&x, &a))| v - moving.velocity_of(x, a)).collect()
     }
 
-    /// The rate of shear of the flow that the velocities belong to, and the strain so far.
+    /// The rate of the flow that the velocities belong to, of shear or extension, and the strain so far.
     pub fn shear(&self) -> [f64; 2] {
         let moving = self.dynamics.moving_box();
-        [moving.shear_rate(), moving.strain(self.clock.time())]
+        [moving.rate(), moving.strain(self.clock.time())]
     }
 
     /// Whether a stress drives the flow that has next to no effect any more.

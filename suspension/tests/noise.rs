@@ -1,7 +1,7 @@
 //! Random motions have the covariance of the mobility.
 
 use domain::{Bytes, Comm, PeriodicBox, Traceless, Vector};
-use fcm::{Costs, Loads, Multipoles};
+use fcm::{Costs, Loads, Method, Multipoles, Precision};
 use lubrication::Range;
 use solver::BackgroundFlow;
 use suspension::{Mobility, MobilityParameters};
@@ -103,15 +103,23 @@ fn random_motions_have_the_covariance_of_the_mobility() {
     let lubricated =
         |p: MobilityParameters| MobilityParameters { lubrication: Some(Range::new(2.5, Range::CLOSEST).unwrap()), ..p };
     let free = |p: MobilityParameters| MobilityParameters { rigid: false, ..p };
+    let radii = vec![0.7, 1.0, 1.6];
+    // Where pairs are dear, or the grid is, one or the other method is chosen.
+    let costs = |grid: f64, pairs: f64| Costs { stencils: grid, transforms: grid, pairs };
+    let [dear_pairs, dear_grid] = [costs(0.01, 100.0), costs(100.0, 0.01)];
     let cases = [
         ("raw, in f32", free(parameters(14.0, 1e-3)), 11),
         ("raw, in f64", free(parameters(9.0, 1e-7)), 11),
+        ("raw, direct", free(MobilityParameters { costs: dear_pairs, ..parameters(9.0, 1e-3) }), 11),
+        ("raw, three radii, split", free(MobilityParameters { radii, costs: dear_grid, ..parameters(9.0, 1e-3) }), 11),
         ("rigid", parameters(14.0, 1e-3), 6),
         ("lubricated", lubricated(parameters(14.0, 1e-3)), 6),
         ("lubricated, with images", lubricated(parameters(7.5, 1e-3)), 6),
     ];
+    let mut kinds = Vec::new();
     for (name, parameters, width) in cases {
         let mut mobility = mobility(parameters, &Comm::alone());
+        kinds.push((mobility.plan().method == Method::Direct, mobility.plan().precision == Precision::Single));
         let root = cholesky(&dense(&mut mobility, width));
         let draws = 1200;
         let (motions, drawn) = mobility.noise(7, 0..draws).unwrap();
@@ -131,6 +139,9 @@ fn random_motions_have_the_covariance_of_the_mobility() {
         assert!(((energy - 1.0) / error).abs() < 3.0, "{name}: energy {energy}, error {error}, {drawn:?}");
         assert!(worst < 4.5 && drawn.clipped == 0.0, "{name}: {worst} {drawn:?}");
     }
+    let has = |kind: &dyn Fn((bool, bool)) -> bool| kinds.iter().any(|&one| kind(one));
+    assert!(has(&|(direct, _)| direct) && has(&|(direct, _)| !direct), "both methods: {kinds:?}");
+    assert!(has(&|(_, single)| single) && has(&|(_, single)| !single), "both precisions: {kinds:?}");
 }
 
 #[test]
@@ -150,5 +161,82 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
         let error =
             flat(&together[0], 6).iter().zip(flat(&alone[0], 6)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(error < 1e-6, "{ranks} ranks: {error}");
+    }
+}
+
+/// Velocities and angular velocities of lists.
+fn flat_drift(drift: &suspension::Drift) -> Vec<f64> {
+    let suspension::Drift { velocities, angular_velocities, .. } = drift;
+    velocities.iter().chain(angular_velocities).flat_map(|v| v.to_array()).collect()
+}
+
+/// The divergence of the velocities that forces cause is that of the differences between places; along it, the mean of draws is its
+/// length, within three and a half errors. Without drift it would be nothing, many errors away.
+#[test]
+fn draws_of_the_drift_have_the_mean_that_the_mobility_has_as_its_divergence() {
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let mut mobility = mobility(MobilityParameters { lubrication, ..parameters(14.0, 1e-4) }, &Comm::alone());
+    let length = 0.02;
+    let mut divergence = [0.0; 18];
+    for (sphere, axis) in (0..3).flat_map(|sphere| (0..3).map(move |axis| (sphere, axis))) {
+        for sign in [1.0, -1.0] {
+            let mut moved = places();
+            moved[sphere][axis] += sign * length;
+            mobility.place(&moved).unwrap();
+            let mut forces = vec![Vector::ZERO; 3];
+            forces[sphere][axis] = 1.0;
+            let loads = Loads { forces, ..Loads::default() };
+            let motion = mobility.apply(&loads, &BackgroundFlow::NONE).unwrap().motion;
+            let numbers = motion.velocities.iter().chain(&motion.angular_velocities).flat_map(|v| v.to_array());
+            divergence.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += sign * number / (2.0 * length));
+        }
+    }
+    mobility.place(&places()).unwrap();
+    let size: f64 = divergence[..9].iter().map(|d| d * d).sum();
+    let along =
+        |drift: &suspension::Drift| flat_drift(drift)[..9].iter().zip(divergence).map(|(a, b)| a * b).sum::<f64>();
+    let found: Vec<f64> = mobility.drift(5, 0..120).unwrap().iter().map(|drift| along(drift) / size).collect();
+    let count = found.len() as f64;
+    let mean = found.iter().sum::<f64>() / count;
+    let error = (found.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count * (count - 1.0))).sqrt();
+    assert!((mean - 1.0).abs() < 3.5 * error && error < 0.2, "{mean} +- {error}");
+}
+
+#[test]
+fn ranks_agree_on_the_drift() {
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let draw = |ranks: usize| {
+        let all = Comm::threads(ranks, |comm| {
+            let tight = MobilityParameters { lubrication, ..parameters(9.0, 1e-7) };
+            mobility(tight, &comm).drift(3, 0..1).unwrap()
+        });
+        all.into_iter().next().unwrap()
+    };
+    let alone = flat_drift(&draw(1)[0]);
+    let size = alone.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    for ranks in [2, 7] {
+        let together = flat_drift(&draw(ranks)[0]);
+        let error = together.iter().zip(&alone).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 0.03 * size, "{ranks} ranks: {error} of {size}");
+    }
+}
+
+#[test]
+fn draws_for_which_there_is_no_memory_are_refused() {
+    let refused = mobility(parameters(9.0, 1e-3), &Comm::alone()).noise(1, 0..1 << 50).unwrap_err().to_string();
+    assert!(refused.contains("fewer draws at a time"), "{refused}");
+}
+
+/// The second look, that before the second draw, ends the draws.
+#[test]
+fn draws_are_interrupted() {
+    use domain::Interrupt;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    for rigid in [true, false] {
+        let looks = AtomicUsize::new(0);
+        let mut mobility = mobility(MobilityParameters { rigid, ..parameters(9.0, 1e-3) }, &Comm::alone());
+        mobility.listen(Interrupt::when(move || looks.fetch_add(1, Ordering::Relaxed) > 0));
+        let ended = mobility.noise(1, 0..1000).unwrap_err().to_string();
+        assert!(ended.contains("interrupted"), "{ended}");
     }
 }

@@ -44,6 +44,7 @@ impl Suspension {
         Problem {
             edges: self.cell.edges(),
             boundaries: self.cell.boundaries(),
+            contraction: 1.0,
             largest_strain: self.cell.strain().abs(),
             radii: self.radii.iter().map(|&a| (a, 1)).collect(),
             viscosity: self.viscosity,

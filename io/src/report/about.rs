@@ -87,6 +87,9 @@ impl About {
                 Flow::Shear { rate, .. } if scene.model.shear_rates().is_constant() => {
                     Some(Box::new(move |place| Vector::X * (rate * place.y)))
                 }
+                flow @ Flow::Extension { rate, .. } if scene.model.shear_rates().is_constant() => {
+                    Some(Box::new(move |place| flow.at_rate(rate).velocity(place)))
+                }
                 _ => None,
             },
             Kind::GranularDisks(scene) => {

@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All of them.
-pub static TEMPLATES: [Template; 19] = [
+pub static TEMPLATES: [Template; 20] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -28,6 +28,7 @@ pub static TEMPLATES: [Template; 19] = [
     template!("shear", "Two sizes of spheres in a shear flow"),
     template!("dense", "Rough spheres that touch with friction in a shear flow, at 45% by volume"),
     template!("reversal", "The same with a flow that is reversed"),
+    template!("extension", "The same in planar extension"),
     template!("thickening", "The same under a given stress, with friction above a critical load"),
     template!("couette", "Spheres between walls of which one moves, at 20% by volume"),
     template!("poiseuille", "Spheres between walls in the flow of a pressure gradient"),

@@ -96,6 +96,7 @@ impl Task {
         let problem = Problem {
             boundaries: spheres.cell.boundaries(),
             edges: spheres.cell.edges(),
+            contraction: 1.0,
             largest_strain: 0.0,
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: 1.0,

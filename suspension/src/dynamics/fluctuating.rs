@@ -1,42 +1,31 @@
 //! Dynamics in a fluid that fluctuates.
 
 use super::{Dynamics, Moment, Outcome};
-use crate::hydrodynamics::Guess;
+use crate::hydrodynamics::{Found, Guess};
 use crate::integrator::PAST;
+use crate::random_motion::{self, CHANGE, ambient, set_ambient};
 use crate::step_error::StepError;
-use domain::{Interrupted, Particles, Traceless, Vector};
-use fcm::{Motion, Stream};
-
-/// The column of how the fluid moves at each particle besides, and its width; there is none between steps.
-const AMBIENT: &str = "ambient motion";
-pub const AMBIENT_NUMBERS: usize = 11;
+use domain::{Interrupted, Particles, Vector};
+use fcm::{Loads, Stream};
 
 /// Error of random motions over the tolerance.
 const ROOT: f64 = 0.3;
 
 impl Dynamics {
-    /// Draws how the fluid moves at each particle, by an amplitude; the first column of past velocities has these velocities and
-    /// those of the background flow. Collective.
+    /// Draws how the fluid moves at each particle, by an amplitude. Collective.
     pub fn fluctuate(&mut self, particles: &mut Particles, (amplitude, stream): (f64, Stream)) {
         let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
         let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, stream));
         self.clipped = self.clipped.max(drawn.clipped);
-        let places = particles.positions.iter().zip(&particles.radii);
-        let carried = motion.velocities.iter().zip(places);
-        let velocities: Vec<Vector> =
-            carried.map(|(&v, (&x, &a))| v * amplitude + self.moving.carried_velocity_of(x, a)).collect();
+        set_ambient(particles, &motion, amplitude);
+    }
+
+    /// The velocities of the fluid as it was drawn and of the background flow, as the first past ones.
+    pub fn carry(&self, particles: &mut Particles) {
+        let drawn = ambient(particles).velocities;
+        let carried = drawn.into_iter().zip(particles.positions.iter().zip(&particles.radii));
+        let velocities: Vec<Vector> = carried.map(|(v, (&x, &a))| v + self.moving.carried_velocity_of(x, a)).collect();
         particles.vectors(PAST[0]).copy_from_slice(&velocities);
-        let values = &mut particles.column(AMBIENT, AMBIENT_NUMBERS).values;
-        for (row, values) in values.chunks_exact_mut(AMBIENT_NUMBERS).enumerate() {
-            let turning = motion.angular_velocities.get(row).copied().unwrap_or_default();
-            let strain = motion.strain_rates.get(row).copied().unwrap_or_default();
-            values[..3].copy_from_slice(&motion.velocities[row].to_array());
-            values[3..6].copy_from_slice(&turning.to_array());
-            values[6..].copy_from_slice(&strain.0);
-            for value in values {
-                *value *= amplitude;
-            }
-        }
     }
 
     /// As [`Self::evaluate`], with the fluid moving as it was drawn, and noise of lubrication by the same random numbers.
@@ -45,41 +34,62 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
-        (amplitude, stream): (f64, Stream),
+        noise: (f64, Stream),
     ) -> Result<Outcome, StepError> {
-        if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
-            return Err(Interrupted.into());
-        }
+        self.unless_interrupted()?;
         self.place(particles, moment)?;
         let cell = *self.moving.cell();
         let (mut loads, tethers) = self.loads_at(particles, moment, None)?;
-        let noise = self.hydrodynamics.pair_noise(&cell, particles, stream);
+        let noise = self.pair_noise(particles, noise);
         for (loads, noise) in [(&mut loads.forces, noise.forces), (&mut loads.torques, noise.torques)] {
             loads.resize(particles.len(), Vector::ZERO);
-            loads.iter_mut().zip(noise).for_each(|(load, noise)| *load += noise * amplitude);
+            loads.iter_mut().zip(noise).for_each(|(load, noise)| *load += noise);
         }
         let ambient = ambient(particles);
-        let guess = Guess {
-            induced_velocities: ambient.velocities.clone(),
-            induced_angular_velocities: ambient.angular_velocities.clone(),
-            ..Guess::default()
-        };
-        self.solve((particles, &cell), (&loads, (&[], &tethers), &ambient), &guess, moment)
+        self.solve((particles, &cell), (&loads, (&[], &tethers), &ambient), &Guess::induced_by(&ambient), moment)
     }
 
-    /// Forgets how the fluid moved.
-    pub fn calm(particles: &mut Particles) {
-        particles.columns.retain(|column| column.name != AMBIENT);
+    /// Solves for the random motions of the particles alone, in the fluid as it was drawn and with noise of lubrication, and notes
+    /// them. Collective; fails on every rank or on none.
+    pub fn move_at_random(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        noise: (f64, Stream),
+    ) -> Result<Outcome, StepError> {
+        self.unless_interrupted()?;
+        let (cell, fluid, loads) = (*self.moving.cell(), ambient(particles), self.pair_noise(particles, noise));
+        if !self.rigid {
+            random_motion::note(particles, &loads, &Found { motion: fluid, ..Found::default() });
+            return Ok(Outcome::default());
+        }
+        let solved = random_motion::solve(&mut self.hydrodynamics, (&cell, particles), (&loads, &fluid));
+        let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
+        Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
     }
-}
 
-/// How the fluid moves at each particle.
-fn ambient(particles: &mut Particles) -> Motion {
-    let mut motion = Motion::default();
-    for values in particles.column(AMBIENT, AMBIENT_NUMBERS).values.chunks_exact(AMBIENT_NUMBERS) {
-        motion.velocities.push(Vector::from_slice(values));
-        motion.angular_velocities.push(Vector::from_slice(&values[3..]));
-        motion.strain_rates.push(Traceless(std::array::from_fn(|k| values[6 + k])));
+    /// Notes the drift of the random motions where the particles are now, see [`random_motion::note_drift`]: none of particles that
+    /// do not resist to strain. Collective; fails on every rank or on none.
+    pub fn note_drift(&mut self, particles: &mut Particles, moment: &Moment, over: f64) -> Result<(), StepError> {
+        if !self.rigid {
+            return Ok(());
+        }
+        let cell = *self.moving.cell();
+        let noted = random_motion::note_drift(&mut self.hydrodynamics, (&cell, particles), (over, CHANGE));
+        noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }
-    motion
+
+    /// Random loads between near pairs. Collective.
+    fn pair_noise(&mut self, particles: &Particles, (amplitude, stream): (f64, Stream)) -> Loads {
+        let cell = *self.moving.cell();
+        let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, stream);
+        let times = |list: Vec<Vector>| list.into_iter().map(|load| load * amplitude).collect();
+        Loads { forces: times(forces), torques: times(torques), stresslets: Vec::new() }
+    }
+
+    /// An error where some rank is asked to stop. Collective.
+    fn unless_interrupted(&self) -> Result<(), StepError> {
+        let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
+        if is_requested { Err(Interrupted.into()) } else { Ok(()) }
+    }
 }

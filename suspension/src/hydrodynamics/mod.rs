@@ -3,6 +3,7 @@
 mod assembly;
 mod at_walls;
 mod block;
+mod change;
 mod coupled;
 mod lanes;
 pub mod memory;
@@ -18,9 +19,12 @@ mod springs;
 mod stiffness;
 mod touching;
 
+pub use change::Found;
 use coupled::{Coupled, Unknowns, resisted};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
-use fcm::{Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, SolveError, Stream, conjugate_gradients};
+use fcm::{
+    Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
+};
 use lubrication::{PairForce, PairForceError, Range, WallForce};
 use near_pairs::{NearField, NearPairs};
 use particle_matrix::ParticleMatrix;
@@ -94,6 +98,17 @@ pub struct Guess {
     pub velocities: Vec<Vector>,
     /// Angular velocities relative to the background flow.
     pub angular_velocities: Vec<Vector>,
+}
+
+impl Guess {
+    /// That of particles that the fluid around moves.
+    pub fn induced_by(ambient: &Motion) -> Self {
+        Self {
+            induced_velocities: ambient.velocities.clone(),
+            induced_angular_velocities: ambient.angular_velocities.clone(),
+            ..Self::default()
+        }
+    }
 }
 
 /// Fluid that does not move besides.
@@ -256,8 +271,7 @@ fn lubricated(
     let plan = mobility.mobility.plan().clone();
     let viscosity = plan.viscosity / mobility.units.viscosity;
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
-    let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
-    let strain_resistance: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
+    let (single, strain_resistance) = alone(viscosity, radii);
     let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &[near.stiff()], &single, ROUGH));
     let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
@@ -266,16 +280,7 @@ fn lubricated(
     let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
-    if outcome.interrupted {
-        return Err(Interrupted.into());
-    }
-    if !outcome.residual.is_finite() {
-        return Err(SolveError::NotFinite);
-    }
-    if !outcome.converged {
-        let (iterations, residual) = (outcome.iterations, outcome.residual);
-        return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
-    }
+    ended(&outcome, limits)?;
     let (motion, x) = system.finish(x, &residual, START * limits.tolerance, comm);
     if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
         return Err(SolveError::NotFinite);
@@ -288,11 +293,30 @@ fn lubricated(
     Ok(Solved { motion, stresslets, far, induced, iterations: outcome.iterations, residual: outcome.residual })
 }
 
+/// Whether a solve ended well.
+fn ended(outcome: &Outcome, limits: Limits) -> Result<(), SolveError> {
+    let Outcome { iterations, residual, converged, interrupted } = *outcome;
+    if interrupted {
+        return Err(Interrupted.into());
+    }
+    if !residual.is_finite() {
+        return Err(SolveError::NotFinite);
+    }
+    let tolerance = limits.tolerance;
+    if converged { Ok(()) } else { Err(SolveError::NotConverged { iterations, residual, tolerance }) }
+}
+
 /// Motions of spheres of some resistances alone, less those that their own loads alone would give them.
 fn induced(single: &[Screw], motion: &Motion, loads: &Loads) -> Motion {
     let motions = Screws::new(single.len(), &motion.velocities, &motion.angular_velocities);
     let induced = motions.less_those_alone(single, &Screws::new(single.len(), &loads.forces, &loads.torques));
     Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
+}
+
+/// Resistances of spheres on their own, to motions and to strain.
+fn alone(viscosity: f64, radii: &[f64]) -> (Vec<Screw>, Vec<f64>) {
+    let strain = |a: &f64| 20.0 / 3.0 * PI * viscosity * a.powi(3);
+    (radii.iter().map(|&a| single(viscosity, a)).collect(), radii.iter().map(strain).collect())
 }
 
 /// The resistance of a sphere on its own.
@@ -318,10 +342,15 @@ fn start<'a>(
         loads.add_resisted(1.0, single, &induced);
         motions = matrix.solve_with(near.soft(), motions, &loads, tolerance);
     }
-    let against = motions.negative();
-    let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
     moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
+    unknowns(near, &motions, moments)
+}
+
+/// The unknowns that go with motions of the particles. Collective.
+fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
+    let against = motions.negative();
+    let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
     Unknowns { stiff, soft, moments }
 }
 

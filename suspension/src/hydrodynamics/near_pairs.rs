@@ -112,6 +112,21 @@ impl NearPairs {
         Self { halo, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty() }
     }
 
+    /// None, where nothing acts between near particles. Collective.
+    pub fn none(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Self {
+        let halo = Halo::plan(partition, cell, &particles.positions, [0.0; 2]);
+        let (loads, moments) = (Screws::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
+        Self {
+            halo,
+            stiff: PairMatrix::default(),
+            soft: PairMatrix::default(),
+            at_walls: Vec::new(),
+            loads,
+            moments,
+            has_traps: false,
+        }
+    }
+
     /// Whether no particle of this rank is near another or a wall, or in a trap.
     pub fn is_empty(&self) -> bool {
         self.stiff.is_empty() && self.soft.is_empty() && self.at_walls.is_empty() && !self.has_traps

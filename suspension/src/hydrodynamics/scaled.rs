@@ -1,7 +1,7 @@
 //! Lubricated spheres in units of length and viscosity in which their own are about 1: the amplitudes of the modes have
 //! the root of both, which loses its last digit where a power of two is taken out of it.
 
-use super::{ContactSprings, Guess, Solved, Springs};
+use super::{ContactSprings, Found, Guess, Solved, Springs};
 use crate::tethers::{BondSprings, TetherResistance};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
@@ -78,10 +78,10 @@ pub fn guess(given: &Guess, units: &Units) -> Guess {
 /// A solution in the units that the problem came in.
 pub fn solution(found: &Solved, units: &Units) -> Solved {
     Solved {
-        motion: motion_times(&found.motion, units.velocity(), units.rate()),
+        motion: motion_back(&found.motion, units),
         stresslets: tensors_times(&found.stresslets, units.torque()),
         far: times(&found.far, units.torque()),
-        induced: motion_times(&found.induced, units.velocity(), units.rate()),
+        induced: motion_back(&found.induced, units),
         iterations: found.iterations,
         residual: found.residual,
     }
@@ -99,6 +99,21 @@ pub fn times(loads: &Loads, torque: f64) -> Loads {
 /// A motion in such units.
 pub fn motion(given: &Motion, units: &Units) -> Motion {
     motion_times(given, 1.0 / units.velocity(), 1.0 / units.rate())
+}
+
+/// A motion in the units that the problem came in.
+pub fn motion_back(found: &Motion, units: &Units) -> Motion {
+    motion_times(found, units.velocity(), units.rate())
+}
+
+/// A solution in such units.
+pub fn found(given: &Found, units: &Units) -> Found {
+    let torque = 1.0 / units.torque();
+    Found {
+        motion: motion(&given.motion, units),
+        stresslets_far: tensors_times(&given.stresslets_far, torque),
+        stresslets: tensors_times(&given.stresslets, torque),
+    }
 }
 
 fn motion_times(motion: &Motion, velocity: f64, rate: f64) -> Motion {

@@ -14,6 +14,7 @@ fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
     Plan::choose(&Problem {
         edges: Vector::splat(edge),
         boundaries: domain::Boundaries::Periodic,
+        contraction: 1.0,
         largest_strain: 0.0,
         radii: radii.iter().map(|&a| (a, 1)).collect(),
         viscosity: 1.0,

@@ -17,7 +17,7 @@ pub struct Bonds {
 }
 
 impl Bonds {
-    fn check(&self, key: &str, shortest_edge: f64) -> Result<(), ParameterError> {
+    fn check(&self, key: &str, shortest: f64) -> Result<(), ParameterError> {
         ParameterError::unless_positive(&format!("{key}.stiffness"), self.stiffness)?;
         if let Some(force) = self.breaking_force {
             ParameterError::unless_positive(&format!("{key}.breaking_force"), force)?;
@@ -25,8 +25,8 @@ impl Bonds {
         if let Some(length) = self.length {
             let key = format!("{key}.length");
             ParameterError::unless_positive(&key, length)?;
-            if length >= 0.5 * shortest_edge {
-                let (length, half) = (Number(length), Number(0.5 * shortest_edge));
+            if length >= 0.5 * shortest {
+                let (length, half) = (Number(length), Number(0.5 * shortest));
                 let message =
                     format!("is {length}; a bond needs to be shorter than half of the box's shortest edge, {half}");
                 return Err(ParameterError::new(key, message));
@@ -45,7 +45,7 @@ impl Bonds {
 /// Checks all bonds of a model.
 pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
     for (index, bonds) in p.bonds.iter().enumerate() {
-        bonds.check(&format!("bonds[{index}]"), p.cell.edges().min_element())?;
+        bonds.check(&format!("bonds[{index}]"), p.shortest_vector())?;
     }
     check_pairs(&p.bonds)?;
     counted(&p.species).map_or(Ok(()), |count| check_ids(&p.bonds, count))

@@ -1,7 +1,7 @@
 //! The ranges that parameters have to be in.
 
 use super::spheres::check_species;
-use super::{Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, bonds, traps};
+use super::{Axis, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, bonds, traps};
 use domain::{Boundaries, Number, ParameterError};
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
@@ -13,7 +13,7 @@ const MAX_STRAIN: f64 = 1e9;
 pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let p = parameters;
     ParameterError::unless_positive("time.step", p.time_step)?;
-    check_species(&p.species, &p.cell)?;
+    check_species(&p.species, &p.cell, p.shortest_vector())?;
     ParameterError::unless_positive("fluid.viscosity", p.viscosity)?;
     check_heat(p)?;
     ParameterError::unless_finite_vector("gravity.acceleration", p.gravity)?;
@@ -32,7 +32,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
 
 /// Heat needs steps that know of it, and a box in which the images of a sphere move with the flow.
 fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
-    let is_brownian = p.integrator == Integrator::Brownian;
+    let is_brownian = matches!(p.integrator, Integrator::Brownian(_));
     let Some(energy) = p.thermal_energy else {
         let message = "is missing; time.integrator = \"brownian\" needs it";
         return if is_brownian { Err(ParameterError::new("fluid.thermal_energy", message)) } else { Ok(()) };
@@ -104,9 +104,17 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     if let Flow::Poiseuille { pressure_gradient } = p.flow {
         ParameterError::unless_finite("flow.pressure_gradient", pressure_gradient)?;
     }
-    let Flow::Shear { rate, lees_edwards } = p.flow else {
-        let message = "changes, but flow.kind is \"none\"; set flow.kind = \"shear\"";
-        return if p.protocol == Protocol::STEADY { Ok(()) } else { Err(ParameterError::new("flow.rate", message)) };
+    let (rate, lees_edwards) = match p.flow {
+        Flow::Shear { rate, lees_edwards } => (rate, lees_edwards),
+        Flow::Extension { kind, rate } => {
+            check_extension(p, kind)?;
+            (rate, true)
+        }
+        Flow::None | Flow::Poiseuille { .. } if p.protocol == Protocol::STEADY => return Ok(()),
+        Flow::None | Flow::Poiseuille { .. } => {
+            let message = "changes, but flow.kind is \"none\"; set flow.kind = \"shear\"";
+            return Err(ParameterError::new("flow.rate", message));
+        }
     };
     let (rates, end) = (p.shear_rates(), p.end());
     let is_straight = !lees_edwards && p.cell.boundaries() == Boundaries::Periodic;
@@ -146,6 +154,28 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
                        its y boundary would rub against images that do not move with the flow; set \
                        flow.lees_edwards = true, or lubrication = false";
         return Err(ParameterError::new("hydrodynamics.lubrication", message));
+    }
+    Ok(())
+}
+
+/// An extension needs its own box, and only what is known of such boxes.
+fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError> {
+    if !kind.has_box(&p.cell) {
+        let message = "are not those of a box that repeats in an extension; take that of Extension::cell";
+        return Err(ParameterError::new("box.edges", message));
+    }
+    if p.shear_rates().stress().is_some() {
+        let message = "is \"stress\", which drives a shear only; leave it out, and give flow.rate";
+        return Err(ParameterError::new("flow.control", message));
+    }
+    if p.fields {
+        let message =
+            "is set, but velocity fields are those of straight and sheared boxes; leave it out in an extension";
+        return Err(ParameterError::new("output.fields_every", message));
+    }
+    if p.statistics.and_then(|statistics| statistics.axis).is_some_and(|axis| axis != Axis::Z) {
+        let message = "is x or y, along which the box of planar extension does not repeat; leave it out, for \"z\"";
+        return Err(ParameterError::new("statistics.axis", message));
     }
     Ok(())
 }

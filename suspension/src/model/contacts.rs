@@ -78,7 +78,7 @@ impl Contacts {
             let room = 1.0 - filled / p.cell.volume() / jamming_fraction(friction);
             room.max(LEAST_ROOM).powi(-2)
         };
-        let rate = p.shear_rates().largest();
+        let rate = p.flow.as_shear(p.shear_rates().largest());
         // Below the stress at which suspensions thicken hardly a contact bears the critical load.
         let pressed = 6.0 * PI * p.viscosity * rate * radius * radius * viscosity(0.0);
         let friction = if pressed < THICKENING * self.critical_load { 0.0 } else { self.friction };
@@ -128,7 +128,9 @@ impl Contacts {
     fn check_images(&self, p: &Parameters) -> Result<(), ParameterError> {
         let largest = p.species.iter().map(|s| s.radius).fold(0.0, f64::max);
         let repeating = (0..3).filter(|&axis| p.cell.is_periodic(axis)).map(|axis| p.cell.edges()[axis]);
-        let (shortest, least) = (repeating.fold(f64::INFINITY, f64::min), 4.0 * largest * (1.0 + 0.5 * self.roughness));
+        let of_edges = || repeating.fold(f64::INFINITY, f64::min);
+        let shortest = p.flow.extension().map_or_else(of_edges, |extension| extension.shortest_vector(&p.cell));
+        let least = 4.0 * largest * (1.0 + 0.5 * self.roughness);
         if shortest < least {
             let [shortest, least] = [shortest, least].map(Number);
             let message = format!(

@@ -1,6 +1,7 @@
 //! Smaller copies of a suspension.
 
 use super::{Model, Start};
+use domain::PeriodicBox;
 
 /// Radii of the largest sphere that the edges of a copy have at least.
 const FEWEST_RADII: f64 = 8.0;
@@ -22,7 +23,11 @@ impl Model {
             return Some(self.clone());
         }
         let mut parameters = self.0.clone();
-        parameters.cell = domain::PeriodicBox::new(self.cell.edges() * scale).ok()?;
+        parameters.cell = match self.cell.axes() {
+            None => PeriodicBox::new(self.cell.edges() * scale),
+            Some(_) => PeriodicBox::of_lattice(self.cell.lattice_vectors().map(|vector| vector * scale)),
+        }
+        .ok()?;
         parameters.bonds.clear();
         parameters.traps.clear();
         for species in &mut parameters.species {

@@ -15,7 +15,17 @@ pub enum Integrator {
     /// The same, with short-range forces as they will be at the end of a part, so that their stiffness does not limit it.
     Implicit(Adaptive),
     /// All steps are alike, and heat moves the spheres.
-    Brownian,
+    Brownian(BrownianScheme),
+}
+
+/// How a step of Brownian motion has its drift.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BrownianScheme {
+    /// By one solve with frozen noise, half a step on.
+    #[default]
+    Midpoint,
+    /// By the change of random motions over a small part of that, with the stress by heat: for dense suspensions, and stresses.
+    TwoEvaluations,
 }
 
 /// What limits the length of a substep.
@@ -46,7 +56,7 @@ impl Integrator {
                 let message = format!("is {order}; the Adams-Bashforth methods here have order 2, 3 or 4");
                 Err(ParameterError::new("time.order", message))
             }
-            Self::AdamsBashforth { .. } | Self::Brownian => Ok(()),
+            Self::AdamsBashforth { .. } | Self::Brownian(_) => Ok(()),
             Self::Adaptive(Adaptive { tolerance, gap_fraction })
             | Self::Implicit(Adaptive { tolerance, gap_fraction }) => {
                 if !(with_contacts && *tolerance == f64::INFINITY) {

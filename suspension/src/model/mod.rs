@@ -5,6 +5,7 @@ mod bonds;
 mod check;
 mod contacts;
 mod copy;
+mod extension;
 mod hydrodynamics;
 mod integrator;
 mod rates;
@@ -18,11 +19,13 @@ pub use attraction::Attraction;
 pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
-use domain::{ParameterError, PeriodicBox, Vector};
+use domain::{ParameterError, PeriodicBox, Tensor, Vector};
+pub use extension::Extension;
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
-pub use integrator::{Adaptive, Integrator};
+pub use integrator::{Adaptive, BrownianScheme, Integrator};
 pub use rates::{Protocol, RateChange, ShearRates};
 pub use sizes::{SizeClass, SizeDistribution};
+use solver::BackgroundFlow;
 pub use spheres::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
 pub use statistics::{Axis, Statistics};
 use std::ops::Deref;
@@ -33,7 +36,7 @@ pub use traps::{Centres, Trapped, Traps};
 pub struct Parameters {
     /// Where random numbers start.
     pub seed: u64,
-    /// The box, not sheared yet.
+    /// The box, not sheared yet; in an extension that of [`Extension::cell`].
     pub cell: PeriodicBox,
     /// Viscosity of the fluid.
     pub viscosity: f64,
@@ -47,7 +50,7 @@ pub struct Parameters {
     pub start: Start,
     /// The background flow.
     pub flow: Flow,
-    /// How the rate of shear changes.
+    /// How the rate of the flow changes.
     pub protocol: Protocol,
     /// What keeps spheres apart.
     pub repulsion: Option<Repulsion>,
@@ -101,10 +104,16 @@ impl Parameters {
         }
     }
 
-    /// The rate of shear in time; 0 without shear.
+    /// The rate of shear or of extension in time; 0 without a flow.
     pub fn shear_rates(&self) -> ShearRates {
-        let first = if let Flow::Shear { rate, .. } = self.flow { rate } else { 0.0 };
-        ShearRates::new(first, self.protocol.clone(), self.time_step)
+        ShearRates::new(self.flow.rate(), self.protocol.clone(), self.time_step)
+    }
+
+    /// The shortest lattice vector of the box at any time, of those along its edges.
+    pub fn shortest_vector(&self) -> f64 {
+        self.flow
+            .extension()
+            .map_or_else(|| self.cell.edges().min_element(), |extension| extension.shortest_vector(&self.cell))
     }
 
     /// The time at the end of the last step.
@@ -131,6 +140,45 @@ pub enum Flow {
         /// By how much the pressure falls per length along x.
         pressure_gradient: f64,
     },
+    /// One that stretches, in a box that is stretched with it.
+    Extension {
+        /// Which one.
+        kind: Extension,
+        /// One over time; at the start, where it changes.
+        rate: f64,
+    },
+}
+
+impl Flow {
+    /// Its rate, at the start where it changes; 0 without a flow, and in that by a pressure gradient.
+    pub fn rate(&self) -> f64 {
+        match *self {
+            Self::None | Self::Poiseuille { .. } => 0.0,
+            Self::Shear { rate, .. } | Self::Extension { rate, .. } => rate,
+        }
+    }
+
+    /// The extension, if it is one.
+    pub fn extension(&self) -> Option<Extension> {
+        if let Self::Extension { kind, .. } = *self { Some(kind) } else { None }
+    }
+
+    /// The flow of this kind at a rate.
+    pub fn at_rate(&self, rate: f64) -> BackgroundFlow {
+        self.extension().map_or_else(|| BackgroundFlow::shear(rate), |kind| kind.flow(rate))
+    }
+
+    /// The rate of the shear that dissipates as much as this flow at a rate, `sqrt(2 E : E)`.
+    pub fn as_shear(&self, rate: f64) -> f64 {
+        self.extension().map_or(rate, |kind| kind.as_shear() * rate)
+    }
+
+    /// The part of a stress that drives it, viscosity times rate in a fluid alone: with `e` the rate of strain over the rate,
+    /// `s : e / (2 e : e)`, which in a shear flow along x is the component `s_xy`, or `s_xz` where z is its gradient axis.
+    pub fn driving_stress(&self, stress: &Tensor, gradient: usize) -> f64 {
+        let diagonal = || [stress.x_axis.x, stress.y_axis.y, stress.z_axis.z];
+        self.extension().map_or(stress.col(gradient).x, |kind| kind.driving_stress(diagonal()))
+    }
 }
 
 /// Repulsion, by a barrier or of charged spheres.

@@ -62,10 +62,9 @@ impl Species {
         self.force + gravity * (self.density_difference * volume(radius))
     }
 
-    pub(super) fn check(&self, index: usize, cell: &PeriodicBox) -> Result<(), ParameterError> {
+    pub(super) fn check(&self, index: usize, cell: &PeriodicBox, shortest: f64) -> Result<(), ParameterError> {
         let key = |name: &str| format!("species[{index}].{name}");
         ParameterError::unless_positive(&key("radius"), self.radius)?;
-        let shortest = cell.edges().min_element();
         if 2.0 * self.radius >= shortest {
             let (radius, is_height) =
                 (Number(self.radius), cell.boundaries().walls() == 2 && cell.edges().z == shortest);
@@ -88,12 +87,12 @@ impl Species {
     }
 }
 
-/// Checks what species have to be together.
-pub(super) fn check_species(species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {
+/// Checks what species have to be together, in a box whose shortest lattice vector is known.
+pub(super) fn check_species(species: &[Species], cell: &PeriodicBox, shortest: f64) -> Result<(), ParameterError> {
     if species.is_empty() {
         return Err(ParameterError::new("species", "is empty; write at least one [[species]] section"));
     }
-    species.iter().enumerate().try_for_each(|(index, one)| one.check(index, cell))?;
+    species.iter().enumerate().try_for_each(|(index, one)| one.check(index, cell, shortest))?;
     for (index, one) in species.iter().enumerate() {
         if species[..index].iter().any(|other| other.name == one.name) {
             let message = format!("is \"{}\", as another species' name; give each its own", one.name);

@@ -6,7 +6,7 @@ mod tables;
 
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
-use crate::model::{Axis, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
+use crate::model::{Axis, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
 use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
@@ -14,6 +14,7 @@ use solver::BackgroundFlow;
 use statistics::{
     Angle, Blocks, Fluctuations, Histogram, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns, State, Store,
 };
+use std::borrow::Cow;
 
 /// The columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
@@ -40,13 +41,13 @@ pub struct Statistics {
 pub struct Sample<'a> {
     /// When.
     pub time: f64,
-    /// The rate of shear then.
+    /// The rate of the flow then.
     pub rate: f64,
     /// The box.
     pub cell: &'a PeriodicBox,
     /// All particles, with the columns [`COLUMNS`].
     pub particles: &'a Particles,
-    /// The shear stress of the whole suspension, if that is known.
+    /// The stress of the whole suspension that drives the flow, if that is known.
     pub shear_stress: Option<f64>,
 }
 
@@ -57,6 +58,9 @@ struct About {
     species: Vec<(f64, f64)>,
     /// The flow, at its largest rate if that changes, and its rates in time.
     flow: BackgroundFlow,
+    kind: Flow,
+    /// Edges of the box without strain.
+    edges: Vector,
     rates: ShearRates,
     rigid: bool,
     axis: usize,
@@ -129,7 +133,7 @@ impl Statistics {
         if time < self.about.wanted.from {
             return;
         }
-        let flow = BackgroundFlow::shear(rate);
+        let flow = self.about.kind.at_rate(rate);
         let velocities = column(particles, VELOCITY).iter().zip(&particles.positions);
         let velocities: Vec<Vector> = velocities.map(|(&v, &x)| v - flow.velocity(x)).collect();
         each_species(&mut self.velocities, &particles.species, &velocities);
@@ -140,8 +144,8 @@ impl Statistics {
         let motions = self.paths.follow(time, (cell, particles), &velocities, self.about.flow);
         self.lagrangian.add(time, &motions);
         self.pairs.add(cell, &particles.positions, &particles.species);
-        self.profile.add(&particles.positions, &particles.radii, &particles.species);
-        self.segregation.add(counted(&self.about.columns, particles).intensity());
+        self.profile.add(&in_lattice(cell, self.about.edges, particles), &particles.radii, &particles.species);
+        self.segregation.add(counted((&self.about.columns, self.about.edges), (cell, particles)).intensity());
         if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
             moduli.add(time, stress);
         }
@@ -153,7 +157,7 @@ impl Statistics {
 impl About {
     fn of(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
         let rates = model.shear_rates();
-        let flow = BackgroundFlow::shear(if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
+        let flow = model.flow.at_rate(if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
         let fraction = |index: usize| {
             let own = particles.species.iter().zip(&particles.radii).filter(|(s, _)| **s as usize == index);
             own.map(|(_, a)| 4.0 / 3.0 * std::f64::consts::PI * a.powi(3)).sum::<f64>() / model.cell.volume()
@@ -162,9 +166,11 @@ impl About {
             names: model.species.iter().map(|s| s.name.clone()).collect(),
             species: model.species.iter().enumerate().map(|(index, s)| (s.radius, fraction(index))).collect(),
             flow,
+            kind: model.flow,
+            edges: model.cell.edges(),
             rates,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
-            axis: wanted.axis.map_or_else(|| model.force_axis().unwrap_or(GRADIENT), index),
+            axis: axis(model, wanted.axis),
             columns: columns(model),
             wanted,
         }
@@ -187,17 +193,38 @@ pub fn column_bytes(model: &Model) -> Bytes {
 /// The axis of the gradient of a shear flow.
 const GRADIENT: usize = 1;
 
+/// The axis along which the box of planar extension stays as it is.
+const NEUTRAL: usize = 2;
+
+/// The axis of profiles: the one wanted, by default that of the forces or the gradient, where the box has it.
+fn axis(model: &Model, wanted: Option<Axis>) -> usize {
+    let usual = || model.force_axis().unwrap_or(GRADIENT);
+    wanted.map_or_else(|| if model.flow.extension().is_some() { NEUTRAL } else { usual() }, index)
+}
+
 /// The axis of the columns, by default that of the forces or the gradient, and their width.
 fn axis_and_width(model: &Model) -> (usize, f64) {
-    let axis =
-        model.statistics.and_then(|wanted| wanted.axis).map_or_else(|| model.force_axis().unwrap_or(GRADIENT), index);
+    let axis = axis(model, model.statistics.and_then(|wanted| wanted.axis));
     (axis, COLUMN_WIDTH * model.species.iter().map(|s| s.radius).fold(0.0, f64::max))
 }
 
-/// The particles of this rank counted in columns that are empty.
-pub fn counted(empty: &SpeciesColumns, particles: &Particles) -> SpeciesColumns {
+/// Places at the same fractions of upright edges as they are of the box's lattice vectors, where that is a lattice; of a box
+/// along x, y and z the places themselves.
+fn in_lattice<'a>(cell: &PeriodicBox, edges: Vector, particles: &'a Particles) -> Cow<'a, [Vector]> {
+    if cell.axes().is_none() {
+        return Cow::Borrowed(&particles.positions);
+    }
+    let over = edges / cell.edges();
+    particles.positions.iter().map(|&position| cell.lattice_coordinates(position) * over).collect()
+}
+
+/// The particles of this rank in a box counted in columns that are empty, which were made for a box of these edges.
+pub fn counted(
+    (empty, edges): (&SpeciesColumns, Vector),
+    (cell, particles): (&PeriodicBox, &Particles),
+) -> SpeciesColumns {
     let mut columns = empty.clone();
-    for (&position, &species) in particles.positions.iter().zip(&particles.species) {
+    for (&position, &species) in in_lattice(cell, edges, particles).iter().zip(&particles.species) {
         columns.add(position, species);
     }
     columns
@@ -206,7 +233,7 @@ pub fn counted(empty: &SpeciesColumns, particles: &Particles) -> SpeciesColumns 
 /// About how fast spheres move in a scene relative to the flow: the fastest that a force on one, the repulsion of two or
 /// the shear across one makes it.
 fn speed(model: &Model) -> f64 {
-    let rate = model.shear_rates().largest();
+    let rate = model.flow.as_shear(model.shear_rates().largest());
     let of = |s: &Species| {
         let repulsion = model.repulsion.map_or(0.0, |r| r.strength * s.radius.powi(r.radius_power.into()));
         let force = s.force_on(s.radius, model.gravity).abs().max_element().max(repulsion);

@@ -79,7 +79,7 @@ impl Statistics {
             }
             by_species.push(found.by_slope[1]);
         }
-        if let (Some(all), true) = (by_species.pop(), self.about.flow != BackgroundFlow::NONE) {
+        if let (Some(all), true) = (by_species.pop(), self.about.flow.shear_rate() != 0.0) {
             self.add_bidisperse(summary, all, &by_species);
         }
     }

@@ -120,7 +120,7 @@ impl Bonds {
             stiffness: bonds.stiffness,
             breaking_force: bonds.breaking_force.unwrap_or(f64::INFINITY),
         };
-        let half = 0.5 * model.cell.edges().min_element();
+        let half = 0.5 * model.shortest_vector();
         Some(Self { kinds: model.bonds.iter().map(kind).collect(), longest: longest[0], half })
     }
 

@@ -79,7 +79,7 @@ fn of_all(all: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Columns,
 fn bonds(all: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Vec<f64>, String> {
     let width = model.bond_numbers();
     let mut values = vec![0.0; width * all.len()];
-    let half = 0.5 * cell.edges().min_element();
+    let half = 0.5 * model.shortest_vector();
     for (kind, bonds) in model.bonds.iter().enumerate() {
         for (row, &[first, second]) in bonds.pairs.iter().enumerate() {
             let [i, j] = [first, second].map(|id| id as usize);

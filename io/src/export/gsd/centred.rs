@@ -1,4 +1,4 @@
-//! Positions in a box around the origin.
+//! Positions in a box around the origin, along the box's axes.
 
 use domain::{Particles, PeriodicBox, Vector};
 
@@ -28,7 +28,8 @@ fn centred(cell: &PeriodicBox, position: Vector, mut steps: [i32; 3]) -> ([f64; 
         }
     }
     let [x, y, z] = coordinates;
-    ([x + cell.strain() * y, y, z], steps)
+    let [xz, yz] = cell.tilts();
+    ([x + cell.strain() * y + xz * z, y + yz * z, z], steps)
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@ mod file;
 
 use crate::trajectory_reader::Snapshot;
 use centred::Centred;
-use domain::Particles;
+use domain::{Column, Particles, PeriodicBox, Traceless, Vector};
 use file::{Chunk, GsdFile};
 use simulation::Frame;
+use std::borrow::Cow;
 use std::io::{Result, Seek, Write};
 
 /// Writes frames of particles whose species have these names.
@@ -31,8 +32,8 @@ pub(super) fn write(
 }
 
 fn clock_and_box(Snapshot { step, time, frame }: &Snapshot) -> Vec<Chunk> {
-    let edges = frame.cell.edges();
-    let lengths_and_tilts = [edges.x, edges.y, edges.z, frame.cell.strain(), 0.0, 0.0];
+    let (edges, [xz, yz]) = (frame.cell.edges(), frame.cell.tilts());
+    let lengths_and_tilts = [edges.x, edges.y, edges.z, frame.cell.strain(), xz, yz];
     vec![
         Chunk::u64s("configuration/step", &[*step]),
         Chunk::f32s("configuration/box", 1, &lengths_and_tilts),
@@ -57,7 +58,34 @@ fn moving(Frame { particles, cell, .. }: &Frame) -> Vec<Chunk> {
         vec![Chunk::f32s("particles/position", 3, positions.as_flattened()), Chunk::i32s("particles/image", &images)];
     for column in &particles.columns {
         let name = if column.name == "velocity" { "particles/" } else { "log/particles/" }.to_owned() + &column.name;
-        chunks.push(Chunk::f32s(&name, column.width, &column.values));
+        chunks.push(Chunk::f32s(&name, column.width, &along_axes(cell, column)));
     }
     chunks
+}
+
+/// Vectors and traceless tensors along the box's axes, in which the format has its boxes.
+fn along_axes<'a>(cell: &PeriodicBox, column: &'a Column) -> Cow<'a, [f64]> {
+    let Some(axes) = cell.axes() else { return Cow::Borrowed(&column.values) };
+    let along = axes.transpose();
+    let turned = |values: &[f64]| match *values {
+        [x, y, z] => (along * Vector::new(x, y, z)).to_array().to_vec(),
+        [a, b, c, d, e] => Traceless::part_of(&(along * Traceless([a, b, c, d, e]).tensor() * *axes)).0.to_vec(),
+        _ => values.to_vec(),
+    };
+    column.values.chunks_exact(column.width).flat_map(turned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Turned with its box by a quarter of a turn, x becomes y.
+    #[test]
+    fn columns_turn_with_the_box() {
+        let cell = PeriodicBox::of_lattice([Vector::Y * 2.0, Vector::X * -3.0, Vector::Z * 4.0]).unwrap();
+        let column = |values: &[f64]| Column { name: "some".into(), width: values.len(), values: values.to_vec() };
+        assert_eq!(along_axes(&cell, &column(&[1.0, 2.0, 3.0]))[..], [2.0, -1.0, 3.0]);
+        // xx, xy, xz, yy, yz
+        assert_eq!(along_axes(&cell, &column(&[1.0, 2.0, 3.0, 4.0, 5.0]))[..], [4.0, -2.0, 5.0, 1.0, -3.0]);
+    }
 }

@@ -18,6 +18,9 @@ pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
         series.get("velocity_variance").map(|variances| fluctuations(series, variances)),
         numbers(series, "Relative viscosity", "viscosity over the fluid's", &[("relative_viscosity", "")]),
         numbers(series, "Shear rate", "rate", &[("shear_rate", "")]).map(|chart| chart.with_level(0.0)),
+        numbers(series, "Rate of extension", "rate", &[("extension_rate", "")]).map(|chart| chart.with_level(0.0)),
+        numbers(series, "Extensional stress of the suspension", "stress", &[("extensional_stress", "")])
+            .map(|chart| chart.with_level(0.0)),
         numbers(series, "Shear stress of the suspension", "stress", &[("shear_stress", "")])
             .map(|chart| chart.with_level(0.0)),
         numbers(series, "Normal stress differences and pressure", "stress", &stresses)

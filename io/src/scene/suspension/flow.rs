@@ -4,7 +4,7 @@ use super::raw;
 use crate::scene::checks::positive;
 use crate::scene::error::Fault;
 use domain::Number;
-use suspension::{Flow, Protocol, RateChange};
+use suspension::{Extension, Flow, Protocol, RateChange};
 
 /// A time may be off a step by this part of it.
 const ROUND_OFF: f64 = 1e-6;
@@ -17,7 +17,7 @@ pub fn flow(
     shears: bool,
 ) -> Result<(Flow, Protocol), Fault> {
     let Some(raw) = raw else { return Ok((Flow::None, Protocol::STEADY)) };
-    if raw.kind != raw::FlowKind::Shear {
+    if let raw::FlowKind::None | raw::FlowKind::Poiseuille = raw.kind {
         let keys = [
             ("flow.rate", raw.rate.is_some()),
             ("flow.reversal_at", raw.reversal_at.is_some()),
@@ -26,7 +26,7 @@ pub fn flow(
             ("flow.stress", raw.stress.is_some()),
         ];
         return match keys.into_iter().find(|(_, is_set)| *is_set) {
-            None => without_shear(raw),
+            None => without_rate(raw),
             Some((key, _)) => {
                 let kind = if raw.kind == raw::FlowKind::None { "none" } else { "poiseuille" };
                 let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"shear\" or leave it out");
@@ -35,7 +35,8 @@ pub fn flow(
         };
     }
     if raw.pressure_gradient.is_some() {
-        let message = "is set, but flow.kind is \"shear\"; set flow.kind = \"poiseuille\" or leave it out";
+        let kind = if extension(raw.kind).is_some() { "planar-extension" } else { "shear" };
+        let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"poiseuille\" or leave it out");
         return Err(Fault::new("flow.pressure_gradient", message));
     }
     let (rate, protocol) = match (raw.control, raw.stress) {
@@ -49,10 +50,17 @@ pub fn flow(
         }
         _ => rates(raw, time_step)?,
     };
-    Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(shears) }, protocol))
+    let Some(kind) = extension(raw.kind) else {
+        return Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(shears) }, protocol));
+    };
+    if raw.lees_edwards == Some(false) {
+        let message = "is false, but in an extension the box is stretched with the flow; leave it out";
+        return Err(Fault::new("flow.lees_edwards", message));
+    }
+    Ok((Flow::Extension { kind, rate }, protocol))
 }
 
-fn without_shear(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
+fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
     let error = |message: &str| Err(Fault::new("flow.pressure_gradient", message));
     match (raw.kind, raw.pressure_gradient) {
         (raw::FlowKind::Poiseuille, Some(pressure_gradient)) => {
@@ -64,6 +72,14 @@ fn without_shear(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
     }
 }
 
+/// The extension that a flow is, if it is one.
+pub fn extension(kind: raw::FlowKind) -> Option<Extension> {
+    match kind {
+        raw::FlowKind::None | raw::FlowKind::Shear | raw::FlowKind::Poiseuille => None,
+        raw::FlowKind::PlanarExtension => Some(Extension::Planar),
+    }
+}
+
 fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
     match (&raw.rate, &raw.reversal_at, &raw.oscillation) {
         (None, None, Some(oscillation)) => oscillating(oscillation),
@@ -71,7 +87,10 @@ fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
             let key = if rate.is_some() { "flow.rate" } else { "flow.reversal_at" };
             Err(Fault::new(key, "is set beside flow.oscillation, which says the whole strain; leave one of them out"))
         }
-        (None, _, None) => Err(Fault::new("flow.rate", "is missing; a shear flow u = rate y needs it")),
+        (None, _, None) => {
+            let flow = if extension(raw.kind).is_some() { "an extension" } else { "a shear flow u = rate y" };
+            Err(Fault::new("flow.rate", format!("is missing; {flow} needs it")))
+        }
         (Some(raw::Rate::Number(rate)), None, _) => Ok((*rate, Protocol::STEADY)),
         (Some(raw::Rate::Number(rate)), Some(strains), _) => {
             Ok((*rate, Protocol::Steps(reversals(*rate, strains, time_step)?)))

@@ -13,8 +13,8 @@ pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Adaptive, Attraction, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start,
-    StatisticsWanted,
+    Adaptive, Attraction, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion,
+    Start, StatisticsWanted,
 };
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
@@ -35,7 +35,7 @@ pub struct SuspensionScene {
 
 impl SuspensionScene {
     pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, Fault> {
-        let cell = cell(&raw.cell)?;
+        let cell = cell(&raw.cell, raw.flow.as_ref())?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, &cell)?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
@@ -91,12 +91,22 @@ fn check_contacts(raw: &Raw) -> Result<(), Fault> {
     }
 }
 
-fn cell(raw: &raw::Box) -> Result<PeriodicBox, Fault> {
+/// The box, which in an extension is another one of the same volume.
+fn cell(raw: &raw::Box, flow: Option<&raw::Flow>) -> Result<PeriodicBox, Fault> {
     for (axis, length) in raw.edges.iter().enumerate() {
         positive(&format!("box.edges[{axis}]"), *length)?;
     }
-    let cell = PeriodicBox::new(Vector::from_array(raw.edges)).map_err(|e| Fault::new("box.edges", e.to_string()))?;
+    let edges = Vector::from_array(raw.edges);
     let boundaries = boundaries(raw.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
+    if let Some(extension) = flow.and_then(|flow| flow::extension(flow.kind)) {
+        if boundaries != Boundaries::Periodic {
+            let message =
+                "has walls or open axes, but an extension stretches a box that repeats along all axes; leave it out";
+            return Err(Fault::new("box.boundaries", message));
+        }
+        return Ok(extension.cell(edges)?);
+    }
+    let cell = PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))?;
     cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))
 }
 
@@ -230,6 +240,11 @@ fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> R
             }
         }
     }
+    if raw.brownian.is_some() && integrator != raw::Integrator::Brownian {
+        let message =
+            "is set, but only steps of \"brownian\", with fluid.thermal_energy, have a choice of it; leave it out";
+        return Err(Fault::new("time.brownian", message));
+    }
     if integrator == raw::Integrator::AdamsBashforth {
         return Ok(Integrator::AdamsBashforth { order: raw.order.unwrap_or(4) });
     }
@@ -238,7 +253,7 @@ fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> R
         return Err(Fault::new("time.order", message));
     }
     if integrator == raw::Integrator::Brownian {
-        return Ok(Integrator::Brownian);
+        return Ok(Integrator::Brownian(raw.brownian.map_or_else(BrownianScheme::default, Into::into)));
     }
     let usual = if with_contacts { Adaptive::UNLIMITED } else { Adaptive::default() };
     let control = Adaptive {

@@ -172,9 +172,10 @@ pub(super) enum Initial {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
-    /// The flow along x: none, the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls.
+    /// The flow: none; along x the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls; or
+    /// the extension u = rate (x, -y, 0).
     pub(super) kind: FlowKind,
-    /// Shear rate; or a table of times, from 0 on, and the rates from then on.
+    /// Rate of shear or extension; or a table of times, from 0 on, and the rates from then on.
     pub(super) rate: Option<Rate>,
     /// Strains since the start, however sheared, at which the rate changes its sign.
     pub(super) reversal_at: Option<Vec<f64>>,
@@ -186,7 +187,7 @@ pub(super) struct Flow {
     pub(super) stress: Option<f64>,
     /// By how much the pressure falls per length along x, for "poiseuille".
     pub(super) pressure_gradient: Option<f64>,
-    /// Whether the box shears with the flow (default), or stays straight.
+    /// Whether the box goes with the flow (default), or stays straight, which it can in a shear flow only.
     pub(super) lees_edwards: Option<bool>,
 }
 
@@ -220,6 +221,7 @@ pub(super) enum FlowKind {
     None,
     Shear,
     Poiseuille,
+    PlanarExtension,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -383,6 +385,7 @@ names! { Evaluation for suspension::Evaluation: Auto Direct Split }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Elasticity for suspension::Elasticity: Linear Hertz }
 names! { Axis for suspension::Axis: X Y Z }
+names! { BrownianScheme for suspension::BrownianScheme: Midpoint TwoEvaluations }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -396,6 +399,9 @@ pub(super) struct Time {
     /// Steps all alike, or each in as many parts as needed; "implicit" takes short-range forces at the end of a part, so that
     /// their stiffness does not limit it, and is the default with contacts; "brownian" is that with heat.
     pub(super) integrator: Option<Integrator>,
+    /// How a step of "brownian" has its drift: by one solve half a step on, "midpoint", which is the default, or by
+    /// "two-evaluations", for dense suspensions and for stresses.
+    pub(super) brownian: Option<BrownianScheme>,
     /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
     /// Error of a part of a step in any position, over the radius, for "adaptive" and "implicit".

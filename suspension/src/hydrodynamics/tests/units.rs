@@ -20,6 +20,7 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
     let plan = Plan::choose(&Problem {
         edges: cell.edges(),
         boundaries: cell.boundaries(),
+        contraction: 1.0,
         largest_strain: 0.5,
         radii: place(&radii).into_iter().map(|a| (a, 1)).collect(),
         viscosity,

@@ -12,6 +12,7 @@ fn between(radii: &[f64], edge: f64) -> Plan {
     let problem = Problem {
         edges: Vector::new(edge, edge, HEIGHT),
         boundaries: Boundaries::Walls,
+        contraction: 1.0,
         largest_strain: 0.0,
         radii: radii.iter().map(|&a| (a, 1)).collect(),
         viscosity: usual.viscosity,

@@ -1,0 +1,148 @@
+//! Random motions of the particles, in their columns, and how these change with their places.
+
+use crate::columns::BROWNIAN;
+use crate::hydrodynamics::{Acting, Found, Guess, Hydrodynamics, Solved};
+use domain::{Particles, PeriodicBox, Traceless, Vector};
+use fcm::{Loads, Motion, SolveError};
+
+/// The column of how the fluid moves at each particle besides, and its width. There is no such column between steps, nor any of
+/// the following.
+const AMBIENT: &str = "ambient motion";
+pub const AMBIENT_NUMBERS: usize = 11;
+
+/// Columns of random motions, loads and stresslets, the far field's part of these first.
+pub const RANDOM_VELOCITY: &str = "random velocity";
+const RANDOM: [&str; 2] = [RANDOM_VELOCITY, "random angular velocity"];
+const LOADS: [&str; 2] = ["random force", "random torque"];
+const STRESSLETS: [&str; 2] = ["random far stresslet", "random stresslet"];
+
+/// Columns of mean motions by heat, of which one draw is a random part.
+pub const DRIFT_VELOCITY: &str = "drift velocity";
+const DRIFT: [&str; 2] = [DRIFT_VELOCITY, "drift angular velocity"];
+
+/// The column of displacements that are taken back.
+pub const DISPLACEMENT: &str = "random displacement";
+
+/// Numbers of a particle in all of these and in [`BROWNIAN`].
+pub const RANDOM_NUMBERS: usize = 3 * 7 + 5 * 3;
+
+/// Error of the change of random motions, over it, that is small enough: noise leaves much more of a mean.
+pub const CHANGE: f64 = 0.03;
+
+/// Solves for the random motions of rigid particles under random loads in a fluid that moves at each, and notes both. The fluid
+/// that is noted is the one in which they are exact. Collective; fails on every rank or on none.
+pub fn solve(
+    hydrodynamics: &mut Hydrodynamics,
+    (cell, particles): (&PeriodicBox, &mut Particles),
+    (loads, fluid): (&Loads, &Motion),
+) -> Result<Solved, SolveError> {
+    let acting = Acting { loads, strain_rate: Traceless::ZERO, strain_slope: 0.0, springs: None, ambient: fluid };
+    let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
+    let found = Found {
+        motion: Motion { strain_rates: Vec::new(), ..solved.motion.clone() },
+        stresslets_far: solved.far.stresslets.clone(),
+        stresslets: solved.stresslets.clone(),
+    };
+    let exact = hydrodynamics.fluid_around((cell, particles), loads, &found)?;
+    set_ambient(particles, &exact, 1.0);
+    note(particles, loads, &found);
+    Ok(solved)
+}
+
+/// Notes as mean motions and stresslets by heat what random ones that were noted are more where the particles are now, with the same
+/// fluid and loads, over a factor, with an error of a tolerance relative to the change. Collective; fails on every rank or on none.
+///
+/// With the displacement `h v` by the velocities of the fluid before, whose covariance with its motions `(v, w, e)` is `2 kT / dt`
+/// times the mobility of the method, that factor is `2 h / dt`, and the means are `kT div M` of the mobility `M` of rigid,
+/// lubricated spheres, and `-kT div D` of the first moments that forces cause.
+pub fn note_drift(
+    hydrodynamics: &mut Hydrodynamics,
+    (cell, particles): (&PeriodicBox, &mut Particles),
+    (over, tolerance): (f64, f64),
+) -> Result<(), SolveError> {
+    let (fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
+    let Found { mut motion, stresslets, .. } =
+        hydrodynamics.changed((cell, particles), (&loads, &fluid), &found, tolerance)?;
+    motion.add(-1.0, &found.motion);
+    for (name, list) in DRIFT.into_iter().zip([motion.velocities, motion.angular_velocities]) {
+        particles.vectors(name).iter_mut().zip(list).for_each(|(drift, change)| *drift = change * (1.0 / over));
+    }
+    let changes = stresslets.iter().zip(&found.stresslets).map(|(&there, &here)| (there - here) * (1.0 / over));
+    tensors(particles, BROWNIAN).iter_mut().zip(changes).for_each(|(stresslet, change)| *stresslet = change);
+    Ok(())
+}
+
+/// The mean motions and stresslets by heat that were noted.
+pub fn drift(particles: &mut Particles) -> (Motion, Vec<Traceless>) {
+    let [velocities, angular_velocities] = DRIFT.map(|name| particles.vectors(name).to_vec());
+    (Motion { velocities, angular_velocities, strain_rates: Vec::new() }, tensors(particles, BROWNIAN).to_vec())
+}
+
+/// Notes displacements by the fluid's velocities over a time.
+pub fn displace(particles: &mut Particles, time: f64) {
+    let displacements: Vec<Vector> = ambient(particles).velocities.into_iter().map(|v| v * time).collect();
+    particles.vectors(DISPLACEMENT).copy_from_slice(&displacements);
+}
+
+/// Forgets random motions.
+pub fn forget(particles: &mut Particles) {
+    let names = [RANDOM, LOADS, STRESSLETS, DRIFT].concat();
+    let is_random = |name: &str| name == AMBIENT || name == DISPLACEMENT || names.contains(&name);
+    particles.columns.retain(|column| !is_random(&column.name));
+}
+
+/// Notes how the fluid moves at each particle, so many times a motion.
+pub fn set_ambient(particles: &mut Particles, motion: &Motion, amplitude: f64) {
+    let values = &mut particles.column(AMBIENT, AMBIENT_NUMBERS).values;
+    for (row, values) in values.chunks_exact_mut(AMBIENT_NUMBERS).enumerate() {
+        let turning = motion.angular_velocities.get(row).copied().unwrap_or_default();
+        let strain = motion.strain_rates.get(row).copied().unwrap_or_default();
+        values[..3].copy_from_slice(&motion.velocities[row].to_array());
+        values[3..6].copy_from_slice(&turning.to_array());
+        values[6..].copy_from_slice(&strain.0);
+        for value in values {
+            *value *= amplitude;
+        }
+    }
+}
+
+/// How the fluid moves at each particle.
+pub fn ambient(particles: &mut Particles) -> Motion {
+    let mut motion = Motion::default();
+    for values in particles.column(AMBIENT, AMBIENT_NUMBERS).values.chunks_exact(AMBIENT_NUMBERS) {
+        motion.velocities.push(Vector::from_slice(values));
+        motion.angular_velocities.push(Vector::from_slice(&values[3..]));
+        motion.strain_rates.push(Traceless(std::array::from_fn(|k| values[6 + k])));
+    }
+    motion
+}
+
+/// Notes loads, and what they and the fluid do.
+pub fn note(particles: &mut Particles, loads: &Loads, found: &Found) {
+    let Motion { velocities, angular_velocities, .. } = &found.motion;
+    let vectors = RANDOM.into_iter().zip([velocities, angular_velocities]);
+    for (name, list) in vectors.chain(LOADS.into_iter().zip([&loads.forces, &loads.torques])) {
+        particles.vectors(name).iter_mut().zip(list).for_each(|(value, &noted)| *value = noted);
+    }
+    for (name, list) in STRESSLETS.into_iter().zip([&found.stresslets_far, &found.stresslets]) {
+        tensors(particles, name).iter_mut().zip(list).for_each(|(value, &noted)| *value = noted);
+    }
+}
+
+fn loads(particles: &mut Particles) -> Loads {
+    let [forces, torques] = LOADS.map(|name| particles.vectors(name).to_vec());
+    Loads { forces, torques, stresslets: Vec::new() }
+}
+
+fn found(particles: &mut Particles) -> Found {
+    let [velocities, angular_velocities] = RANDOM.map(|name| particles.vectors(name).to_vec());
+    let [stresslets_far, stresslets] = STRESSLETS.map(|name| tensors(particles, name).to_vec());
+    Found { motion: Motion { velocities, angular_velocities, strain_rates: Vec::new() }, stresslets_far, stresslets }
+}
+
+fn tensors<'a>(particles: &'a mut Particles, name: &str) -> &'a mut [Traceless] {
+    bytemuck::cast_slice_mut(&mut particles.column(name, 5).values)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+"""Viscosity of colloids against the Peclet number, by two evaluations, with the parts of its stress; and where shear vanishes that
+of the correlation of stresses at rest (Green & Kubo)."""
+
+import csv
+import pathlib
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+import h5py
+import numpy as np
+from support.page import table, write_section
+from support.program import mobility, run
+
+FULL = "--full" in sys.argv[1:]
+COUNT, FRACTION, STRENGTH, RANGE = (64, 0.3, 60.0, 0.4) if FULL else (24, 0.3, 60.0, 0.4)
+EDGE = (COUNT * 4 / 3 * np.pi / FRACTION) ** (1 / 3)
+# The time in which a sphere diffuses over its radius, with kT, mu and a of 1.
+DIFFUSIVE = 6 * np.pi
+NUMBERS = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0) if FULL else (1.0, 10.0, 100.0)
+STEP = 2e-3
+LENGTH, SETTLED = (150.0, 10.0) if FULL else (8.0, 2.0)
+# Configurations at rest on which the viscosity at high frequency is computed.
+FRAMES = 40 if FULL else 8
+# Nearly at rest, where the time series has stresses all the same.
+REST = 1e-6
+PARTS = ("stresslet", "lubrication", "repulsion", "brownian")
+# Up to this time stresses at rest are correlated.
+MEMORY = 1.5
+
+
+def rows(rate, step, length, frames=0):
+    """The time series of a run at a rate, with step and length in times of diffusion, and so many configurations."""
+    scene = f"""seed = 5
+box.edges = [{EDGE}, {EDGE}, {EDGE}]
+fluid = {{ viscosity = 1.0, thermal_energy = 1.0 }}
+flow = {{ kind = "shear", rate = {rate} }}
+repulsion = {{ strength = {STRENGTH}, range = {RANGE} }}
+hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
+time = {{ step = {step * DIFFUSIVE}, steps = {round(length / step)}, brownian = "two-evaluations" }}
+output = {{ trajectory_every = {round(length / step / frames) if frames else 0}, observables_every = 1, checkpoint_every = 0 }}
+[[species]]
+radius = 1.0
+count = {COUNT}
+"""
+    with tempfile.TemporaryDirectory() as place:
+        out = pathlib.Path(place) / "out"
+        ended = run(scene, out)
+        if ended.returncode:
+            raise SystemExit(ended.stderr)
+        with open(out / "observables.csv") as file:
+            lines = list(csv.DictReader(file))
+        places = []
+        if frames:
+            with h5py.File(out / "trajectory.h5") as file:
+                places = file["particles/all/position/value"][1:]
+    series = {name: np.array([float(line[name]) for line in lines]) for name in lines[0]}
+    kept = series["time"] >= SETTLED * DIFFUSIVE * step / STEP
+    return {name: values[kept] for name, values in series.items()}, places
+
+
+def component(series, part, name):
+    return sum(values for key, values in series.items() if key.startswith(f"stress_{part}_{name}"))
+
+
+def mean_and_error(samples):
+    blocks = np.array([block.mean() for block in np.array_split(samples, 10)])
+    return samples.mean(), blocks.std(ddof=1) / np.sqrt(len(blocks))
+
+
+def sheared(number):
+    """Viscosity by parts at a Peclet number; runs are as long in strain as at a number of 1 above it."""
+    step = STEP / max(1.0, number / 10)
+    rate = number / DIFFUSIVE
+    series, _ = rows(rate, step, LENGTH * step / STEP)
+    parts = [mean_and_error(component(series, part, "xy") / rate) for part in PARTS]
+    whole = mean_and_error(series["relative_viscosity"])
+    differences = [mean_and_error(series[f"{which}_normal_stress_difference"] / rate) for which in ("first", "second")]
+    return [whole, *parts, *differences]
+
+
+def high_frequency(places):
+    """The viscosity of configurations without the stresses of forces and heat."""
+    gradient = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    case = {"box": [EDGE] * 3, "viscosity": 1.0, "radii": 1.0, "lubrication": True, "background": {"velocity_gradient": gradient}}
+    of_each = [np.sum(mobility(case | {"positions": x}, 1e-3)["stresslets"], axis=0)[1] / (2 * EDGE**3) for x in places]
+    return 1 + np.mean(of_each), np.std(of_each, ddof=1) / np.sqrt(len(of_each))
+
+
+def at_rest(_):
+    """The high-frequency viscosity, and the integral of the correlation of stresses by forces and heat: V/kT times the mean of that of
+    five components. Errors by fifths of the run."""
+    series, places = rows(REST / DIFFUSIVE, STEP, 2 * LENGTH, FRAMES)
+    total = {name: sum(component(series, part, name) for part in PARTS) for name in ("xx", "xy", "xz", "yy", "yz", "zz")}
+    five = [total["xy"], total["xz"], total["yz"], 0.5 * (total["xx"] - total["yy"]), (2 * total["zz"] - total["xx"] - total["yy"]) / 12**0.5]
+    lags, step = round(MEMORY / STEP), STEP * DIFFUSIVE
+
+    def integral(piece):
+        # The noise of one estimate of the stress by heat is not correlated with later ones: the first value is left to the next.
+        values = [np.mean([np.mean(s[:-lag] * s[lag:]) for s in piece]) for lag in range(1, lags)]
+        return EDGE**3 * step * (np.sum(values) + 0.5 * values[0])
+
+    fifths = [integral([s[k * len(s) // 5 : (k + 1) * len(s) // 5] for s in five]) for k in range(5)]
+    return high_frequency(places), (np.mean(fifths), np.std(fifths, ddof=1) / np.sqrt(5))
+
+
+def main():
+    with ThreadPoolExecutor(2) as two:
+        rest, found = two.submit(at_rest, None), list(two.map(sheared, NUMBERS))
+        frequent, (integral, error) = rest.result()
+    slowest = found[0]
+    cells = [[f"{number:g}", *(f"{value:.3f} ± {error:.3f}" for value, error in values)] for number, values in zip(NUMBERS, found)]
+    limit, error = frequent[0] + integral, np.hypot(error, frequent[1])
+    cells.insert(0, ["at rest", f"{limit:.3f} ± {error:.3f}", *[""] * 6])
+    for row in cells:
+        print(*row, flush=True)
+    lines = [
+        f"{COUNT} lubricated spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} kT/a at contact that starts at a gap of {RANGE:g}, steps of",
+        f"{STEP:g} of \\\\(a^2/D_0\\\\) or less: the viscosity over that of the fluid by \\\\(\\mathrm{{Pe}} = \\dot\\gamma a^2/D_0\\\\), the parts of it,",
+        "and normal stress differences over \\\\(\\mu \\dot\\gamma\\\\). The part of stresslets has what forces of repulsion cause by the flow that they",
+        f"drive. At rest it is the sum of {frequent[0]:.3f} ± {frequent[1]:.3f} at high frequency, on {FRAMES} configurations, and of the integral",
+        "of the correlation of stresses, with which Green and Kubo's relation has that of slow shear.",
+        "",
+        *table(["Pe", "viscosity", "stresslets", "lubrication", "repulsion", "heat", "\\\\(N_1\\\\)", "\\\\(N_2\\\\)"], cells),
+    ]
+    write_section("brownian.md", "brownian-viscosity", "Viscosity", lines)
+    thin = found[len(found) // 2][0]
+    if thin[0] > slowest[0][0] + 3 * np.hypot(thin[1], slowest[0][1]):
+        raise SystemExit("failed: the suspension does not thin at first")
+    if abs(limit - slowest[0][0]) > 3 * np.hypot(error, slowest[0][1]) + 0.2 * slowest[0][0]:
+        raise SystemExit(f"failed: {limit:.2f} at rest is not {slowest[0][0]:.2f} in slow shear")
+
+
+if __name__ == "__main__":
+    main()

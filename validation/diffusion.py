@@ -1,0 +1,82 @@
+"""Short-time self-diffusion of hard spheres: from random motions, against the trace of the program's own mobility on the same
+configurations, and exact expansions for few spheres."""
+
+import sys
+
+import numpy as np
+from support import hard_spheres
+from support.page import table, write_section
+from support.program import mobility
+
+FULL = "--full" in sys.argv[1:]
+FRACTIONS = (0.1, 0.2, 0.3, 0.4, 0.45) if FULL else (0.1, 0.3)
+SPHERES, CONFIGURATIONS, DRAWS = (108, 4, 250) if FULL else (32, 2, 100)
+# Vectors of random signs, whose products with the mobility have its trace as their mean.
+PROBES = 8 if FULL else 4
+TOLERANCE = 1e-3
+# Diffusivities may be apart by so many errors, and this for the tolerance.
+ERRORS, TOLERATED = 3.0, 3e-3
+# Of a sphere among its images in a cubic box: D = D_N + FINITE (phi/N)^(1/3) mu/eta, from 2.8373 a/L.
+FINITE = 2.8373 * (4 * np.pi / 3) ** (-1 / 3)
+# Relative to a sphere alone: translation and rotation, over 1/(6 pi mu a) and 1/(8 pi mu a^3).
+ALONE = {"velocities": 6 * np.pi, "angular_velocities": 8 * np.pi}
+
+
+def diffusivities(case, random):
+    """By random motions and by the trace, for translation and rotation, with the variances of both, and the viscosity."""
+    drawn = mobility(case | {"noise": {"draws": DRAWS, "seed": int(random.integers(2**31))}}, TOLERANCE)
+    found = {}
+    for motion, load in (("velocities", "forces"), ("angular_velocities", "torques")):
+        squares = ALONE[motion] * np.mean(np.square(drawn[f"noise_{motion}"]), axis=(1, 2))
+        probed = []
+        for _ in range(PROBES):
+            signs = random.choice([-1.0, 1.0], size=(SPHERES, 3))
+            probed.append(ALONE[motion] * np.mean(signs * mobility(case | {load: signs}, TOLERANCE)[motion]))
+        found[motion] = [np.mean(squares), np.var(squares, ddof=1) / DRAWS, np.mean(probed), np.var(probed, ddof=1) / PROBES]
+    gradient = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    stresslets = np.array(mobility(case | {"background": {"velocity_gradient": gradient}}, TOLERANCE)["stresslets"])
+    volume = np.prod(case["box"])
+    return found, 1 + stresslets[:, 1].sum() / (2 * volume)
+
+
+def row(fraction, lubrication):
+    random, results, viscosities = np.random.default_rng(3), [], []
+    for seed in range(CONFIGURATIONS):
+        places, edge = hard_spheres.equilibrium(SPHERES, fraction, seed=seed + 1)
+        case = {"box": [edge] * 3, "viscosity": 1.0, "radii": 1.0, "positions": places, "lubrication": lubrication}
+        found, viscosity = diffusivities(case, random)
+        results.append(found)
+        viscosities.append(viscosity)
+    cells, good, viscosity = [f"{fraction:.0%}", "yes" if lubrication else "no"], True, np.mean(viscosities)
+    for motion in ALONE:
+        noise, noise_variance, trace, trace_variance = np.mean([found[motion] for found in results], axis=0)
+        error = np.sqrt((noise_variance + trace_variance) / CONFIGURATIONS)
+        good &= abs(noise - trace) <= ERRORS * error + TOLERATED * trace
+        cells += [f"{noise:.4f}", f"{trace:.4f} ± {error:.4f}"]
+        if motion == "velocities":
+            cells += [f"{trace + FINITE * (fraction / SPHERES) ** (1 / 3) / viscosity:.3f}"]
+    exact = 1 - 1.8315 * fraction - 0.219 * fraction**2, 1 - 0.631 * fraction - 0.726 * fraction**2
+    cells += [f"{viscosity:.3f}", *(f"{value:.3f}" if fraction <= 0.2 else "" for value in exact)]
+    print(*cells, flush=True)
+    return cells, good
+
+
+def main():
+    found = [row(fraction, lubrication) for fraction in FRACTIONS for lubrication in (False, True)]
+    columns = ["φ", "lubrication", "\\\\(D\\\\) of noise", "of the trace", "in a large box", "\\\\(D_r\\\\) of noise", "of the trace"]
+    columns += ["\\\\(\\eta_\\infty/\\mu\\\\)", "expansion of \\\\(D\\\\)", "of \\\\(D_r\\\\)"]
+    lines = [
+        f"{SPHERES} hard spheres, {CONFIGURATIONS} configurations at equilibrium, {DRAWS} draws on each, over what one sphere alone has; traces by",
+        f"{PROBES} vectors of random signs each, with the error of the difference. In a large box the diffusivity is larger by",
+        f"\\\\({FINITE:.4f} (\\phi/N)^{{1/3}} \\mu/\\eta_\\infty\\\\). Expansions are \\\\(1 - 1.8315 \\phi - 0.219 \\phi^2\\\\) and",
+        "\\\\(1 - 0.631 \\phi - 0.726 \\phi^2\\\\) (Cichocki, Ekiel-Jeżewska & Wajnryb 1999).",
+        "",
+        *table(columns, [cells for cells, _ in found]),
+    ]
+    write_section("brownian.md", "diffusion", "Short-time diffusion", lines)
+    if not all(good for _, good in found):
+        raise SystemExit("failed: the diffusivity of random motions is not the trace of the mobility")
+
+
+if __name__ == "__main__":
+    main()
