@@ -70,18 +70,18 @@ fn weight(wavenumber: f64) -> f64 {
 }
 
 /// Error of walls on a grid whose spacing is so many of the smallest radius: by the wavenumbers that have no walls there, and
-/// by what folds onto the others through a window, times what derivatives make of it, `1 + own k^2` in units of the spacing.
-/// Nothing damps that, as a Gaussian does in the fluid.
+/// by what folds onto the others through a window, times what derivatives make of it in units of the spacing: one of a dipole,
+/// and `1 - own lap`, where the Laplacian of the wall's flow is none but that of what folds onto it is. Nothing damps that, as
+/// a Gaussian does in the fluid.
 pub(crate) fn wall_error(boundaries: Boundaries, spacing: f64, (window, own): (Window, f64)) -> f64 {
     if boundaries.walls() == 0 {
         return 0.0;
     }
-    let bracket = |k: f64| 1.0 + own * k * k;
     let folded = |part: i32| {
         let k = HIGHEST * PI * f64::from(part) / f64::from(PARTS);
         let other = 2.0 * PI - k;
-        let ratio = (window.transform(other) / window.transform(k)).abs() * bracket(other) / bracket(k);
-        ratio * weight(k / spacing)
+        let derivatives = other / k * (1.0 + own * (other * other - k * k));
+        (window.transform(other) / window.transform(k)).abs() * derivatives * weight(k / spacing)
     };
     (1..=PARTS).map(folded).fold(weight(HIGHEST * PI / spacing), f64::max)
 }

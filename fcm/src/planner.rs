@@ -215,7 +215,11 @@ impl Problem {
     /// The error of walls on a grid of this spacing with windows of so many points that stand for a Gaussian of this width.
     fn wall_error(&self, width: f64, spacing: f64, points: usize) -> f64 {
         let resolution = width / spacing;
-        let own = self.brackets(width).own * resolution * resolution;
+        let widths = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
+        let common = Common::new(width, widths.into_iter());
+        let forces = [self.smallest_radius(), self.largest_radius()].map(|a| Envelope::of_sphere(a).monopole);
+        let rests = forces.into_iter().chain(widths).map(|sigma| common.rest(sigma).abs());
+        let own = 0.5 * rests.fold(0.0, f64::max) / (spacing * spacing);
         let window = (Window::new(points, resolution), own);
         wall_error(self.boundaries, spacing / self.smallest_radius(), window)
     }
