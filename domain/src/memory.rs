@@ -98,6 +98,7 @@ pub fn packing_bytes(count: f64, is_dense: bool) -> Bytes {
         return one_by_one.freed();
     }
     // Within a fifth of a diameter beyond contact dense spheres have a dozen neighbours.
+    let moved = Bytes::list::<(f64, f64, usize, [u32; 2], Vector)>(count);
     let descent = Bytes::list::<(u64, [Vector; 3])>(count).then(Pairs::bytes(count, count, 12.0));
-    one_by_one.then(descent).freed()
+    one_by_one.freed().or(moved.then(descent).freed())
 }

@@ -86,7 +86,9 @@ fn one_by_one(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> (Vec<Vector>, boo
     let spheres = order.into_iter().map(|sphere| (sphere as u64, sizes[sphere]));
     let (placed, all_free) = sequential::place((cell, &partition), &kinds, spheres, seed);
     let mut positions = vec![Vector::ZERO; sizes.len()];
-    placed.into_iter().for_each(|(sphere, place)| positions[sphere as usize] = place);
+    for (sphere, place) in placed {
+        positions[sphere as usize] = place;
+    }
     (positions, all_free)
 }
 

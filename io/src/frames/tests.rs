@@ -61,7 +61,7 @@ fn blocks_of_rows_make_up_the_frame() {
     let folder = tempfile::tempdir().unwrap();
     for rows in [1, 7, 50] {
         let path = folder.path().join(format!("in-blocks-of-{rows}.h5"));
-        let mut frames = Frames::create(&path, &kind(&elements(), 3)).unwrap();
+        let mut frames = Frames::create(&path, &kind(&elements(), 4)).unwrap();
         let (reals, integers): (Vec<f64>, Vec<i32>) = (0..150).map(|k| (0.1 * f64::from(k), k)).unzip();
         for step in 0..3 {
             let values = [
