@@ -104,7 +104,9 @@ impl<const N: usize> RelativeMotion<N> {
                 return (displacements, true);
             }
             let mut sums = self.near.summed(pushes.into_iter());
-            by_walls.into_iter().for_each(|(row, push)| sums[row] += push);
+            for (row, push) in by_walls {
+                sums[row] += push;
+            }
             for (displacement, push) in displacements.iter_mut().zip(sums).filter(|(_, push)| push.pairs > 0.0) {
                 *displacement += push.displacement / push.pairs;
             }

@@ -83,13 +83,13 @@ impl ParticleStress {
         }
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
         let stress = |[stresslet, lubrication, brownian, repulsion, attraction, contact, bond]: [Tensor; 7]| Self {
-            brownian,
             stresslet,
             lubrication,
             repulsion,
             attraction,
             contact,
             bond,
+            brownian,
         };
         sums.into_iter().map(|sums| stress(sums.map(|sum| sum * (1.0 / volume)))).collect()
     }

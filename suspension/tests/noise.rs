@@ -167,7 +167,7 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
 /// Velocities and angular velocities of lists.
 fn flat_drift(drift: &suspension::Drift) -> Vec<f64> {
     let suspension::Drift { velocities, angular_velocities, .. } = drift;
-    velocities.iter().chain(angular_velocities).flat_map(|v| v.to_array()).collect()
+    velocities.iter().chain(angular_velocities).flat_map(Vector::to_array).collect()
 }
 
 /// The divergence of the velocities that forces cause is that of the differences between places; along it, the mean of draws is its
@@ -187,7 +187,7 @@ fn draws_of_the_drift_have_the_mean_that_the_mobility_has_as_its_divergence() {
             forces[sphere][axis] = 1.0;
             let loads = Loads { forces, ..Loads::default() };
             let motion = mobility.apply(&loads, &BackgroundFlow::NONE).unwrap().motion;
-            let numbers = motion.velocities.iter().chain(&motion.angular_velocities).flat_map(|v| v.to_array());
+            let numbers = motion.velocities.iter().chain(&motion.angular_velocities).flat_map(Vector::to_array);
             divergence.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += sign * number / (2.0 * length));
         }
     }

@@ -67,7 +67,7 @@ impl Species {
         ParameterError::unless_positive(&key("radius"), self.radius)?;
         if 2.0 * self.radius >= shortest {
             let (radius, is_height) =
-                (Number(self.radius), cell.boundaries().walls() == 2 && cell.edges().z == shortest);
+                (Number(self.radius), cell.boundaries().walls() == 2 && cell.edges().z <= shortest);
             let shortest = Number(shortest);
             if is_height {
                 let message =
