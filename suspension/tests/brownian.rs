@@ -119,7 +119,7 @@ fn ranks_agree_by_two_evaluations() {
 #[test]
 fn both_schemes_move_spheres_alike() {
     let distances = |step: f64| {
-        let ends = ["time.steps=1", "time.steps=0"].map(|steps| steps.to_owned());
+        let ends = ["time.steps=1", "time.steps=0"].map(str::to_owned);
         let step = format!("time.step={step}");
         let [midpoint, two] = [r#"time.brownian="midpoint""#, TWO]
             .map(|scheme| run(&model_of(SHEARED, &[TIGHT, &ends[0], &step, scheme]), 1));

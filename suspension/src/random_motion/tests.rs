@@ -150,5 +150,6 @@ fn drift_and_stress_by_heat_are_divergences() {
 fn rough_changes_are_as_exact_as_they_say() {
     let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
     let [rough, exact] = [CHANGE, 1e-3].map(|tolerance| divergence(lubrication, tolerance).0);
-    assert!(error(&rough[..9], &exact[..9]) < 2.0 * CHANGE && rough != exact);
+    let found = error(&rough[..9], &exact[..9]);
+    assert!(found > 0.0 && found < 2.0 * CHANGE, "{found}");
 }
