@@ -30,6 +30,7 @@ mod cautions;
 mod channel_flow;
 mod columns;
 mod contacts;
+mod deformation;
 mod driven;
 mod dynamics;
 mod error;

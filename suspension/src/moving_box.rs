@@ -1,5 +1,6 @@
 //! The box as time goes on.
 
+use crate::deformation::Deformation;
 use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::{Extension, ShearRates};
@@ -52,28 +53,6 @@ enum Vectors {
     /// Those of a lattice that was turned back by so many periods of its strain since the start.
     Sheared(i32),
     Stretched(Named),
-}
-
-/// What the flow makes of what it carries along.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Deformation {
-    /// `x += s . r` of a vector `r`, where `s` is the strain along the gradient axis.
-    Shear(Vector),
-    /// Factors along the axes.
-    Stretch(Vector),
-}
-
-impl Deformation {
-    /// None.
-    pub const NONE: Self = Self::Shear(Vector::ZERO);
-
-    /// What becomes of a vector.
-    pub fn of(self, vector: Vector) -> Vector {
-        match self {
-            Self::Shear(strain) => vector + Vector::X * strain.dot(vector),
-            Self::Stretch(factors) => factors * vector,
-        }
-    }
 }
 
 impl MovingBox {

@@ -1,6 +1,7 @@
 //! The relative motion of near pairs.
 
-use crate::moving_box::{Deformation, MovingBox};
+use crate::deformation::Deformation;
+use crate::moving_box::MovingBox;
 use crate::near::Near;
 use bytemuck::{Pod, Zeroable};
 use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
