@@ -192,6 +192,11 @@ mod tests {
     use super::*;
     use crate::{Partition, PeriodicBox};
 
+    fn append<T: Copy>(all: &mut Vec<T>, more: &[T]) -> Result<(), ()> {
+        all.extend_from_slice(more);
+        Ok(())
+    }
+
     fn scattered(count: u64) -> Particles {
         let mut particles = Particles::default();
         for k in 0..count {
@@ -217,13 +222,13 @@ mod tests {
             Ok::<(), ()>(())
         });
         ids.unwrap();
-        rows.positions(|x| Ok::<(), ()>(all.positions.extend(x))).unwrap();
-        rows.steps(|steps| Ok::<(), ()>(all.steps.extend(steps))).unwrap();
-        rows.radii(|radii| Ok::<(), ()>(all.radii.extend(radii))).unwrap();
-        rows.species(|species| Ok::<(), ()>(all.species.extend(species))).unwrap();
+        rows.positions(|x| append(&mut all.positions, x)).unwrap();
+        rows.steps(|steps| append(&mut all.steps, steps)).unwrap();
+        rows.radii(|radii| append(&mut all.radii, radii)).unwrap();
+        rows.species(|species| append(&mut all.species, species)).unwrap();
         for (place, (name, width)) in rows.columns().enumerate() {
             let mut values = Vec::new();
-            rows.column(place, |more| Ok::<(), ()>(values.extend(more))).unwrap();
+            rows.column(place, |more| append(&mut values, more)).unwrap();
             all.columns.push(crate::Column { name: name.to_owned(), width, values });
         }
         assert_eq!(rows.count(), all.len());
@@ -263,8 +268,8 @@ mod tests {
                     if blocks == 2 { Err("no more") } else { Ok(()) }
                 })
             });
-            (read, particles.by_id(&comm, |rows| rows.count()))
+            (read, particles.by_id(&comm, |rows| [rows.count(), rows.columns().count()]))
         });
-        assert_eq!(found[0], (Some(Err("no more")), Some(20)));
+        assert_eq!(found[0], (Some(Err("no more")), Some([20, alone.columns.len()])));
     }
 }
