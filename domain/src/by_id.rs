@@ -192,6 +192,7 @@ mod tests {
     use super::*;
     use crate::{Partition, PeriodicBox};
 
+    #[expect(clippy::unnecessary_wraps, reason = "readers may fail")]
     fn append<T: Copy>(all: &mut Vec<T>, more: &[T]) -> Result<(), ()> {
         all.extend_from_slice(more);
         Ok(())
