@@ -85,7 +85,8 @@ impl About {
         match self.kind()? {
             Kind::Suspension(scene) => match scene.model.flow {
                 Flow::Shear { rate, .. } if scene.model.shear_rates().is_constant() => {
-                    Some(Box::new(move |place| Vector::X * (rate * place.y)))
+                    let gradient = scene.model.cell.gradient_axis();
+                    Some(Box::new(move |place| Vector::X * (rate * place[gradient])))
                 }
                 flow @ Flow::Extension { rate, .. } if scene.model.shear_rates().is_constant() => {
                     Some(Box::new(move |place| flow.at_rate(rate).velocity(place)))
