@@ -100,16 +100,16 @@ impl<'a> Footprint<'a> {
         }
     }
 
-    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: the loads given, a motion, unknowns, residual, two
-    /// preconditioned residuals, direction and the loads that it is, and an evaluation.
+    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: forces and stresslets of the start, a motion, unknowns,
+    /// residual, preconditioned residual, direction and the loads that it is, and an evaluation.
     pub fn solve(&self) -> Bytes {
         if self.plan.multipoles == Multipoles::Monopole {
             return Bytes::list::<Vector>(self.expected.owned()).then(self.evaluation());
         }
         let owned = self.expected.owned();
-        let given = Bytes::list::<(Vector, Vector, Traceless)>(owned);
-        let unknowns = Bytes::list::<Traceless>(6.0 * owned).then(Bytes::list::<f64>(owned));
-        given.then(unknowns).then(self.motion()).then(self.evaluation()).freed().then(self.motion())
+        let unknowns = Bytes::list::<Traceless>(5.0 * owned).then(Bytes::list::<f64>(owned));
+        let start = Bytes::list::<(Vector, Traceless)>(owned);
+        start.then(unknowns).then(self.motion()).then(self.evaluation()).freed().then(self.motion())
     }
 
     /// [`crate::Mobility::velocity_field`]: in the grid's precision and in `f64`.
