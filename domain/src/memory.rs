@@ -32,10 +32,10 @@ impl Particles {
 }
 
 impl Particles {
-    /// The memory of [`Particles::by_id`] on a rank that owns so many particles: their order, and blocks of the widest
+    /// The memory of [`Particles::by_id`] on a rank that owns so many particles of all: their order, and blocks of the widest
     /// column as they are sent, received and put in order.
-    pub fn by_id_bytes(owned: f64) -> Bytes {
-        let block = ById::BLOCK as f64;
+    pub fn by_id_bytes(owned: f64, total: f64) -> Bytes {
+        let block = (ById::BLOCK as f64).min(total);
         Bytes::list::<usize>(owned).then(Bytes::list::<[f64; 4]>(WIDEST * block)).freed()
     }
 }

@@ -273,7 +273,8 @@ impl Share<'_> {
 
     /// A copy of the rank's particles, from which blocks go to the first rank.
     fn by_id(&self, numbers: usize) -> Bytes {
-        Particles::bytes(self.expected.owned(), numbers).then(Particles::by_id_bytes(self.expected.owned()))
+        Particles::bytes(self.expected.owned(), numbers)
+            .then(Particles::by_id_bytes(self.expected.owned(), self.expected.total()))
     }
 
     /// Samples that the statistics of the scene will have at its end.
