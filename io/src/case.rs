@@ -453,7 +453,7 @@ mod tests {
         let drift = r#", "rigid": false, "noise": {"draws": 2, "seed": 1, "drift": true}"#;
         assert!(message(drift).contains("noise.drift is true, but only rigid particles drift"));
         assert!(message(r#", "multipoles": "quadrupole""#).contains("unknown variant"));
-        assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `"));
+        assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `positions`"));
         assert!(
             read(r#"{"box": [1, 2]}"#).unwrap_err().contains("box needs to be three edges, or three lattice vectors")
         );
