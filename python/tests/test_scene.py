@@ -15,8 +15,8 @@ def test_scenes_of_all_kinds_are_there(program):
     for kind in ("suspension", "granular-disks", "shear-cell", "shear-cell-continuum", "disk-sweep"):
         assert program("new", kind).endswith(fcm.Scene.new(kind).to_toml())
     assert fcm.Scene.new("disk-sweep").is_whole and not fcm.Scene.new("suspension").is_whole
-    with pytest.raises(fcm.InputError, match='no scene is called "sediment"; there are suspension, '):
-        fcm.Scene.new("sediment")
+    with pytest.raises(fcm.InputError, match='no scene is called "pudding"; there are suspension, '):
+        fcm.Scene.new("pudding")
 
 
 def test_messages_are_those_of_the_program(program, scenes):

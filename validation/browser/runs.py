@@ -34,7 +34,7 @@ SCENES = {
     "dense": (
         "dense",
         {
-            "species[0].volume_fraction": 0.2,
+            "species[0].volume_fraction": 0.35,
             "time.duration": 0.05,
             "output.trajectory_every": 5,
             "output.contacts_every": 5,
