@@ -8,7 +8,7 @@ use domain::{Bytes, ExpectedCounts, Halo, Traceless, Vector, VerletList};
 use fcm::Footprint;
 use lubrication::{PairForce, Range};
 
-/// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::Stiffness`] finds, about.
+/// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::PairLubrication`] finds, about.
 const STIFF: f64 = 0.5;
 
 /// How far the most pairs of a slice of rows are above the mean, in standard deviations, the rows of a part being sorted.

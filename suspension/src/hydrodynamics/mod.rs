@@ -8,15 +8,15 @@ mod coupled;
 mod lanes;
 pub mod memory;
 mod near_pairs;
+mod packed;
+mod pair_lubrication;
 mod pair_matrix;
 mod pair_noise;
 mod particle_matrix;
 mod row_sums;
-mod row_view;
 mod scaled;
 mod screw;
 mod springs;
-mod stiffness;
 mod touching;
 
 pub use change::Found;
@@ -27,12 +27,12 @@ use fcm::{
 };
 use lubrication::{PairForce, PairForceError, Range, WallForce};
 use near_pairs::{NearField, NearPairs};
+use pair_lubrication::PairLubrication;
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
 use screw::{Screw, Screws};
 pub use springs::{ContactSprings, Springs};
 use std::f64::consts::PI;
-use stiffness::Stiffness;
 
 /// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added. As
 /// with those, results have the same digits in any units.
@@ -132,13 +132,10 @@ impl Hydrodynamics {
         let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
         let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
         let force = short_range.lubrication.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
-        let lubrication = force.map(|force| {
-            let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
-            let stiffness = Stiffness::new(&force, &single);
-            (force, stiffness)
-        });
+        let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
+        let lubrication = force.map(|force| PairLubrication::new(force, &single));
         let reaches =
-            [lubrication.as_ref().map(|(force, _)| force.reach()), short_range.springs.map(|r| r / units.length)];
+            [lubrication.as_ref().map(|pairs| pairs.force.reach()), short_range.springs.map(|r| r / units.length)];
         let at_walls = short_range.lubrication.filter(|_| plan.boundaries.walls() > 0);
         let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
         let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {

@@ -2,19 +2,19 @@
 
 use super::assembly::{Arrangement, Assembled, Assembly};
 use super::at_walls::{self, AtWall};
+use super::pair_lubrication::PairLubrication;
 use super::pair_matrix::{Own, Padded, PairMatrix, ROWS};
 use super::screw::Screws;
 use super::springs::Springs;
-use super::stiffness::Stiffness;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Linear;
-use lubrication::{PairForce, WallForce};
+use lubrication::WallForce;
 use rayon::prelude::*;
 use solver::Real;
 
 /// Forces between near particles, and the lists of who is near.
 pub struct NearField {
-    pub lubrication: Option<(PairForce, Stiffness)>,
+    pub lubrication: Option<PairLubrication>,
     /// Lubrication at walls, if there are any.
     pub at_walls: Option<WallForce>,
     pub lists: VerletList,
@@ -77,7 +77,7 @@ impl NearPairs {
         let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
         let NearField { lubrication, at_walls, lists, radii, .. } = field;
         let neighbours = lists.neighbours();
-        let lubrication = lubrication.as_ref().map(|(force, stiffness)| (force, stiffness));
+        let lubrication = lubrication.as_ref();
         let (positions, species) = (&positions, &species);
         let ids = &ids;
         let arrangement =

@@ -45,9 +45,8 @@ impl Setting {
         let (cell, partition) = (plan.cell(), Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
         let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
         let alone: Vec<Screw> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
-        let stiffness = Stiffness::new(&force, &alone);
         let (reach, radii) = (force.reach(), plan.radii.clone());
-        let (lubrication, lists) = (Some((force, stiffness)), VerletList::new(reach, &partition));
+        let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));
         let mut field = NearField { lubrication, at_walls: None, lists, radii, reach };
         let near = NearPairs::find((&mut field, None), &particles, (&cell, (Traceless::ZERO, 0.0)), &partition);
         let mut mobility = Mobility::new(&plan, &partition);
