@@ -1,6 +1,6 @@
 //! From neighbour lists to the resistance of near pairs.
 
-use super::lanes::LANES;
+use super::lanes::{LANES, Stored};
 use super::packed::{Kind, NearPair, Packed, STIFF, Soft, Stiff};
 use super::pair_lubrication::PairLubrication;
 use super::pair_matrix::{Part, ROWS, Slice};
@@ -30,8 +30,8 @@ pub struct Arrangement<'a> {
 /// Rows of a rank's particles: their stiff pairs, the others, and their loads and moments by all of them in the ambient
 /// flow if they do not move relative to it.
 pub struct Assembled {
-    pub stiff: Part,
-    pub soft: Part,
+    pub stiff: Part<f64>,
+    pub soft: Part<f32>,
     pub loads: Vec<Screw>,
     pub moments: Vec<Traceless>,
 }
@@ -58,16 +58,12 @@ impl Work<f64> for Assembly<'_> {
     #[inline(always)]
     fn run<V: Width<f64>>(self) -> Assembled {
         let [stiff, soft] = self.listed();
-        let mut assembled = Assembled {
-            stiff: Part::default(),
-            soft: Part::default(),
-            loads: vec![Screw::default(); self.rows],
-            moments: vec![Traceless::ZERO; self.rows],
-        };
-        let lubrication = self.arrangement.lubrication;
-        assembled.stiff = self.part::<V, _, STIFF>(&stiff, || Stiff::new(lubrication), &mut assembled);
-        assembled.soft = self.part::<V, _, SIDE>(&soft, || Soft(lubrication), &mut assembled);
-        assembled
+        let (mut loads, mut moments) = (vec![Screw::default(); self.rows], vec![Traceless::ZERO; self.rows]);
+        let (lubrication, sums) = (self.arrangement.lubrication, (&mut loads[..], &mut moments[..]));
+        let stiff = self.part::<V, _, _, STIFF>(&stiff, || Stiff::new(lubrication), sums);
+        let sums = (&mut loads[..], &mut moments[..]);
+        let soft = self.part::<V, _, _, SIDE>(&soft, || Soft(lubrication), sums);
+        Assembled { stiff, soft, loads, moments }
     }
 }
 
@@ -121,12 +117,12 @@ impl Assembly<'_> {
 
     /// Makes rows of pairs of one kind, and adds their loads and moments in the ambient flow.
     #[inline(always)]
-    fn part<V: Width<f64>, K: Kind<N>, const N: usize>(
+    fn part<V: Width<f64>, T: Stored, K: Kind<N>, const N: usize>(
         &self,
         listed: &Listed,
         kind: impl Fn() -> K,
-        assembled: &mut Assembled,
-    ) -> Part {
+        (loads, moments): (&mut [Screw], &mut [Traceless]),
+    ) -> Part<T> {
         let order = listed.order();
         let groups = order.chunks(LANES).map(|rows| listed.of(rows[0]).len()).sum();
         let mut part = Part::with_room(self.rows, groups);
@@ -139,10 +135,10 @@ impl Assembly<'_> {
                 packed.assemble(part.group(), (&mut sums, &mut strained), self.arrangement.ambient);
             }
             part.end_slice(slice, &sums.totals());
-            let (loads, moments) = strained.totals();
+            let (added, moved) = strained.totals();
             for (lane, &row) in rows.iter().enumerate() {
-                assembled.loads[row as usize] += loads[lane];
-                assembled.moments[row as usize] += moments[lane];
+                loads[row as usize] += added[lane];
+                moments[row as usize] += moved[lane];
             }
         }
         part

@@ -26,7 +26,7 @@ use fcm::{
     Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
 };
 use lubrication::{PairForce, PairForceError, Range, WallForce};
-use near_pairs::{NearField, NearPairs};
+use near_pairs::{NearField, NearPairs, Pairs};
 use pair_lubrication::PairLubrication;
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
@@ -269,7 +269,7 @@ fn lubricated(
     let viscosity = plan.viscosity / mobility.units.viscosity;
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let (single, strain_resistance) = alone(viscosity, radii);
-    let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &[near.stiff()], &single, ROUGH));
+    let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &single, ROUGH));
     let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
     let is_rigid = plan.multipoles == Multipoles::Dipole;
@@ -337,7 +337,7 @@ fn start<'a>(
         let mut loads = known.clone();
         let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
         loads.add_resisted(1.0, single, &induced);
-        motions = matrix.solve_with(near.soft(), motions, &loads, tolerance);
+        motions = matrix.solve_with_all(motions, &loads, tolerance);
     }
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
     moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
@@ -347,7 +347,7 @@ fn start<'a>(
 /// The unknowns that go with motions of the particles. Collective.
 fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
     let against = motions.negative();
-    let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
+    let [stiff, soft] = [Pairs::Stiff, Pairs::Soft].map(|pairs| resisted(near, pairs, &against));
     Unknowns { stiff, soft, moments }
 }
 

@@ -1,6 +1,6 @@
 //! Pairs of several rows at once.
 
-use super::lanes::{LANES, Lanes, turn};
+use super::lanes::{LANES, Lanes, Stored, turn};
 use super::pair_lubrication::PairLubrication;
 use super::pair_matrix::{Group, MomentGroup};
 use super::row_sums::{InStrain, Sums};
@@ -74,9 +74,9 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
 
     /// Makes a group of the pairs.
     #[inline(always)]
-    pub fn assemble<V: Width<f64>>(
+    pub fn assemble<V: Width<f64>, T: Stored>(
         &self,
-        (group, moments): (&mut Group, &mut MomentGroup),
+        (group, moments): (&mut Group<T>, &mut MomentGroup<T>),
         (sums, strained): (&mut Sums<V>, &mut InStrain<V>),
         ambient: Traceless,
     ) {
@@ -92,7 +92,9 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
         sums.add(&side, z);
         strained.add(&side, z, (ambient, Lanes::read(&self.sloping)));
         group.others = self.others;
-        group.axis = self.axis;
+        for k in 0..3 {
+            T::store(z[k], &mut group.axis[k]);
+        }
         group.set(&side);
         moments.set(&side);
     }
@@ -186,26 +188,26 @@ impl Kind<SIDE> for Soft<'_> {
     }
 }
 
-impl Group {
+impl<T: Stored> Group<T> {
     /// Sets what the motion of the others makes of loads.
     #[inline(always)]
     fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
-        side.across[1].write(&mut self.across);
-        (side.along[1] - side.across[1]).write(&mut self.along);
-        side.roll[1].write(&mut self.roll);
-        (side.spin[1] - side.roll[1]).write(&mut self.spin);
-        side.coupling[1].write(&mut self.coupling[0]);
-        side.leverage.write(&mut self.coupling[1]);
+        T::store(side.across[1], &mut self.across);
+        T::store(side.along[1] - side.across[1], &mut self.along);
+        T::store(side.roll[1], &mut self.roll);
+        T::store(side.spin[1] - side.roll[1], &mut self.spin);
+        T::store(side.coupling[1], &mut self.coupling[0]);
+        T::store(side.leverage, &mut self.coupling[1]);
     }
 }
 
-impl MomentGroup {
+impl<T: Stored> MomentGroup<T> {
     /// Sets the first moments.
     #[inline(always)]
     fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
         for (both, to) in [(side.pull, &mut self.pull), (side.drag, &mut self.drag), (side.turn, &mut self.turn)] {
-            both[0].write(&mut to[0]);
-            both[1].write(&mut to[1]);
+            T::store(both[0], &mut to[0]);
+            T::store(both[1], &mut to[1]);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The lubrication resistance of many pairs as a sparse matrix.
 
 use super::block::Block;
-use super::lanes::{LANES, Lanes, turn};
+use super::lanes::{LANES, Lanes, Stored, turn};
 use super::screw::Screw;
 use bytemuck::Zeroable;
 use domain::Traceless;
@@ -18,20 +18,19 @@ pub const ROWS: usize = 64;
 /// pair stands in the rows of both.
 ///
 /// Rows are worked out several at once, a lane each, pair by pair: the rows with the most pairs of a part together, so
-/// that few lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352).
-#[derive(Default)]
-pub struct PairMatrix {
-    parts: Vec<Part>,
+/// that few lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352). The numbers of pairs are stored in
+/// single or double precision, their sums and what is on the diagonal always in double.
+pub struct PairMatrix<T> {
+    parts: Vec<Part<T>>,
 }
 
 /// The rows of some particles.
-#[derive(Default)]
-pub struct Part {
+pub struct Part<T> {
     /// What is on the diagonal.
     own: Vec<Own>,
     slices: Vec<Slice>,
-    groups: Vec<Group>,
-    moments: Vec<MomentGroup>,
+    groups: Vec<Group<T>>,
+    moments: Vec<MomentGroup<T>>,
 }
 
 /// Rows that are worked out at once; those without pairs are in none.
@@ -56,16 +55,16 @@ pub struct Own {
 /// A pair of each row of a slice, by what the motion of the other particle makes of loads; empty lanes have zeros.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
-pub struct Group {
-    pub axis: [[f64; LANES]; 3],
-    pub across: [f64; LANES],
+pub struct Group<T> {
+    pub axis: [[T; LANES]; 3],
+    pub across: [T; LANES],
     /// `along - across`
-    pub along: [f64; LANES],
-    pub roll: [f64; LANES],
+    pub along: [T; LANES],
+    pub roll: [T; LANES],
     /// `spin - roll`
-    pub spin: [f64; LANES],
+    pub spin: [T; LANES],
     /// Force by the angular velocity of the other, and torque by its velocity.
-    pub coupling: [[f64; LANES]; 2],
+    pub coupling: [[T; LANES]; 2],
     /// Rows of the others.
     pub others: [u32; LANES],
 }
@@ -73,10 +72,10 @@ pub struct Group {
 /// First moments of the rows' particles by motions, of themselves and of the others.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
-pub struct MomentGroup {
-    pub pull: [[f64; LANES]; 2],
-    pub drag: [[f64; LANES]; 2],
-    pub turn: [[f64; LANES]; 2],
+pub struct MomentGroup<T> {
+    pub pull: [[T; LANES]; 2],
+    pub drag: [[T; LANES]; 2],
+    pub turn: [[T; LANES]; 2],
 }
 
 impl Slice {
@@ -93,7 +92,7 @@ impl Slice {
     }
 }
 
-impl Part {
+impl<T: Stored> Part<T> {
     /// So many rows without pairs, and room for so many groups.
     pub fn with_room(rows: usize, groups: usize) -> Self {
         let (groups, moments) = (Vec::with_capacity(groups), Vec::with_capacity(groups));
@@ -102,7 +101,7 @@ impl Part {
 
     /// Appends an empty group to the slice that is being made.
     #[inline(always)]
-    pub fn group(&mut self) -> (&mut Group, &mut MomentGroup) {
+    pub fn group(&mut self) -> (&mut Group<T>, &mut MomentGroup<T>) {
         self.groups.push(Group::zeroed());
         self.moments.push(MomentGroup::zeroed());
         let last = self.groups.len() - 1;
@@ -124,9 +123,9 @@ impl Part {
     }
 }
 
-impl PairMatrix {
+impl<T: Stored> PairMatrix<T> {
     /// Of parts of [`ROWS`] rows each, but for the last.
-    pub fn new(parts: Vec<Part>) -> Self {
+    pub fn new(parts: Vec<Part<T>>) -> Self {
         Self { parts }
     }
 
@@ -257,19 +256,19 @@ fn cross<V: Width<f64>>(a: [Lanes<V>; 3], b: [Lanes<V>; 3]) -> [Lanes<V>; 3] {
 }
 
 #[inline(always)]
-fn axis<V: Width<f64>>(group: &Group) -> [Lanes<V>; 3] {
-    [Lanes::read(&group.axis[0]), Lanes::read(&group.axis[1]), Lanes::read(&group.axis[2])]
+fn axis<T: Stored, V: Width<f64>>(group: &Group<T>) -> [Lanes<V>; 3] {
+    [T::lanes(&group.axis[0]), T::lanes(&group.axis[1]), T::lanes(&group.axis[2])]
 }
 
 /// Some rows of the matrix times motions.
-struct Product<'a> {
-    part: &'a Part,
+struct Product<'a, T> {
+    part: &'a Part<T>,
     first: usize,
     present: &'a [Padded],
     loads: &'a mut [Screw],
 }
 
-impl Work<f64> for Product<'_> {
+impl<T: Stored> Work<f64> for Product<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -293,16 +292,16 @@ impl Work<f64> for Product<'_> {
     }
 }
 
-impl Group {
+impl<T: Stored> Group<T> {
     /// Adds the loads by the motions of the others.
     #[inline(always)]
     fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [Lanes<V>; 6]) {
-        let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<V>(self));
-        let along = dot(z, u) * Lanes::read(&self.along);
-        let spin = dot(z, o) * Lanes::read(&self.spin);
+        let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<T, V>(self));
+        let along = dot(z, u) * T::lanes(&self.along);
+        let spin = dot(z, o) * T::lanes(&self.spin);
         let (turning, moving) = (cross(o, z), cross(z, u));
-        let (across, roll) = (Lanes::read(&self.across), Lanes::read(&self.roll));
-        let coupling = [Lanes::read(&self.coupling[0]), Lanes::read(&self.coupling[1])];
+        let (across, roll) = (T::lanes(&self.across), T::lanes(&self.roll));
+        let coupling = [T::lanes(&self.coupling[0]), T::lanes(&self.coupling[1])];
         for k in 0..3 {
             sums[k] = sums[k].plus(across, u[k]).plus(along, z[k]).plus(coupling[0], turning[k]);
             sums[3 + k] = sums[3 + k].plus(roll, o[k]).plus(spin, z[k]).plus(coupling[1], moving[k]);
@@ -311,14 +310,14 @@ impl Group {
 }
 
 /// First moments of some rows.
-struct MomentRows<'a> {
-    part: &'a Part,
+struct MomentRows<'a, T> {
+    part: &'a Part<T>,
     first: usize,
     present: &'a [Padded],
     sums: &'a mut [Traceless],
 }
 
-impl Work<f64> for MomentRows<'_> {
+impl<T: Stored> Work<f64> for MomentRows<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -344,23 +343,23 @@ impl Work<f64> for MomentRows<'_> {
     }
 }
 
-impl MomentGroup {
+impl<T: Stored> MomentGroup<T> {
     /// Adds the moments by the motions of the rows' particles and of the others.
     #[inline(always)]
     fn add<V: Width<f64>>(
         &self,
-        group: &Group,
+        group: &Group<T>,
         (present, of_own): (&[Padded], [[Lanes<V>; 3]; 2]),
         sums: &mut [Lanes<V>; 5],
     ) {
-        let z = axis::<V>(group);
+        let z = axis::<T, V>(group);
         let of_others = gathered::<V>(present, &group.others);
         let mut stretch = Lanes::constant(0.0);
         let mut shear = [Lanes::constant(0.0); 3];
         for (k, [u, o]) in [of_own, of_others].into_iter().enumerate() {
             let (along, turning) = (dot(z, u), cross(o, z));
-            let (drag, turn) = (Lanes::read(&self.drag[k]), Lanes::read(&self.turn[k]));
-            stretch = stretch.plus(along, Lanes::read(&self.pull[k]));
+            let (drag, turn) = (T::lanes(&self.drag[k]), T::lanes(&self.turn[k]));
+            stretch = stretch.plus(along, T::lanes(&self.pull[k]));
             for i in 0..3 {
                 shear[i] = shear[i].plus(drag, u[i] - along * z[i]).plus(turn, turning[i]);
             }
