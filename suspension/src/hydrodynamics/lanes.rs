@@ -38,6 +38,11 @@ impl<V: Vector<f64>> Arithmetic for Lanes<V> {
     }
 
     #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        Self(self.0.div(divisor.0))
+    }
+
+    #[inline(always)]
     fn read(from: &[f64]) -> Self {
         const { assert!(V::LANES == LANES) };
         let from = &from[..LANES];

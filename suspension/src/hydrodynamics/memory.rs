@@ -2,7 +2,8 @@
 
 use super::block::Block;
 use super::lanes::LANES;
-use super::pair_matrix::{Group, MomentGroup, Own};
+use super::own::Own;
+use super::pair_matrix::{Group, MomentGroup};
 use super::screw::Screw;
 use domain::{Bytes, ExpectedCounts, Halo, Traceless, Vector, VerletList};
 use fcm::Footprint;
@@ -49,7 +50,7 @@ fn near_pairs(expected: &ExpectedCounts, range: Range) -> (Bytes, Bytes) {
     let lists = VerletList::bytes([owned, present, expected.total()], numbers);
     let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
     let soft = numbers[0] - stiff;
-    let rows = Bytes::list::<([Own; 2], [u32; 2], Screw, Traceless)>(owned);
+    let rows = Bytes::list::<([Own<f64>; 2], [u32; 2], Screw, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
     let pairs = Bytes::list::<(Group<f64>, MomentGroup<f64>)>(groups(stiff) * owned)
         .then(Bytes::list::<(Group<f32>, MomentGroup<f32>)>(groups(soft) * owned));

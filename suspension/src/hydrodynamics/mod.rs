@@ -8,6 +8,7 @@ mod coupled;
 mod lanes;
 pub mod memory;
 mod near_pairs;
+mod own;
 mod packed;
 mod pair_lubrication;
 mod pair_matrix;

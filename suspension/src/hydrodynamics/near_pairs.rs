@@ -2,8 +2,9 @@
 
 use super::assembly::{Arrangement, Assembled, Assembly};
 use super::at_walls::{self, AtWall};
+use super::own::Own;
 use super::pair_lubrication::PairLubrication;
-use super::pair_matrix::{Own, Padded, PairMatrix, ROWS};
+use super::pair_matrix::{Padded, PairMatrix, ROWS};
 use super::screw::Screws;
 use super::springs::Springs;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};

@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::lanes::{LANES, Lanes, Stored, turn};
+use super::own::{Inverses, Own};
 use super::screw::Screw;
 use bytemuck::Zeroable;
 use domain::Traceless;
@@ -27,7 +28,7 @@ pub struct PairMatrix<T> {
 /// The rows of some particles.
 pub struct Part<T> {
     /// What is on the diagonal.
-    own: Vec<Own>,
+    own: Vec<Own<f64>>,
     slices: Vec<Slice>,
     groups: Vec<Group<T>>,
     moments: Vec<MomentGroup<T>>,
@@ -41,15 +42,6 @@ pub struct Slice {
     count: usize,
     /// Where the groups of the slice end.
     end: usize,
-}
-
-/// The block on the diagonal: forces by velocities, torques by angular velocities, each a symmetric matrix by its
-/// components xx, xy, xz, yy, yz, zz; and the vector `c` of `F = Omega x c` and `L = c x U`.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Own {
-    pub force: [f64; 6],
-    pub torque: [f64; 6],
-    pub coupling: [f64; 3],
 }
 
 /// A pair of each row of a slice, by what the motion of the other particle makes of loads; empty lanes have zeros.
@@ -109,7 +101,7 @@ impl<T: Stored> Part<T> {
     }
 
     /// Ends a slice, whose rows have these blocks on the diagonal, lane by lane.
-    pub fn end_slice(&mut self, slice: Slice, own: &[Own; LANES]) {
+    pub fn end_slice(&mut self, slice: Slice, own: &[Own<f64>; LANES]) {
         for (&row, own) in slice.rows().iter().zip(own) {
             self.own[row as usize] = *own;
         }
@@ -135,16 +127,15 @@ impl<T: Stored> PairMatrix<T> {
     }
 
     /// Adds to the block on the diagonal of a row.
-    pub fn add_own(&mut self, row: usize, own: &Own) {
-        let sum = &mut self.parts[row / ROWS].own[row % ROWS];
-        sum.force.iter_mut().zip(own.force).for_each(|(sum, value)| *sum += value);
-        sum.torque.iter_mut().zip(own.torque).for_each(|(sum, value)| *sum += value);
-        sum.coupling.iter_mut().zip(own.coupling).for_each(|(sum, value)| *sum += value);
+    pub fn add_own(&mut self, row: usize, own: &Own<f64>) {
+        self.parts[row / ROWS].own[row % ROWS].add(own);
     }
 
-    /// The block on the diagonal of a row.
-    pub fn block(&self, row: usize) -> Block {
-        self.parts[row / ROWS].own[row % ROWS].block()
+    /// The inverses of the blocks on the diagonal with what particles resist alone.
+    pub fn inverses(&self, single: &[Screw]) -> Vec<Block> {
+        let of_part = |(part, single): (&Part<T>, &[Screw])| f64::dispatch(Inverses { own: &part.own, single });
+        let parts: Vec<Vec<Block>> = self.parts.par_iter().zip(single.par_chunks(ROWS)).map(of_part).collect();
+        parts.concat()
     }
 
     /// The matrix times the motions of all particles present: the loads of those that the rank owns.
@@ -161,46 +152,6 @@ impl<T: Stored> PairMatrix<T> {
         moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (moments, part))| {
             f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
         });
-    }
-}
-
-impl Own {
-    /// What resists to all velocities alike.
-    pub fn against_velocity(resistance: f64) -> Self {
-        Self { force: [resistance, 0.0, 0.0, resistance, 0.0, resistance], ..Self::default() }
-    }
-
-    /// All of its numbers.
-    fn block(&self) -> Block {
-        let mut rows = [[0.0; 6]; 6];
-        for (corner, [xx, xy, xz, yy, yz, zz]) in [(0, self.force), (3, self.torque)] {
-            for (i, row) in [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].into_iter().enumerate() {
-                rows[corner + i][corner..corner + 3].copy_from_slice(&row);
-            }
-        }
-        for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
-            // Omega x c, and c x U.
-            rows[i][3 + j] = self.coupling[k];
-            rows[j][3 + i] = -self.coupling[k];
-            rows[3 + i][j] = -self.coupling[k];
-            rows[3 + j][i] = self.coupling[k];
-        }
-        Block(rows)
-    }
-
-    #[inline(always)]
-    pub fn times(&self, motion: &Padded) -> [f64; 6] {
-        let [ux, uy, uz, ox, oy, oz, ..] = motion.0;
-        let ([a, b, c, d, e, f], [p, q, r, s, t, u]) = (self.force, self.torque);
-        let [x, y, z] = self.coupling;
-        [
-            a * ux + b * uy + c * uz + oy * z - oz * y,
-            b * ux + d * uy + e * uz + oz * x - ox * z,
-            c * ux + e * uy + f * uz + ox * y - oy * x,
-            p * ox + q * oy + r * oz + y * uz - z * uy,
-            q * ox + s * oy + t * oz + z * ux - x * uz,
-            r * ox + t * oy + u * oz + x * uy - y * ux,
-        ]
     }
 }
 
@@ -273,8 +224,13 @@ impl<T: Stored> Work<f64> for Product<'_, T> {
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
-        for row in 0..self.loads.len() {
-            self.loads[row] = Screw(self.part.own[row].times(&self.present[self.first + row]));
+        for (k, (own, loads)) in self.part.own.chunks(LANES).zip(self.loads.chunks_mut(LANES)).enumerate() {
+            let mut rows = [(self.first + k * LANES) as u32; LANES];
+            (0..own.len()).for_each(|lane| rows[lane] += lane as u32);
+            let records = scattered(&Own::<Lanes<V>>::of(own).times(gathered(self.present, &rows)));
+            for (load, record) in loads.iter_mut().zip(&records) {
+                load.0.copy_from_slice(&record[..6]);
+            }
         }
         for (slice, groups) in self.part.slices() {
             let mut sums = [Lanes::<V>::constant(0.0); 6];

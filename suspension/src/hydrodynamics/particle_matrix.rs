@@ -1,11 +1,12 @@
 //! The resistance of particles without far field, a sparse matrix, and what particles do by it alone.
 
-use super::block::Block;
+use super::block::{Block, Products};
 use super::near_pairs::{NearPairs, Pairs};
 use super::screw::{Screw, Screws};
 use domain::{Comm, Interrupt};
 use fcm::{Limits, Linear, System, conjugate_gradients};
 use rayon::prelude::*;
+use solver::Real;
 
 /// `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs: what particles
 /// resist to their rigid motions if they feel one another by the lubrication of these alone.
@@ -24,19 +25,16 @@ pub struct ParticleMatrix<'a> {
 const LEAST_TOLERANCE: f64 = 1e-10;
 const SHARPER: f64 = 1e-2;
 
+/// Particles that one thread preconditions at a time.
+const BATCH: usize = 256;
+
 /// Most iterations of a solve.
 const MOST_ITERATIONS: usize = 2000;
 
 impl<'a> ParticleMatrix<'a> {
     /// For near pairs of particles with the given resistances alone.
     pub fn new((comm, near): (&Comm, &'a NearPairs), single: &'a [Screw], tolerance: f64) -> Self {
-        let stiff = near.stiff();
-        let block = |row: usize| {
-            let mut block = stiff.block(row);
-            (0..6).for_each(|k| block.0[k][k] += single[row].0[k]);
-            block.inverse()
-        };
-        let inverse = (0..single.len()).into_par_iter().with_min_len(256).map(block).collect();
+        let inverse = near.stiff().inverses(single);
         Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, tolerance }
     }
 
@@ -102,7 +100,11 @@ impl System for ParticleMatrix<'_> {
     fn stepped(&mut self, _: f64) {}
 
     fn precondition(&mut self, residual: &Screws) -> Screws {
-        Screws(self.inverse.par_iter().with_min_len(256).zip(&residual.0).map(|(block, r)| block.times(r)).collect())
+        let mut motions = Screws::zero(residual.0.len());
+        let chunks =
+            self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
+        chunks.for_each(|((blocks, screws), products)| f64::dispatch(Products { blocks, screws, products }));
+        motions
     }
 
     /// That of the motions of single spheres under the residual: the energy norm would see stiff pairs above all, and their

@@ -1,7 +1,8 @@
 //! What the pairs of several rows add up to, a lane each.
 
 use super::lanes::{LANES, Lanes};
-use super::pair_matrix::{Own, add_tensor, scattered};
+use super::own::Own;
+use super::pair_matrix::{add_tensor, scattered};
 use super::screw::Screw;
 use domain::Traceless;
 use lubrication::{Arithmetic, Side};
@@ -52,7 +53,7 @@ impl<V: Width<f64>> Sums<V> {
 
     /// The block of each row.
     #[inline(always)]
-    pub fn totals(&self) -> [Own; LANES] {
+    pub fn totals(&self) -> [Own<f64>; LANES] {
         let [force, torque, coupling] = [scattered(&self.force), scattered(&self.torque), scattered(&self.coupling)];
         let mut own = [Own::default(); LANES];
         for lane in 0..LANES {
