@@ -1,10 +1,13 @@
-"""Seconds of a step with lubrication: spheres at 20% in shear, tolerance 1e-3.
+"""Seconds of a step with lubrication: spheres in shear, tolerance 1e-3, beside the same step without lubrication, on two threads and
+on two ranks.
 
 Steps of the Adams-Bashforth method are timed, each with one solve that starts from those before: a run makes the steps of the
-start, and what goes on with it is timed. `scripts/validate step-times 1000` times that many spheres alone."""
+start, and what goes on with it is timed, in turns. `scripts/validate step-times 1000` times that many spheres alone, at 20%."""
 
 import csv
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -13,13 +16,16 @@ import numpy as np
 from support.page import table, write_section
 from support.program import PROGRAM, run
 
-SIZES, FRACTION = (500, 1000, 10000, 100000), 0.2
-# Steps by the method of Runge and Kutta and one more, and steps that are timed.
-START, TIMED = 4, 4
+# Numbers of spheres with their volume fractions.
+CASES = [(500, 0.2), (1_000, 0.2), (10_000, 0.2), (100_000, 0.2), (50_000, 0.1)]
+# Steps by the method of Runge and Kutta and one more, and steps that are timed; rounds in which the ways take turns.
+START, TIMED, ROUNDS = 4, 4, 3
+# Ways to run a step: with lubrication or without, ranks, threads.
+WAYS = {"one": (True, 1, 1), "far field": (False, 1, 1), "threads": (True, 1, 2), "ranks": (True, 2, 1)}
 
 
-def scene(count):
-    edge = (count * 4 / 3 * np.pi / FRACTION) ** (1 / 3)
+def scene(count, fraction, lubrication):
+    edge = (count * 4 / 3 * np.pi / fraction) ** (1 / 3)
     return f"""
 seed = 1
 box.edges = [{edge}, {edge}, {edge}]
@@ -27,7 +33,7 @@ fluid.viscosity = 1.0
 particles = {{ initial = "random", minimum_gap = 0.01 }}
 flow = {{ kind = "shear", rate = 1.0, lees_edwards = true }}
 repulsion.strength = 60.0
-hydrodynamics = {{ tolerance = 1e-3, lubrication = true }}
+hydrodynamics = {{ tolerance = 1e-3, lubrication = {str(lubrication).lower()} }}
 time = {{ step = 0.005, steps = {START} }}
 output = {{ trajectory_every = 0, checkpoint_every = {START} }}
 [[species]]
@@ -36,28 +42,53 @@ count = {count}
 """
 
 
-def timed(count):
-    """Median seconds, and mean evaluations of the mobility, of a step."""
+def start(folder, case, lubrication):
+    """A run that has made its first steps."""
+    ended = run(scene(*case, lubrication), folder)
+    if ended.returncode:
+        raise SystemExit(ended.stderr)
+    return folder
+
+
+def timed(begun, ranks, threads):
+    """Median seconds, and mean evaluations of the mobility, of the steps that go on from those of the start."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
-        ended = run(scene(count), out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        command = [PROGRAM, "resume", str(out), "--steps", str(START + TIMED), "--threads", "1"]
+        shutil.copytree(begun, out)
+        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+        command = [*launcher, PROGRAM, "resume", str(out), "--steps", str(START + TIMED), "--threads", str(threads)]
         subprocess.run(command, check=True, capture_output=True)
         with open(out / "observables.csv") as file:
             rows = list(csv.DictReader(file))[START + 1 :]
     return np.median([float(row["seconds_per_step"]) for row in rows]), np.mean([float(row["evaluations"]) for row in rows])
 
 
+def measured(case):
+    """Medians over the rounds by way: seconds, evaluations."""
+    with tempfile.TemporaryDirectory() as folder:
+        begun = {lubrication: start(pathlib.Path(folder) / str(lubrication), case, lubrication) for lubrication in (True, False)}
+        rounds = [[timed(begun[lubricated], *shares) for lubricated, *shares in WAYS.values()] for _ in range(ROUNDS)]
+    return dict(zip(WAYS, np.median(rounds, axis=0)))
+
+
 def main():
     rows = []
-    for count in [int(size) for size in sys.argv[1:]] or SIZES:
-        seconds, evaluations = timed(count)
-        rows.append([f"{count:,}", f"{seconds:.3g}", f"{evaluations:.1f}", f"{1e6 * seconds / count:.0f}"])
+    for count, fraction in [(int(size), 0.2) for size in sys.argv[1:]] or CASES:
+        found = measured((count, fraction))
+        seconds = {way: found[way][0] for way in WAYS}
+        one = seconds["one"]
+        ratios = [one / seconds[way] for way in ("far field", "threads", "ranks")]
+        rows.append([f"{count:,}", f"{fraction:.0%}", f"{one:.3g}", *(f"{ratio:.2f}" for ratio in ratios), f"{seconds['threads']:.3g}",
+                     f"{found['one'][1]:.1f}", f"{1e6 * one / count:.0f}"])
         print(*rows[-1], flush=True)
-    header = ["spheres", "seconds a step", "evaluations a step", "microseconds a sphere"]
-    lines = ["Spheres at 20% in shear, tolerance 1e-3, steps of 0.005 over the rate; one thread.", "", *table(header, rows)]
+    header = ["spheres", "φ", "s a step", "over one without lubrication", "two threads faster by", "two ranks", "s on two threads",
+              "evaluations a step", "µs a sphere"]
+    lines = [
+        "Spheres in shear, tolerance 1e-3, steps of 0.005 over the rate; one thread of one rank where nothing else is said. Medians of",
+        f"{ROUNDS} rounds of {TIMED} steps, in which all ways took turns, on a machine with {os.cpu_count()} cores.",
+        "",
+        *table(header, rows),
+    ]
     write_section("lubrication.md", "step-times", "Seconds of a step", lines)
 
 

@@ -24,6 +24,11 @@ impl<'a> Footprint<'a> {
         Self { plan, place: place.clone(), grid, expected, threads }
     }
 
+    /// The precision of the grid.
+    pub fn precision(&self) -> Precision {
+        self.plan.precision
+    }
+
     /// [`crate::Mobility`] with its particles in place, and what it takes to bring them there.
     pub fn mobility(&self) -> Bytes {
         let grid = match self.plan.precision {

@@ -9,7 +9,10 @@ use super::screw::Screw;
 use super::springs::Springs;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
 use lubrication::SIDE;
+use rayon::prelude::*;
+use solver::Real;
 use solver::simd::{Vector as Width, Work};
+use std::marker::PhantomData;
 
 /// The particles present and who is near whom.
 pub struct Arrangement<'a> {
@@ -29,18 +32,19 @@ pub struct Arrangement<'a> {
 
 /// Rows of a rank's particles: their stiff pairs, the others, and their loads and moments by all of them in the ambient
 /// flow if they do not move relative to it.
-pub struct Assembled {
+pub struct Assembled<T> {
     pub stiff: Part<f64>,
-    pub soft: Part<f32>,
+    pub soft: Part<T>,
     pub loads: Vec<Screw>,
     pub moments: Vec<Traceless>,
 }
 
-/// The rows of one part, from `first` on, of so many particles.
-pub struct Assembly<'a> {
-    pub arrangement: &'a Arrangement<'a>,
-    pub first: usize,
-    pub rows: usize,
+/// The rows of one part, from `first` on, of so many particles, with soft pairs stored as such numbers.
+pub struct Assembly<'a, T> {
+    arrangement: &'a Arrangement<'a>,
+    first: usize,
+    rows: usize,
+    stored: PhantomData<T>,
 }
 
 /// The pairs of one kind of the rows of a part, row by row.
@@ -52,11 +56,11 @@ struct Listed {
     ends: Vec<usize>,
 }
 
-impl Work<f64> for Assembly<'_> {
-    type Output = Assembled;
+impl<T: Stored> Work<f64> for Assembly<'_, T> {
+    type Output = Assembled<T>;
 
     #[inline(always)]
-    fn run<V: Width<f64>>(self) -> Assembled {
+    fn run<V: Width<f64>>(self) -> Assembled<T> {
         let [stiff, soft] = self.listed();
         let (mut loads, mut moments) = (vec![Screw::default(); self.rows], vec![Traceless::ZERO; self.rows]);
         let (lubrication, sums) = (self.arrangement.lubrication, (&mut loads[..], &mut moments[..]));
@@ -67,10 +71,14 @@ impl Work<f64> for Assembly<'_> {
     }
 }
 
-impl Assembly<'_> {
-    /// All rows, in parts.
-    pub fn parts(owned: usize) -> usize {
-        owned.div_ceil(ROWS)
+impl<T: Stored> Assembly<'_, T> {
+    /// All rows of so many particles that a rank owns.
+    pub fn of_all(arrangement: &Arrangement, owned: usize) -> Vec<Assembled<T>> {
+        let part = |k: usize| {
+            let first = k * ROWS;
+            f64::dispatch(Assembly { arrangement, first, rows: ROWS.min(owned - first), stored: PhantomData })
+        };
+        (0..owned.div_ceil(ROWS)).into_par_iter().map(part).collect()
     }
 
     /// The stiff pairs and the others.
@@ -117,12 +125,12 @@ impl Assembly<'_> {
 
     /// Makes rows of pairs of one kind, and adds their loads and moments in the ambient flow.
     #[inline(always)]
-    fn part<V: Width<f64>, T: Stored, K: Kind<N>, const N: usize>(
+    fn part<V: Width<f64>, S: Stored, K: Kind<N>, const N: usize>(
         &self,
         listed: &Listed,
         kind: impl Fn() -> K,
         (loads, moments): (&mut [Screw], &mut [Traceless]),
-    ) -> Part<T> {
+    ) -> Part<S> {
         let order = listed.order();
         let groups = order.chunks(LANES).map(|rows| listed.of(rows[0]).len()).sum();
         let mut part = Part::with_room(self.rows, groups);

@@ -6,7 +6,7 @@ use super::own::Own;
 use super::pair_matrix::{Group, MomentGroup};
 use super::screw::Screw;
 use domain::{Bytes, ExpectedCounts, Halo, Traceless, Vector, VerletList};
-use fcm::Footprint;
+use fcm::{Footprint, Precision};
 use lubrication::{PairForce, Range};
 
 /// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::PairLubrication`] finds, about.
@@ -37,12 +37,12 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> 
     let loads = Bytes::list::<Screw>(3.0 * owned).then(Bytes::list::<(Vector, Vector, Traceless)>(3.0 * owned));
     let inner = Bytes::list::<Screw>(7.0 * owned);
     let evaluation = far.evaluation().or(inner);
-    let (lists, pairs) = near_pairs(expected, range);
+    let (lists, pairs) = near_pairs(expected, range, far.precision());
     lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
 }
 
 /// The lists of who is near, and the near pairs of the particles that a rank owns.
-fn near_pairs(expected: &ExpectedCounts, range: Range) -> (Bytes, Bytes) {
+fn near_pairs(expected: &ExpectedCounts, range: Range, precision: Precision) -> (Bytes, Bytes) {
     let cutoff = range.cutoff();
     let reach = (2.0 + cutoff) * expected.largest_radius();
     let (owned, present) = (expected.owned(), expected.present(reach));
@@ -52,8 +52,12 @@ fn near_pairs(expected: &ExpectedCounts, range: Range) -> (Bytes, Bytes) {
     let soft = numbers[0] - stiff;
     let rows = Bytes::list::<([Own<f64>; 2], [u32; 2], Screw, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
-    let pairs = Bytes::list::<(Group<f64>, MomentGroup<f64>)>(groups(stiff) * owned)
-        .then(Bytes::list::<(Group<f32>, MomentGroup<f32>)>(groups(soft) * owned));
+    let [stiff, soft] = [stiff, soft].map(|pairs| groups(pairs) * owned);
+    let soft = match precision {
+        Precision::Single => Bytes::list::<(Group<f32>, MomentGroup<f32>)>(soft),
+        Precision::Double => Bytes::list::<(Group<f64>, MomentGroup<f64>)>(soft),
+    };
+    let pairs = Bytes::list::<(Group<f64>, MomentGroup<f64>)>(stiff).then(soft);
     (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
 }
 

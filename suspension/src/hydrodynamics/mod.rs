@@ -141,7 +141,7 @@ impl Hydrodynamics {
         let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
         let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
             let lists = VerletList::new(reach, partition);
-            NearField { lubrication, at_walls, lists, radii, reach }
+            NearField { lubrication, at_walls, lists, precision: plan.precision, radii, reach }
         });
         let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
         Ok(Self { far, near, units, preconditioned: true, partition })

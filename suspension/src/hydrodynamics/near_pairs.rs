@@ -2,16 +2,16 @@
 
 use super::assembly::{Arrangement, Assembled, Assembly};
 use super::at_walls::{self, AtWall};
+use super::lanes::Stored;
 use super::own::Own;
 use super::pair_lubrication::PairLubrication;
-use super::pair_matrix::{Padded, PairMatrix, ROWS};
+use super::pair_matrix::{Padded, PairMatrix, Resistance};
 use super::screw::Screws;
 use super::springs::Springs;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
-use fcm::Linear;
+use fcm::{Linear, Precision};
 use lubrication::WallForce;
 use rayon::prelude::*;
-use solver::Real;
 
 /// Forces between near particles, and the lists of who is near.
 pub struct NearField {
@@ -19,6 +19,8 @@ pub struct NearField {
     /// Lubrication at walls, if there are any.
     pub at_walls: Option<WallForce>,
     pub lists: VerletList,
+    /// That in which the numbers of soft pairs are kept: the grid's.
+    pub precision: Precision,
     /// Radii by species.
     pub radii: Vec<f64>,
     /// Largest distance of the centres of a near pair.
@@ -65,13 +67,35 @@ pub struct NearPairs {
     halo: Halo,
     /// With what walls resist. In double precision: near contact, the resistances of both spheres all but cancel.
     stiff: PairMatrix<f64>,
-    soft: PairMatrix<f32>,
+    soft: Box<dyn Resistance>,
     at_walls: Vec<AtWall>,
     /// Loads and moments in the ambient flow of particles that do not move relative to it.
     loads: Screws,
     moments: Vec<Traceless>,
     /// Whether a particle is in a trap.
     has_traps: bool,
+}
+
+/// The rows of all particles that a rank owns.
+struct Resisting {
+    stiff: PairMatrix<f64>,
+    soft: Box<dyn Resistance>,
+    loads: Screws,
+    moments: Vec<Traceless>,
+}
+
+impl Resisting {
+    fn of<T: Stored + 'static>(parts: Vec<Assembled<T>>) -> Self {
+        let (mut loads, mut moments) = (Vec::new(), Vec::new());
+        let (mut stiff, mut soft) = (Vec::with_capacity(parts.len()), Vec::with_capacity(parts.len()));
+        for part in parts {
+            loads.extend_from_slice(&part.loads);
+            moments.extend_from_slice(&part.moments);
+            stiff.push(part.stiff);
+            soft.push(part.soft);
+        }
+        Self { stiff: PairMatrix::new(stiff), soft: Box::new(PairMatrix::new(soft)), loads: Screws(loads), moments }
+    }
 }
 
 impl NearPairs {
@@ -85,27 +109,17 @@ impl NearPairs {
     ) -> Self {
         let owned = particles.len();
         let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
-        let NearField { lubrication, at_walls, lists, radii, .. } = field;
+        let NearField { lubrication, at_walls, lists, radii, .. } = &*field;
         let neighbours = lists.neighbours();
         let lubrication = lubrication.as_ref();
         let (positions, species) = (&positions, &species);
         let ids = &ids;
         let arrangement =
             Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient, slope };
-        let part = |k: usize| {
-            let first = k * ROWS;
-            f64::dispatch(Assembly { arrangement: &arrangement, first, rows: ROWS.min(owned - first) })
+        let Resisting { mut stiff, soft, mut loads, mut moments } = match field.precision {
+            Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, owned)),
+            Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, owned)),
         };
-        let parts: Vec<Assembled> = (0..Assembly::parts(owned)).into_par_iter().map(part).collect();
-        let (mut loads, mut moments) = (Vec::with_capacity(owned), Vec::with_capacity(owned));
-        let (mut stiff, mut soft) = (Vec::with_capacity(parts.len()), Vec::with_capacity(parts.len()));
-        for part in parts {
-            loads.extend_from_slice(&part.loads);
-            moments.extend_from_slice(&part.moments);
-            stiff.push(part.stiff);
-            soft.push(part.soft);
-        }
-        let (mut stiff, soft, mut loads) = (PairMatrix::new(stiff), PairMatrix::new(soft), Screws(loads));
         let at_walls = at_walls::find(at_walls.as_ref(), springs, particles, cell);
         for at_wall in &at_walls {
             let sloping = Traceless([0.0, 0.0, slope * particles.positions[at_wall.row].z, 0.0, 0.0]);
@@ -129,7 +143,7 @@ impl NearPairs {
         Self {
             halo,
             stiff: PairMatrix::new(Vec::new()),
-            soft: PairMatrix::new(Vec::new()),
+            soft: Box::new(PairMatrix::<f64>::new(Vec::new())),
             at_walls: Vec::new(),
             loads,
             moments,

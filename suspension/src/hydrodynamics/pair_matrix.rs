@@ -121,11 +121,6 @@ impl<T: Stored> PairMatrix<T> {
         Self { parts }
     }
 
-    /// Whether there is no pair.
-    pub fn is_empty(&self) -> bool {
-        self.parts.iter().all(|part| part.groups.is_empty())
-    }
-
     /// Adds to the block on the diagonal of a row.
     pub fn add_own(&mut self, row: usize, own: &Own<f64>) {
         self.parts[row / ROWS].own[row % ROWS].add(own);
@@ -137,9 +132,26 @@ impl<T: Stored> PairMatrix<T> {
         let parts: Vec<Vec<Block>> = self.parts.par_iter().zip(single.par_chunks(ROWS)).map(of_part).collect();
         parts.concat()
     }
+}
 
-    /// The matrix times the motions of all particles present: the loads of those that the rank owns.
-    pub fn times(&self, present: &[Padded]) -> Vec<Screw> {
+/// What resists to motions, with numbers stored in whichever precision.
+pub trait Resistance: Sync {
+    /// Whether there is no pair.
+    fn is_empty(&self) -> bool;
+
+    /// The loads by the motions of all particles present of those that the rank owns.
+    fn times(&self, present: &[Padded]) -> Vec<Screw>;
+
+    /// Adds the first moments by the motions of all particles present to those of the particles that the rank owns.
+    fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]);
+}
+
+impl<T: Stored> Resistance for PairMatrix<T> {
+    fn is_empty(&self) -> bool {
+        self.parts.iter().all(|part| part.groups.is_empty())
+    }
+
+    fn times(&self, present: &[Padded]) -> Vec<Screw> {
         let mut loads = vec![Screw::default(); self.parts.iter().map(|part| part.own.len()).sum()];
         loads.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (loads, part))| {
             f64::dispatch(Product { part, first: k * ROWS, present, loads });
@@ -147,8 +159,7 @@ impl<T: Stored> PairMatrix<T> {
         loads
     }
 
-    /// Adds the first moments by the motions of all particles present to those of the particles that the rank owns.
-    pub fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]) {
+    fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]) {
         moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (moments, part))| {
             f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
         });

@@ -47,7 +47,7 @@ impl Setting {
         let alone: Vec<Screw> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
         let (reach, radii) = (force.reach(), plan.radii.clone());
         let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));
-        let mut field = NearField { lubrication, at_walls: None, lists, radii, reach };
+        let mut field = NearField { lubrication, at_walls: None, lists, precision: plan.precision, radii, reach };
         let near = NearPairs::find((&mut field, None), &particles, (&cell, (Traceless::ZERO, 0.0)), &partition);
         let mut mobility = Mobility::new(&plan, &partition);
         mobility.arrange(&cell, &particles);
