@@ -173,11 +173,17 @@ fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError
             "is set, but velocity fields are those of straight and sheared boxes; leave it out in an extension";
         return Err(ParameterError::new("output.fields_every", message));
     }
-    if p.statistics.and_then(|statistics| statistics.axis).is_some_and(|axis| axis != Axis::Z) {
-        let message = "is x or y, along which the box of planar extension does not repeat; leave it out, for \"z\"";
-        return Err(ParameterError::new("statistics.axis", message));
+    match (p.statistics.and_then(|statistics| statistics.axis), kind) {
+        (Some(Axis::X | Axis::Y), Extension::Planar) => {
+            let message = "is x or y, along which the box of planar extension does not repeat; leave it out, for \"z\"";
+            Err(ParameterError::new("statistics.axis", message))
+        }
+        (Some(_), Extension::Uniaxial | Extension::Biaxial) => {
+            let message = format!("is set, but the box of {} repeats along no axis; leave it out", kind.name());
+            Err(ParameterError::new("statistics.axis", message))
+        }
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 fn check_repulsion(repulsion: &Repulsion) -> Result<(), ParameterError> {

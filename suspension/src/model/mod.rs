@@ -5,6 +5,7 @@ mod bonds;
 mod check;
 mod contacts;
 mod copy;
+mod cubic_field;
 mod extension;
 mod hydrodynamics;
 mod integrator;
@@ -20,6 +21,9 @@ pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
 use domain::{ParameterError, PeriodicBox, Tensor, Vector};
+pub(crate) use cubic_field::CubicField;
+#[cfg(test)]
+pub(crate) use extension::Extremes;
 pub use extension::Extension;
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
 pub use integrator::{Adaptive, BrownianScheme, Integrator};

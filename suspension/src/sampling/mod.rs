@@ -6,7 +6,7 @@ mod tables;
 
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
-use crate::model::{Axis, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
+use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
 use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
@@ -113,7 +113,11 @@ impl Statistics {
         let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
         let largest = particles.radii.iter().copied().fold(0.0, f64::max);
         let distance = wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element());
-        let angle = if about.flow == BackgroundFlow::NONE { Angle::Cosine(about.axis) } else { Angle::Azimuth };
+        let angle = match model.flow.extension().and_then(Extension::axis) {
+            Some(axis) => Angle::Cosine(index(axis)),
+            None if about.flow == BackgroundFlow::NONE => Angle::Cosine(about.axis),
+            None => Angle::Azimuth,
+        };
         Self {
             times: [f64::NAN, f64::NAN, 0.0],
             velocities: each(speed),
@@ -193,13 +197,13 @@ pub fn column_bytes(model: &Model) -> Bytes {
 /// The axis of the gradient of a shear flow.
 const GRADIENT: usize = 1;
 
-/// The axis along which the box of planar extension stays as it is.
-const NEUTRAL: usize = 2;
+/// The lattice vector of the box of an extension whose coordinate profiles are of: in planar extension it is along z and stays.
+const THIRD: usize = 2;
 
 /// The axis of profiles: the one wanted, by default that of the forces or the gradient, where the box has it.
 fn axis(model: &Model, wanted: Option<Axis>) -> usize {
     let usual = || model.force_axis().unwrap_or(GRADIENT);
-    wanted.map_or_else(|| if model.flow.extension().is_some() { NEUTRAL } else { usual() }, index)
+    wanted.map_or_else(|| if model.flow.extension().is_some() { THIRD } else { usual() }, index)
 }
 
 /// The axis of the columns, by default that of the forces or the gradient, and their width.
