@@ -60,7 +60,8 @@ fn other_vectors_of_a_lattice_have_the_same_motions() {
     let loads = suspension.loads(2);
     let exact = suspension.evaluate(&suspension.plan(0.01 * tolerance, Fixed::default()), &loads);
     let [a, b, c] = suspension.cell.lattice_vectors();
-    let upright = [[a, b, c], [b, c, a], [a + b, b, c], [a + b, a + 2.0 * b, c], [2.0 * a + b, a + b, c], [b + c, c, a]];
+    let upright =
+        [[a, b, c], [b, c, a], [a + b, b, c], [a + b, a + 2.0 * b, c], [2.0 * a + b, a + b, c], [b + c, c, a]];
     let leaning = [[a, b, c + a], [a, b, c - b], [a + b, b, c - a], [a + c, b + c, c], [a + b, b + c, a + b + c]];
     for vectors in upright.into_iter().chain(leaning) {
         let cell = PeriodicBox::of_lattice(vectors).unwrap();
@@ -78,9 +79,12 @@ fn a_leaning_lattice_keeps_any_tolerance() {
     let [a, b, c] = suspension.cell.lattice_vectors();
     let cell = PeriodicBox::of_lattice([a + b, b, c - a]).unwrap();
     let other = Suspension { cell, ..suspension.clone() }.displaced(Vector::ZERO);
-    for (multipoles, tolerance) in
-        [(Multipoles::Dipole, 1e-2), (Multipoles::Dipole, 1e-8), (Multipoles::Monopole, 1e-3), (Multipoles::Monopole, 1e-8)]
-    {
+    for (multipoles, tolerance) in [
+        (Multipoles::Dipole, 1e-2),
+        (Multipoles::Dipole, 1e-8),
+        (Multipoles::Monopole, 1e-3),
+        (Multipoles::Monopole, 1e-8),
+    ] {
         let mut loads = suspension.loads(5);
         if multipoles == Multipoles::Monopole {
             (loads.torques, loads.stresslets) = (Vec::new(), Vec::new());

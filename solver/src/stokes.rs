@@ -52,7 +52,11 @@ pub struct Multiplier<P, A> {
 impl<T: Real> Stokes<T> {
     /// The solve for a fluid of this viscosity, `m = 1`.
     pub fn new(grid: &Grid, viscosity: f64) -> Self {
-        Self::with_multiplier(grid, viscosity, &Multiplier { plane: |_, _| 1.0, axis: |_| 1.0, widening: 0.0, width: 0.0 })
+        Self::with_multiplier(
+            grid,
+            viscosity,
+            &Multiplier { plane: |_, _| 1.0, axis: |_| 1.0, widening: 0.0, width: 0.0 },
+        )
     }
 
     /// The solve with a multiplier.
@@ -130,10 +134,10 @@ impl<T: Real> Stokes<T> {
             return 0.0;
         }
         let level = self.widening.to_f64() * square + 1.0;
-        let axis = self.leaning.as_ref().map_or_else(
-            || self.axis[m3].to_f64(),
-            |leaning| leaning.multiplier(in_plane, m3, square),
-        );
+        let axis = self
+            .leaning
+            .as_ref()
+            .map_or_else(|| self.axis[m3].to_f64(), |leaning| leaning.multiplier(in_plane, m3, square));
         self.plane[in_plane].to_f64() * axis * level * level / square
     }
 

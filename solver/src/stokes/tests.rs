@@ -61,7 +61,8 @@ fn check_single_mode<T: Real>(grid: &Grid, mode: [usize; 3], tolerance: f64) {
     let k = grid.wavevector(mode);
     let wave = |x: Vector| (k.dot(x) + phase).cos();
     let mut field = sampled::<T>(grid, |x| amplitude * wave(x));
-    transform().apply(&mut field, &Stokes::with_multiplier(grid, viscosity, &Multiplier { plane, axis, widening, width }));
+    transform()
+        .apply(&mut field, &Stokes::with_multiplier(grid, viscosity, &Multiplier { plane, axis, widening, width }));
     let across = amplitude - k * (k.dot(amplitude) / k.length_squared());
     let square = k.length_squared();
     let gaussian = (-width * width * square).exp();

@@ -20,11 +20,11 @@ pub use attraction::Attraction;
 pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
-use domain::{ParameterError, PeriodicBox, Tensor, Vector};
 pub(crate) use cubic_field::CubicField;
+use domain::{ParameterError, PeriodicBox, Tensor, Vector};
+pub use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Extremes;
-pub use extension::Extension;
 pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
 pub use integrator::{Adaptive, BrownianScheme, Integrator};
 pub use rates::{Protocol, RateChange, ShearRates};
