@@ -186,7 +186,7 @@ impl Problem {
 
     /// Whether the third lattice vector is not upright.
     pub(crate) fn leans(&self) -> bool {
-        self.largest_tilts != [0.0; 2]
+        self.largest_tilts.iter().any(|&tilt| tilt != 0.0)
     }
 
     /// Lattice vectors over the box's edges: a grid sheared by `s` resolves `sqrt(1 + s^2)` less along y.
