@@ -78,7 +78,8 @@ impl Extension {
     /// The box that repeats in it, as it is without strain: of the volume of a box of these edges.
     ///
     /// In planar extension its first two vectors are those of a square lattice, turned by `atan((sqrt(5) - 1) / 2)` (Kraynik &
-    /// Reinelt, Int. J. Multiphase Flow 18, 1045, 1992). In the others it has those of a [`CubicField`].
+    /// Reinelt, Int. J. Multiphase Flow 18, 1045, 1992). In the others its vectors are
+    /// `(rho^k, sqrt(2) Re z^k, sqrt(2) Im z^k)`, `k = 0, 1, -1`, by the roots `rho` and `z` of `x^3 = x + 1`, the axis of the flow first.
     pub fn cell(self, edges: Vector) -> Result<PeriodicBox, ParameterError> {
         let Vector { x, y, z } = edges;
         let differs = |a: f64, b: f64| (a - b).abs() > ROUND_OFF * a.abs();
