@@ -1,7 +1,12 @@
-"""The viscosity of dense suspensions in planar extension over that in shear, from the same starts.
+"""The viscosities of dense suspensions in planar, uniaxial and biaxial extension over that in shear, from the same starts.
 
-Both are the stress along the rate of strain over twice that rate: four times as much extensional stress as shear stress for the
-same viscosity (Trouton). An extension of half the rate of the shear dissipates as much in the fluid alone."""
+All are the stress along the rate of strain over twice that rate: four times as much extensional stress as shear stress in planar
+extension for the same viscosity (Trouton), three times in uniaxial and six times in biaxial extension. Extensions go at the rates at
+which they dissipate in the fluid alone as much as the shear, 1/2, 1/sqrt(3) and 1/sqrt(12) of its rate.
+
+Normal stresses make a difference. With a part beside the viscous one that goes as the square of the rate of strain, as in a Reiner-Rivlin
+fluid whose second normal stress difference in shear is N2 and whose first is zero, a shear stress s makes the ratio 1 in planar,
+1 + N2 / (sqrt(3) s) in uniaxial and 1 - N2 / (sqrt(3) s) in biaxial extension."""
 
 import csv
 import pathlib
@@ -16,10 +21,14 @@ from support.program import run
 FULL = "--full" in sys.argv[1:]
 SEEDS = range(1, 4 if FULL else 2)
 COUNTS = {1.0: 73, 1.4: 27}
-# Ratio of pair lubrication and contacts alone with its error, by volume fraction and friction.
+# Ratio for planar extension of pair lubrication and contacts alone with its error, by volume fraction and friction.
 PAIRS_ALONE = {(0.40, 0.0): (1.02, 0.03), (0.45, 0.0): (0.98, 0.04), (0.45, 0.5): (1.00, 0.08), (0.50, 0.0): (0.96, 0.04), (0.50, 0.5): None}
 CASES = list(PAIRS_ALONE) if FULL else [(0.40, 0.0), (0.45, 0.5)]
-FLOWS = {"shear": 1.0, "planar-extension": 0.5}
+FLOWS = {"shear": 1.0, "planar-extension": 0.5, "uniaxial-extension": 3**-0.5, "biaxial-extension": 12**-0.5}
+SHEAR, *EXTENSIONS = FLOWS
+# What N2 over the shear stress adds to the ratio.
+OF_NORMAL_STRESS = {"planar-extension": 0.0, "uniaxial-extension": 3**-0.5, "biaxial-extension": -(3**-0.5)}
+COLUMNS = ["relative_viscosity", "second_normal_stress_difference"]
 SETTLED, END, STEP = 2.0, 6.0, 0.005
 ALLOWED = 0.1
 
@@ -38,50 +47,58 @@ output = {{ trajectory_every = 0, observables_every = 2, checkpoint_every = 0 }}
 {species}"""
 
 
-def viscosities(case):
-    """Means of the viscosity over parts of a run."""
+def observed(case):
+    """Means of the viscosity and of N2 over parts of a run, where the fluid and the shear have a viscosity and a rate of 1."""
     with tempfile.TemporaryDirectory() as place:
         out = pathlib.Path(place) / "out"
         ended = run(scene(*case), out)
         if ended.returncode:
             raise SystemExit(ended.stderr)
         with open(out / "observables.csv") as file:
-            rows = [(float(row["time"]), float(row["relative_viscosity"])) for row in csv.DictReader(file)]
-    late = np.array([viscosity for time, viscosity in rows if time > SETTLED])
-    return [block.mean() for block in np.array_split(late, 4)]
+            rows = [[float(row[name]) for name in ["time", *COLUMNS]] for row in csv.DictReader(file)]
+    late = np.array([row[1:] for row in rows if row[0] > SETTLED])
+    return [block.mean(axis=0) for block in np.array_split(late, 4)]
 
 
-def mean(found, case, flow):
+def mean(found, case, flow, column=0):
     """Mean over starts and parts of the runs, with its error."""
-    blocks = np.concatenate([found[(*case, flow, seed)] for seed in SEEDS])
+    blocks = np.concatenate([found[(*case, flow, seed)] for seed in SEEDS])[:, column]
     return blocks.mean(), blocks.std(ddof=1) / np.sqrt(len(blocks))
+
+
+def ratio(extension, shear):
+    """Over the viscosity in shear, with its error."""
+    found = extension[0] / shear[0]
+    return found, found * np.hypot(extension[1] / extension[0], shear[1] / shear[0])
 
 
 def main():
     runs = [(*case, flow, seed) for case in CASES for flow in FLOWS for seed in SEEDS]
     with ThreadPoolExecutor(2) as two:
-        found = dict(zip(runs, two.map(viscosities, runs)))
+        found = dict(zip(runs, two.map(observed, runs)))
     rows, failed = [], []
     for case in CASES:
-        (shear, of_shear), (extension, of_extension) = (mean(found, case, flow) for flow in FLOWS)
-        ratio = extension / shear
-        error = ratio * np.hypot(of_shear / shear, of_extension / extension)
-        pairs = PAIRS_ALONE[case]
-        rows.append([f"{case[0]:.0%}", f"{case[1]:g}", f"{shear:.1f} ± {of_shear:.1f}", f"{extension:.1f} ± {of_extension:.1f}",
-                     f"{ratio:.2f} ± {error:.2f}", f"{pairs[0]:.2f} ± {pairs[1]:.2f}" if pairs else ""])
+        shear, pairs = mean(found, case, SHEAR), PAIRS_ALONE[case]
+        normal = mean(found, case, SHEAR, 1)[0] / shear[0]
+        ratios = [ratio(mean(found, case, flow), shear) for flow in EXTENSIONS]
+        expected = [1.0 + OF_NORMAL_STRESS[flow] * normal for flow in EXTENSIONS]
+        both = [f"{value:.2f} ± {error:.2f} ({wanted:.2f})" for (value, error), wanted in zip(ratios, expected)]
+        rows.append([f"{case[0]:.0%}", f"{case[1]:g}", f"{shear[0]:.1f} ± {shear[1]:.1f}", f"{normal:.2f}", *both,
+                     f"{pairs[0]:.2f} ± {pairs[1]:.2f}" if pairs else ""])
         print(*rows[-1], flush=True)
-        if abs(ratio - 1.0) > ALLOWED + 2.0 * error:
-            failed.append(f"{case}: {ratio:.2f} ± {error:.2f}")
+        off = [abs(value - wanted) > ALLOWED + 2.0 * error for (value, error), wanted in zip(ratios, expected)]
+        failed += [f"{case}, {flow}: {text}" for flow, text, is_off in zip(EXTENSIONS, both, off) if is_off]
     lines = [
         f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume each, means over times from {SETTLED:g} to {END:g} of {len(SEEDS)} "
-        f"start{'s' if len(SEEDS) > 1 else ''}, in shear at",
-        "a rate of 1 and in planar extension at 0.5; errors are those of means over quarters of the runs. Relative viscosities are",
-        f"`relative_viscosity`; ratios of {1 - ALLOWED:g} to {1 + ALLOWED:g} are allowed, and two errors beyond. Beside the ratio: that of pair lubrication and",
-        "contacts without a far field.",
+        f"start{'s' if len(SEEDS) > 1 else ''}: the relative viscosity in",
+        "shear at a rate of 1 and \\\\(N_2\\\\) over the stress there, and over it the viscosities in extensions at rates of 1/2, 1/√3 and 1/√12; errors",
+        "are those of means over quarters of the runs. In brackets is the ratio that the normal stress makes, \\\\(1 \\pm N_2 / (\\sqrt3\\, s)\\\\) in uniaxial",
+        f"and biaxial extension, if all else is as in a Newtonian fluid; ratios within {ALLOWED:g} of it are allowed, and two errors beyond. Last, the",
+        "ratio for planar extension of pair lubrication and contacts without a far field.",
         "",
-        *table(["φ", "μ", "shear", "planar extension", "ratio", "pairs alone"], rows),
+        *table(["φ", "μ", "shear", "N₂ over stress", "planar", "uniaxial", "biaxial", "pairs alone"], rows),
     ]
-    write_section("dense.md", "extension", "Planar extension over shear", lines)
+    write_section("dense.md", "extension", "Extension over shear", lines)
     if failed:
         raise SystemExit("failed: " + "; ".join(failed))
 

@@ -29,7 +29,7 @@ pub struct Args {
 
 const NAMES: &str = "\
 A case for N particles:
-  box         [Lx, Ly, Lz], or three lattice vectors, one at right angles to the other two
+  box         [Lx, Ly, Lz], or three lattice vectors in right-handed order
   viscosity   a number
   positions   N x 3                radii        N numbers, or one for all
   forces      N x 3                torques      N x 3

@@ -38,7 +38,7 @@ pub(crate) struct Brackets {
     pub common: f64,
     /// A typical `|d - D| / 2`.
     pub own: f64,
-    /// How much farther wavevectors reach along an axis of the sheared box: `sqrt(1 + s^2)`.
+    /// How much farther wavevectors reach along an axis of the box, sheared by `s`, say: `sqrt(1 + s^2)`.
     pub stretch: f64,
 }
 

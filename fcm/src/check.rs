@@ -106,6 +106,13 @@ impl Problem {
         if self.boundaries != Boundaries::Periodic {
             self.check_bounded()?;
         }
+        if self.leans() && self.fixed.method == Some(MethodName::Direct) {
+            return Err(PlanError::Fixed(
+                "hydrodynamics.method is \"direct\", which is for boxes with a lattice vector at right angles to the other two; \
+                 leave it out"
+                    .to_owned(),
+            ));
+        }
         self.fixed.check(Envelope::of_sphere(self.largest_radius()).monopole)
     }
 }

@@ -184,14 +184,17 @@ fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<
     let (spacing, strain) = (grid.spacing(), grid.cell().strain());
     let volume = spacing.x * spacing.y * spacing.z;
     let unit = unit_volume(plan, grid);
+    // In a lattice that leans the Gaussian is no product of functions along the axes: the solve has it.
+    let width = if grid.cell().is_upright() { 0.0 } else { common.width };
+    let gaussian = |exponent: f64| if width > 0.0 { 1.0 } else { exponent.exp() };
     let factor = |k: f64, spacing: f64| {
-        let amplitude = (-0.5 * (k * common.width).powi(2)).exp();
+        let amplitude = gaussian(-0.5 * (k * common.width).powi(2));
         amplitude / window.transform(k * spacing)
     };
     // The window stands along the lattice, the Gaussian does not.
     let plane = |k1: f64, k2: f64| {
         let along = k2 + strain * k1;
-        let tilted = (-0.5 * (k2 * k2 - along * along) * common.width.powi(2)).exp();
+        let tilted = gaussian(-0.5 * (k2 * k2 - along * along) * common.width.powi(2));
         (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
     };
     let axis = |k3: f64| factor(k3, spacing.z).powi(2);
@@ -203,7 +206,7 @@ fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<
         let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.method.cutoff());
         return Stokes::in_open_space(grid, kernel);
     }
-    let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening });
+    let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });
     match plan.boundaries {
         Boundaries::Periodic => operator,
         _ => operator.with_channel(channel(plan, grid, partition, (window, common))),
@@ -290,6 +293,7 @@ impl<T: Real> Stencils<T> {
     }
 
     fn gaussian(plan: &Plan, grid: &Grid) -> Self {
+        assert!(grid.cell().is_upright(), "a plan for a lattice that leans has windows");
         let strain = grid.cell().strain();
         let sources =
             |e: &Envelope| Sources { monopole: Source::monopole(e.monopole), dipole: Source::dipole(e.dipole), strain };

@@ -17,6 +17,7 @@
 //!     boundaries: Boundaries::Periodic,
 //!     contraction: 1.0,
 //!     largest_strain: 0.0,
+//!     largest_tilts: [0.0; 2],
 //!     radii: vec![(radius, 1)],
 //!     viscosity,
 //!     multipoles: Multipoles::Dipole,

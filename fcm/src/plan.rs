@@ -121,7 +121,8 @@ impl Plan {
         Ok(plans)
     }
 
-    /// A plan for the flow itself, which needs every envelope on the grid, in a box of the given strain. Its error is
+    /// A plan for the flow itself, which needs every envelope on the grid, in a box of the given strain that
+    /// does not lean. Its error is
     /// a percent at most. There is none where the smallest envelope takes more points than are counted.
     pub fn on_the_grid_alone(&self, strain: f64) -> Result<Self, PlanError> {
         let problem = Problem {
@@ -129,6 +130,7 @@ impl Plan {
             boundaries: self.boundaries,
             contraction: self.contraction,
             largest_strain: strain.abs(),
+            largest_tilts: [0.0; 2],
             radii: self.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: self.viscosity,
             multipoles: self.multipoles,

@@ -112,7 +112,7 @@ impl Problem {
     }
 
     fn direct(&self) -> Vec<Candidate> {
-        if !self.allows(MethodName::Direct) || self.boundaries != Boundaries::Periodic {
+        if !self.allows(MethodName::Direct) || self.boundaries != Boundaries::Periodic || self.leans() {
             return Vec::new();
         }
         let (method, width) = (MethodName::Direct, self.own_width(self.smallest_radius()));
@@ -184,10 +184,22 @@ impl Problem {
         Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch: self.stretch() }
     }
 
-    /// A grid sheared by `s` resolves `sqrt(1 + s^2)` less along y, and a sphere reaches as much farther along the
-    /// lattice coordinate of x.
+    /// Whether the third lattice vector is not upright.
+    pub(crate) fn leans(&self) -> bool {
+        self.largest_tilts.iter().any(|&tilt| tilt != 0.0)
+    }
+
+    /// Lattice vectors over the box's edges: a grid sheared by `s` resolves `sqrt(1 + s^2)` less along y.
+    fn lengthened(&self) -> Vector {
+        let (s, [t, r]) = (self.largest_strain, self.largest_tilts);
+        Vector::new(1.0, (1.0 + s * s).sqrt(), (1.0 + t * t + r * r).sqrt())
+    }
+
+    /// The most of these, and of how much farther a sphere reaches along a lattice coordinate: [`domain::PeriodicBox::slant`].
     fn stretch(&self) -> f64 {
-        (1.0 + self.largest_strain * self.largest_strain).sqrt()
+        let (s, [t, r]) = (self.largest_strain, self.largest_tilts);
+        let (first, Vector { y, z, .. }) = (t + s * r, self.lengthened());
+        (1.0 + s * s + first * first).sqrt().max(y).max(z)
     }
 
     /// The grid that a candidate needs; none if it has more points than are counted.
@@ -195,8 +207,7 @@ impl Problem {
         if let Some(grid) = self.fixed.grid {
             return Some(grid);
         }
-        let sheared = Vector::new(1.0, self.stretch(), 1.0);
-        let needed = self.lengths_of(candidate) / candidate.width * candidate.accuracy.resolution * sheared;
+        let needed = self.lengths_of(candidate) / candidate.width * candidate.accuracy.resolution * self.lengthened();
         if needed.max_element() > Grid::MOST as f64 {
             return None;
         }
@@ -312,7 +323,7 @@ impl Problem {
 
     /// The error of what is done, with what the user fixed: with the narrowest and the widest Gaussian on the grid.
     fn expected(&self, method: Method, [narrowest, widest]: [f64; 2], spacing: Vector, support: Support) -> f64 {
-        let resolution = narrowest / (spacing * Vector::new(1.0, self.stretch(), 1.0)).max_element();
+        let resolution = narrowest / (spacing * self.lengthened()).max_element();
         match method {
             Method::Direct => accuracy::direct_error(self.multipoles, resolution, support.reach / widest),
             Method::Split { width, cutoff } => {

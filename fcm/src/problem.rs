@@ -1,7 +1,7 @@
 //! What is to be evaluated, and in which ways it may be.
 
 use crate::costs::Costs;
-use domain::{Boundaries, Vector};
+use domain::{Boundaries, PeriodicBox, Vector};
 
 /// How envelopes are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +56,8 @@ pub struct Problem {
     pub contraction: f64,
     /// Largest strain of the box that will be met.
     pub largest_strain: f64,
+    /// Largest [`PeriodicBox::tilts`] of the box that will be met: 0 where its third lattice vector is upright.
+    pub largest_tilts: [f64; 2],
     /// Radius and number of each kind of particle; radii may repeat.
     pub radii: Vec<(f64, usize)>,
     /// Viscosity of the fluid.
@@ -74,6 +76,13 @@ pub struct Problem {
     pub costs: Costs,
     /// What the user fixed.
     pub fixed: Fixed,
+}
+
+impl Problem {
+    /// The [`Self::largest_tilts`] of a box that does not move.
+    pub fn tilts_of(cell: &PeriodicBox) -> [f64; 2] {
+        if cell.is_upright() { [0.0; 2] } else { cell.tilts().map(f64::abs) }
+    }
 }
 
 /// What a user may fix; the planner chooses the rest.

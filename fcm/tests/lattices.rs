@@ -4,7 +4,7 @@ mod common;
 
 use common::{Suspension, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Loads, MethodName, Motion, Precision};
+use fcm::{Evaluation, Fixed, Loads, MethodName, Motion, Multipoles, Plan, Precision, Problem};
 
 fn turned(list: &[Vector], turn: &Tensor) -> Vec<Vector> {
     list.iter().map(|vector| *turn * *vector).collect()
@@ -60,13 +60,49 @@ fn other_vectors_of_a_lattice_have_the_same_motions() {
     let loads = suspension.loads(2);
     let exact = suspension.evaluate(&suspension.plan(0.01 * tolerance, Fixed::default()), &loads);
     let [a, b, c] = suspension.cell.lattice_vectors();
-    for vectors in
-        [[a, b, c], [b, c, a], [a + b, b, c], [a + b, a + 2.0 * b, c], [2.0 * a + b, a + b, c], [b + c, c, a]]
-    {
+    let upright =
+        [[a, b, c], [b, c, a], [a + b, b, c], [a + b, a + 2.0 * b, c], [2.0 * a + b, a + b, c], [b + c, c, a]];
+    let leaning = [[a, b, c + a], [a, b, c - b], [a + b, b, c - a], [a + c, b + c, c], [a + b, b + c, a + b + c]];
+    for vectors in upright.into_iter().chain(leaning) {
         let cell = PeriodicBox::of_lattice(vectors).unwrap();
         let other = Suspension { cell, ..suspension.clone() }.displaced(Vector::ZERO);
         let plan = other.plan(tolerance, Fixed::default());
         let error = worst(&other.evaluate(&plan, &loads), &exact);
         assert!(error < tolerance, "{vectors:?}: {error:e}");
     }
+}
+
+/// The same of forces alone, and down to small tolerances, where the grid is in `f64`.
+#[test]
+fn a_leaning_lattice_keeps_any_tolerance() {
+    let suspension = Suspension::random(10, 1.3, PeriodicBox::new(Vector::splat(7.5)).unwrap(), 8);
+    let [a, b, c] = suspension.cell.lattice_vectors();
+    let cell = PeriodicBox::of_lattice([a + b, b, c - a]).unwrap();
+    let other = Suspension { cell, ..suspension.clone() }.displaced(Vector::ZERO);
+    for (multipoles, tolerance) in [
+        (Multipoles::Dipole, 1e-2),
+        (Multipoles::Dipole, 1e-8),
+        (Multipoles::Monopole, 1e-3),
+        (Multipoles::Monopole, 1e-8),
+    ] {
+        let mut loads = suspension.loads(5);
+        if multipoles == Multipoles::Monopole {
+            (loads.torques, loads.stresslets) = (Vec::new(), Vec::new());
+        }
+        let plan = |of: &Suspension, tolerance| Plan::choose(&Problem { multipoles, ..of.problem(tolerance) }).unwrap();
+        let wanted = if multipoles == Multipoles::Monopole { Evaluation::Velocities } else { Evaluation::All };
+        let motion = |of: &Suspension, tolerance| of.mobility(&plan(of, tolerance)).apply(&loads, wanted);
+        let error = worst(&motion(&other, tolerance), &motion(&suspension, 1e-2 * tolerance));
+        assert!(error < tolerance, "{multipoles:?}, {tolerance:e}: {error:e}");
+    }
+}
+
+/// The direct method has stencils for upright boxes alone.
+#[test]
+fn envelopes_on_a_leaning_grid_are_refused() {
+    let vectors = [Vector::X * 9.0, Vector::Y * 9.0, Vector::new(2.0, 0.0, 9.0)];
+    let suspension = Suspension::random(4, 1.0, PeriodicBox::of_lattice(vectors).unwrap(), 1);
+    let problem = Problem { fixed: fixed(MethodName::Direct), ..suspension.problem(1e-3) };
+    let error = Plan::choose(&problem).unwrap_err().to_string();
+    assert!(error.contains("hydrodynamics.method is \"direct\"") && error.contains("at right angles"), "{error}");
 }

@@ -91,6 +91,19 @@ fn the_mobility_is_symmetric_and_positive_definite() {
 }
 
 #[test]
+fn the_mobility_of_a_leaning_box_is_symmetric_and_positive_definite() {
+    let vectors = [Vector::new(7.0, 1.0, -0.5), Vector::new(-1.0, 7.5, 2.0), Vector::new(2.5, -2.0, 7.0)];
+    let suspension = Suspension::random(5, 1.6, PeriodicBox::of_lattice(vectors).unwrap(), 2);
+    for tolerance in [0.3, 1e-2, 1e-8] {
+        let mut mobility = suspension.mobility(&suspension.plan(tolerance, fixed(MethodName::Split)));
+        let matrix = matrix(&suspension, &mut mobility);
+        assert!(asymmetry(&matrix) < 1e-13, "at {tolerance:e}: asymmetry {:e}", asymmetry(&matrix));
+        assert!(is_positive_definite(&matrix), "at {tolerance:e}");
+        assert!(mobility.divergence() < 1e-13);
+    }
+}
+
+#[test]
 fn the_mobility_is_symmetric_to_round_off_in_f32() {
     let suspension = Suspension::random(4, 1.5, PeriodicBox::new(Vector::splat(7.0)).unwrap(), 6);
     for method in METHODS {

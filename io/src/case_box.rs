@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub enum CaseBox {
     /// Edges along x, y and z, of a box that may be sheared.
     Edges([f64; 3]),
-    /// Three vectors of a lattice, one of which is at right angles to the other two.
+    /// Three vectors of a lattice.
     Vectors([[f64; 3]; 3]),
 }
 
@@ -23,9 +23,6 @@ pub enum CaseBoxError {
     /// Lattice vectors and a strain besides.
     #[error("strain is for a box of three edges; lattice vectors have it in them")]
     Strain,
-    /// No vector is at right angles to the others.
-    #[error("none of the box's lattice vectors is at right angles to the other two; one needs to be")]
-    Leaning,
     /// Axes that can't go together.
     #[error(transparent)]
     Boundaries(#[from] BoundariesError),
@@ -71,14 +68,11 @@ impl CaseBox {
         if strain != 0.0 {
             return Err(CaseBoxError::Strain);
         }
+        // A grid does less where the last vector is at right angles to the others.
         let [a, b, c] = vectors;
-        for vectors in [[a, b, c], [b, c, a], [c, a, b]] {
-            let cell = PeriodicBox::of_lattice(vectors)?;
-            if cell.is_upright() {
-                return Ok(cell);
-            }
-        }
-        Err(CaseBoxError::Leaning)
+        let cell = PeriodicBox::of_lattice(vectors)?;
+        let others = [[b, c, a], [c, a, b]].map(PeriodicBox::of_lattice).into_iter().flatten();
+        Ok([cell].into_iter().chain(others).find(PeriodicBox::is_upright).unwrap_or(cell))
     }
 }
 
@@ -123,12 +117,20 @@ mod tests {
     }
 
     #[test]
+    fn vectors_of_which_none_is_at_right_angles_stay_as_they_are() {
+        let vectors = [[3.0, 1.0, 0.5], [-1.0, 4.0, 0.2], [0.7, 0.3, 5.0]];
+        let cell = CaseBox::Vectors(vectors).cell(0.0).unwrap();
+        for (found, given) in cell.lattice_vectors().into_iter().zip(vectors) {
+            assert!((found - Vector::from_array(given)).length() < 1e-14);
+        }
+    }
+
+    #[test]
     fn what_can_not_be_is_named() {
-        let [x, y, z] = [[3.0, 0.0, 0.0], [1.0, 3.0, 0.0], [0.5, 0.5, 3.0]];
+        let [x, y, z] = [[3.0, 0.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 3.0]];
         let error = |vectors, strain| CaseBox::Vectors(vectors).cell(strain).unwrap_err().to_string();
-        assert!(error([x, y, z], 0.0).contains("right angles"));
-        assert!(error([x, y, [0.0, 0.0, 3.0]], 0.1).contains("strain is for a box of three edges"));
-        assert!(error([y, x, [0.0, 0.0, 3.0]], 0.0).contains("right-handed"));
+        assert!(error([x, y, z], 0.1).contains("strain is for a box of three edges"));
+        assert!(error([y, x, z], 0.0).contains("right-handed"));
         assert!(CaseBox::Edges([1.0, 0.0, 1.0]).cell(0.0).unwrap_err().to_string().contains("box edge y is 0"));
     }
 }

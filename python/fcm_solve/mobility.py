@@ -115,7 +115,7 @@ class Plan:
 class Mobility:
     """The mobility of N spheres in a periodic box: loads to motions. Planned once, for any positions.
 
-    box         edges (Lx, Ly, Lz), or three lattice vectors as rows, one at right angles to the other two; length
+    box         edges (Lx, Ly, Lz), or three lattice vectors as rows, in right-handed order; length
     radii       (N,), or a number for all of `count` spheres; length
     viscosity   of the fluid; force*time/length^2
     tolerance   relative error allowed, from 1e-12 to 0.5

@@ -39,7 +39,11 @@ def test_rigid_spheres_are_those_of_the_program(program, tmp_path, more):
 
 def test_lattice_vectors_are_a_box(program, tmp_path):
     x, y, z = np.diag(BOX)
-    vectors = [y, z + y, x]
+    for vectors in ([y, z + y, x], [x, y + x, z - y]):
+        check_lattice(program, tmp_path, vectors)
+
+
+def check_lattice(program, tmp_path, vectors):
     answer = asked(program, tmp_path, 1e-4, box=np.array(vectors).tolist(), forces=FORCES.tolist())
     made = fcm.Mobility(box=vectors, radii=RADII, viscosity=2.0, tolerance=1e-4)
     made.positions = POSITIONS
@@ -141,7 +145,7 @@ def test_bad_loads_are_refused(arguments, message):
         ({"box": (1.0, 2.0)}, r"box has the shape \(2,\); it needs to be \(3,\)"),
         ({"box": (1.0, 2.0, -3.0)}, "box edge z is -3"),
         ({"box": np.eye(3), "strain": 0.1}, "strain is for a box of three edges"),
-        ({"box": [[9, 0, 0], [1, 9, 0], [1, 1, 9]]}, "right angles"),
+        ({"box": [[9, 0, 0], [1, 9, 0], [1, 1, -9]]}, "right-handed"),
         ({"radii": 1.0}, "a number with count=N"),
         ({"radii": [1.0, -1.0]}, "radius|radii"),
         ({"multipoles": "quadrupole"}, "monopole"),

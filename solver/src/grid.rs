@@ -28,18 +28,11 @@ pub enum GridError {
     /// More points in all than are counted.
     #[error("the grid has {0:.1e} points in all; the most that are counted are {most:.1e}", most = Grid::MOST_IN_ALL)]
     InAll(f64),
-    /// A lattice whose wavevectors along the third axis depend on the others.
-    #[error(
-        "the box's third lattice vector leans by {0:?} of its length along the other two; it needs to be at right angles \
-         to them"
-    )]
-    Leaning([f64; 2]),
 }
 
-/// `nx x ny x nz` points of a periodic, possibly sheared box: the point `(i, j, k)` lies at
-/// `x = xi + s eta, y = eta, z = zeta` with `(xi, eta, zeta) = (i Lx/nx, j Ly/ny, k Lz/nz)`, and its wavevectors are
-/// `k = (k1, k2 - s k1, k3)` with `k1 = 2 pi m1 / Lx` and so on, `-n/2 <= m < n/2`, along the box's axes. The third
-/// lattice vector is at right angles to the others.
+/// `nx x ny x nz` points of a periodic box of any lattice, along the axes of which, see [`PeriodicBox`], the point `(i, j, k)`
+/// lies at `z = zeta, y = eta + r zeta, x = xi + s eta + t zeta` with `(xi, eta, zeta) = (i Lx/nx, j Ly/ny, k Lz/nz)`, and its
+/// wavevectors are `k = (k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` with `k1 = 2 pi m1 / Lx` and so on, `-n/2 <= m < n/2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     points: [usize; 3],
@@ -63,9 +56,6 @@ impl Grid {
                 return Err(GridError::Points { axis, points, next: points.next_multiple_of(2).max(2) });
             }
         }
-        if !cell.is_upright() {
-            return Err(GridError::Leaning(cell.tilts()));
-        }
         let all = points.iter().map(|&n| n as f64).product();
         if all > Self::MOST_IN_ALL { Err(GridError::InAll(all)) } else { Ok(Self { points, cell }) }
     }
@@ -80,12 +70,8 @@ impl Grid {
     }
 
     /// The same points in another box: one step of a shear later.
-    ///
-    /// # Panics
-    /// If the third lattice vector is not at right angles to the others.
     #[must_use]
     pub fn in_cell(&self, cell: PeriodicBox) -> Self {
-        assert!(cell.is_upright(), "{}", GridError::Leaning(cell.tilts()));
         Self { cell, ..*self }
     }
 
@@ -126,10 +112,11 @@ impl Grid {
         std::f64::consts::TAU * order / self.cell.edges()[axis]
     }
 
-    /// The wavevector `(k1, k2 - s k1, k3)` of a mode, along the box's axes.
+    /// The wavevector `(k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` of a mode, along the box's axes.
     pub fn wavevector(&self, mode: [usize; 3]) -> Vector {
         let [k1, k2, k3] = std::array::from_fn(|axis| self.wavenumber(axis, mode[axis]));
-        Vector::new(k1, k2 - self.cell.strain() * k1, k3)
+        let (strain, [t, r]) = (self.cell.strain(), self.cell.tilts());
+        Vector::new(k1, k2 - strain * k1, k3 - r * k2 - (t - strain * r) * k1)
     }
 
     /// Whether a mode is the highest of an axis, `m = -n/2`. It stands for `n/2` as well, so a derivative has no
@@ -189,13 +176,6 @@ mod tests {
     }
 
     #[test]
-    fn a_leaning_lattice_is_refused() {
-        let vectors = [Vector::X, Vector::Y, Vector::new(0.25, 0.0, 2.0)];
-        let error = Grid::new([8; 3], PeriodicBox::of_lattice(vectors).unwrap()).unwrap_err();
-        assert_eq!(error, GridError::Leaning([0.125, 0.0]));
-    }
-
-    #[test]
     fn good_sizes_are_near_and_fast() {
         assert_eq!([1, 16, 17, 33, 47, 97, 127].map(Grid::good_size), [2, 16, 18, 36, 48, 98, 128]);
         for at_least in 2..400 {
@@ -212,16 +192,20 @@ mod tests {
     }
 
     #[test]
-    fn every_mode_is_periodic_on_the_sheared_lattice() {
-        let grid = Grid::new([6, 4, 10], cell(0.3)).unwrap();
+    fn every_mode_is_periodic_on_the_lattice() {
         let turns = |phase: f64| (phase / std::f64::consts::TAU - (phase / std::f64::consts::TAU).round()).abs();
-        for mode in [[1, 0, 0], [2, 1, 3], [5, 3, 9], [1, 2, 5]] {
-            for lattice in [[1, 0, 0], [0, 1, 0], [0, 0, 1]] {
-                assert!(turns(grid.wavevector(mode).dot(grid.cell().lattice(lattice))) < 1e-14);
+        let any = [Vector::new(5.0, 1.0, -1.0), Vector::new(0.5, 4.0, 2.0), Vector::new(-2.0, 1.5, 7.0)];
+        for cell in [cell(0.3), PeriodicBox::of_lattice(any).unwrap()] {
+            let grid = Grid::new([6, 4, 10], cell).unwrap();
+            let along_axes = |place: Vector| cell.axes().map_or(place, |axes| axes.transpose() * place);
+            for mode in [[1, 0, 0], [2, 1, 3], [5, 3, 9], [1, 2, 5]] {
+                for lattice in cell.lattice_vectors() {
+                    assert!(turns(grid.wavevector(mode).dot(along_axes(lattice))) < 1e-14);
+                }
+                let k = grid.wavevector(mode).dot(along_axes(grid.position([1, 2, 3])));
+                let on_the_grid = (0..3).map(|a| (mode[a] * (a + 1)) as f64 / grid.points()[a] as f64).sum::<f64>();
+                assert!(turns(k - std::f64::consts::TAU * on_the_grid) < 1e-14);
             }
-            let k = grid.wavevector(mode).dot(grid.position([1, 2, 3]));
-            let on_the_grid = (0..3).map(|a| (mode[a] * (a + 1)) as f64 / grid.points()[a] as f64).sum::<f64>();
-            assert!(turns(k - std::f64::consts::TAU * on_the_grid) < 1e-14);
         }
     }
 }

@@ -1,7 +1,10 @@
 //! From force density to velocity.
 
+mod leaning;
+
 use crate::simd::{Vector, Work};
 use crate::{Channel, Grid, OpenSpace, Real};
+use leaning::Leaning;
 
 /// The Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`], which it
 /// completes with the factor `1 / (nx ny nz)`: a force density goes to the velocity that it drives.
@@ -18,19 +21,22 @@ pub struct Stokes<T> {
     k2: Vec<T>,
     /// `plane(k1, k2) / (mu nx ny nz)`, 0 where the velocity is.
     plane: Vec<T>,
-    /// `1 / (k1^2 + k2^2)`, 0 at the origin.
+    /// `1 / k^2` at m3 = 0, 0 at the origin.
     inverse: Vec<T>,
     /// Values for each m3.
     k3: Vec<T>,
     axis: Vec<T>,
     widening: T,
+    leaning: Option<Leaning<T>>,
     channel: Option<Channel<T>>,
     open: Option<OpenSpace<T>>,
 }
 
-/// A multiplier `m(k) = plane(k1, k2) axis(k3) (1 + widening k^2)^2` of the wavevector `k = (k1, k2, k3)` of the box,
-/// sheared or not: with `m` even, as that of every real even kernel, and not negative, the operator keeps its
-/// properties. `axis` is called for `k3 >= 0`.
+/// A multiplier `m(k) = plane(k1, k2) axis(k3) exp(-width^2 k^2) (1 + widening k^2)^2` of the wavevector `k` of the box, with its
+/// components `k1` and `k2` in the plane of the first two axes and the lattice's `k3`, see [`Grid::wavevector`]: with `m` even, as
+/// that of every real even kernel, and not negative, the operator keeps its properties. `axis` is called for `k3 >= 0`.
+/// Where the third lattice vector is upright a Gaussian belongs to `plane` and `axis`, and `width` is zero; where it leans, both
+/// are positive.
 #[derive(Debug, Clone, Copy)]
 pub struct Multiplier<P, A> {
     /// The factor of `k1` and `k2`.
@@ -39,12 +45,18 @@ pub struct Multiplier<P, A> {
     pub axis: A,
     /// The coefficient of `k^2`.
     pub widening: f64,
+    /// The width of a Gaussian in a box whose third lattice vector leans.
+    pub width: f64,
 }
 
 impl<T: Real> Stokes<T> {
     /// The solve for a fluid of this viscosity, `m = 1`.
     pub fn new(grid: &Grid, viscosity: f64) -> Self {
-        Self::with_multiplier(grid, viscosity, &Multiplier { plane: |_, _| 1.0, axis: |_| 1.0, widening: 0.0 })
+        Self::with_multiplier(
+            grid,
+            viscosity,
+            &Multiplier { plane: |_, _| 1.0, axis: |_| 1.0, widening: 0.0, width: 0.0 },
+        )
     }
 
     /// The solve with a multiplier.
@@ -53,34 +65,38 @@ impl<T: Real> Stokes<T> {
         P: Fn(f64, f64) -> f64,
         A: Fn(f64) -> f64,
     {
-        let Multiplier { plane, axis, widening } = multiplier;
+        let Multiplier { plane, axis, widening, width } = multiplier;
+        let leans = !grid.cell().is_upright();
+        debug_assert!(leans || *width == 0.0, "an upright box has its Gaussian by axes");
         let [nx, ny, nz] = grid.points();
         let scale = 1.0 / (viscosity * grid.count() as f64);
         let columns = (nx / 2).next_multiple_of(T::LANES);
         let modes = || (0..ny).flat_map(|m2| (0..columns).map(move |m1| [m1, m2, 0]));
         let in_plane = |mode: [usize; 3]| {
-            let k = if mode[0] < nx / 2 { grid.wavevector(mode) } else { grid.wavevector([0, mode[1], 0]) };
-            [k.x, k.y]
+            if mode[0] < nx / 2 { grid.wavevector(mode) } else { grid.wavevector([0, mode[1], 0]) }
         };
         let factor = |mode: [usize; 3]| {
-            let [k1, k2] = in_plane(mode);
-            if mode[0] >= nx / 2 || grid.is_nyquist(1, mode[1]) { 0.0 } else { scale * plane(k1, k2) }
+            let k = in_plane(mode);
+            let plane = if leans { 1.0 } else { plane(k.x, k.y) };
+            if mode[0] >= nx / 2 || grid.is_nyquist(1, mode[1]) { 0.0 } else { scale * plane }
         };
         let inverse = |mode: [usize; 3]| {
-            let [k1, k2] = in_plane(mode);
-            if k1 == 0.0 && k2 == 0.0 { 0.0 } else { 1.0 / (k1 * k1 + k2 * k2) }
+            let k = in_plane(mode);
+            if k.x == 0.0 && k.y == 0.0 { 0.0 } else { 1.0 / (k.x * k.x + k.y * k.y + k.z * k.z) }
         };
+        let leaning = leans.then(|| Leaning::new(grid, &modes().map(in_plane).collect::<Vec<_>>(), multiplier));
         let k3 = |m3: usize| grid.wavenumber(2, m3);
         let along_axis = |m3: usize| if grid.is_nyquist(2, m3) { 0.0 } else { axis(k3(m3).abs()) };
         Self {
             points: grid.points(),
-            k1: (0..columns).map(|m1| T::from_f64(in_plane([m1, 0, 0])[0])).collect(),
-            k2: modes().map(|mode| T::from_f64(in_plane(mode)[1])).collect(),
+            k1: (0..columns).map(|m1| T::from_f64(in_plane([m1, 0, 0]).x)).collect(),
+            k2: modes().map(|mode| T::from_f64(in_plane(mode).y)).collect(),
             plane: modes().map(|mode| T::from_f64(factor(mode))).collect(),
             inverse: modes().map(|mode| T::from_f64(inverse(mode))).collect(),
             k3: (0..nz).map(|m3| T::from_f64(k3(m3))).collect(),
             axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),
             widening: T::from_f64(*widening),
+            leaning,
             channel: None,
             open: None,
         }
@@ -113,19 +129,23 @@ impl<T: Real> Stokes<T> {
     /// What it multiplies a transverse mode `m1 < nx/2` by; the others are set to zero.
     pub(crate) fn factor(&self, [m1, m2, m3]: [usize; 3]) -> f64 {
         let in_plane = m2 * self.k1.len() + m1;
-        let [k1, k2, k3] = [self.k1[m1], self.k2[in_plane], self.k3[m3]].map(T::to_f64);
-        let square = k1 * k1 + k2 * k2 + k3 * k3;
+        let square = self.wavevector([m1, m2, m3]).length_squared();
         if square == 0.0 || m3 == self.points[2] / 2 {
             return 0.0;
         }
         let level = self.widening.to_f64() * square + 1.0;
-        self.plane[in_plane].to_f64() * self.axis[m3].to_f64() * level * level / square
+        let axis = self
+            .leaning
+            .as_ref()
+            .map_or_else(|| self.axis[m3].to_f64(), |leaning| leaning.multiplier(in_plane, m3, square));
+        self.plane[in_plane].to_f64() * axis * level * level / square
     }
 
     /// The wavevector of a mode `m1 < nx/2`.
     pub(crate) fn wavevector(&self, [m1, m2, m3]: [usize; 3]) -> domain::Vector {
-        let [k1, k2, k3] = [self.k1[m1], self.k2[m2 * self.k1.len() + m1], self.k3[m3]].map(T::to_f64);
-        domain::Vector::new(k1, k2, k3)
+        let in_plane = m2 * self.k1.len() + m1;
+        let [k1, k2, k3] = [self.k1[m1], self.k2[in_plane], self.k3[m3]].map(T::to_f64);
+        domain::Vector::new(k1, k2, self.leaning.as_ref().map_or(k3, |leaning| k3 + leaning.shift(in_plane)))
     }
 
     pub(crate) fn points(&self) -> [usize; 3] {
@@ -143,7 +163,10 @@ impl<T: Real> Stokes<T> {
             unsafe { open.multiply(place, components) };
             return;
         }
-        T::dispatch(Multiply { operator: self, place, components });
+        match &self.leaning {
+            None => T::dispatch(Multiply { operator: self, place, components }),
+            Some(leaning) => T::dispatch(leaning::Multiply { operator: self, leaning, place, components }),
+        }
     }
 }
 
@@ -174,37 +197,38 @@ impl<T: Real> Work<T> for Multiply<'_, T> {
             let inverse = part::<T, V>(inverse, in_plane);
             let level = square.mul_add(widening, one);
             let factor = plane.mul(V::splat(axis[0])).mul(inverse).mul(level).mul(level);
-            self.project([k1, k2, zero], inverse, factor, 0);
+            project(self.components, [k1, k2, zero], [inverse, factor], 0);
             for m3 in 1..nz / 2 {
                 let k3 = V::splat(k3[m3]);
                 let square = k3.mul_add(k3, square);
                 let (inverse, level) = (one.div(square), square.mul_add(widening, one));
                 let factor = plane.mul(V::splat(axis[m3])).mul(inverse).mul(level).mul(level);
-                self.project([k1, k2, k3], inverse, factor, m3);
-                self.project([k1, k2, zero.sub(k3)], inverse, factor, nz - m3);
+                project(self.components, [k1, k2, k3], [inverse, factor], m3);
+                project(self.components, [k1, k2, zero.sub(k3)], [inverse, factor], nz - m3);
             }
-            self.project([k1, k2, zero], zero, zero, nz / 2);
+            project(self.components, [k1, k2, zero], [zero, zero], nz / 2);
         }
     }
 }
 
-impl<T: Real> Multiply<'_, T> {
-    /// `f <- factor (f - k (k.f) / k^2)` for one element of the columns, given `1/k^2`.
-    #[inline(always)]
-    unsafe fn project<V: Vector<T>>(&self, k: [V; 3], inverse: V, factor: V, m3: usize) {
-        for part in [0, T::LANES] {
-            let [x, y, z] = self.components;
+/// `f <- factor (f - k (k.f) / k^2)` for one element of the columns, given `1/k^2` and the factor.
+///
+/// # Safety
+/// The columns have that element.
+#[inline(always)]
+unsafe fn project<T: Real, V: Vector<T>>(components: [*mut T; 3], k: [V; 3], [inverse, factor]: [V; 2], m3: usize) {
+    for part in [0, T::LANES] {
+        let [x, y, z] = components;
+        // SAFETY: the caller's promise.
+        let (place, f) = unsafe {
+            let at = m3 * 2 * T::LANES + part;
+            let place = [x.add(at), y.add(at), z.add(at)];
+            (place, [V::load(place[0]), V::load(place[1]), V::load(place[2])])
+        };
+        let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0]))).mul(inverse);
+        for c in 0..3 {
             // SAFETY: the caller's promise.
-            let (place, f) = unsafe {
-                let at = m3 * 2 * T::LANES + part;
-                let place = [x.add(at), y.add(at), z.add(at)];
-                (place, [V::load(place[0]), V::load(place[1]), V::load(place[2])])
-            };
-            let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0]))).mul(inverse);
-            for c in 0..3 {
-                // SAFETY: the caller's promise.
-                unsafe { along.mul_sub_from(k[c], f[c]).mul(factor).store(place[c]) };
-            }
+            unsafe { along.mul_sub_from(k[c], f[c]).mul(factor).store(place[c]) };
         }
     }
 }

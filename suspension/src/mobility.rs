@@ -359,6 +359,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         boundaries: parameters.cell.boundaries(),
         contraction: 1.0,
         largest_strain: parameters.cell.strain().abs(),
+        largest_tilts: Problem::tilts_of(&parameters.cell),
         radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
         viscosity: parameters.viscosity,
         multipoles: parameters.multipoles,

@@ -224,7 +224,7 @@ impl MovingBox {
         let moves = self.rates.largest() > 0.0;
         match self.motion {
             Motion::Shearing if moves => 0.5 * edges.x / edges.y,
-            Motion::Stretching(_) => StretchingLattice::LARGEST_STRAIN,
+            Motion::Stretching(lattice) => lattice.kind().extremes().strain,
             Motion::Shearing | Motion::Still => self.start.strain().abs(),
         }
     }

@@ -1,7 +1,6 @@
 //! How the fluid of a scene is to be computed.
 
-use crate::model::{Evaluation, Extension, Flow, Model, Multipoles, Start};
-use crate::stretching::StretchingLattice;
+use crate::model::{Evaluation, Flow, Model, Multipoles, Start};
 use domain::{Comm, Particles, Vector};
 use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Problem};
 
@@ -82,6 +81,7 @@ pub fn problem(model: &Model, radii: &Radii) -> Problem {
         boundaries: model.cell.boundaries(),
         contraction,
         largest_strain: largest_strain(model),
+        largest_tilts: model.flow.extension().map_or([0.0; 2], |extension| extension.extremes().tilts),
         radii: radii.0.clone(),
         viscosity: model.viscosity,
         multipoles: match model.hydrodynamics.multipoles {
@@ -99,15 +99,18 @@ pub fn problem(model: &Model, radii: &Radii) -> Problem {
 
 /// The longest edges that the box of a scene will have, and the least part of them that it will.
 fn edges(model: &Model) -> (Vector, f64) {
-    let (longest, contraction) = model.flow.extension().map_or((Vector::ONE, 1.0), Extension::extremes);
-    (model.cell.edges() * longest, contraction)
+    let edges = model.cell.edges();
+    model.flow.extension().map_or((edges, 1.0), |extension| {
+        let extremes = extension.extremes();
+        (edges * extremes.longest, extremes.contraction)
+    })
 }
 
 /// The largest strain that the box of a scene will have.
 pub fn largest_strain(model: &Model) -> f64 {
     let edges = model.cell.edges();
-    if model.flow.extension().is_some() {
-        return StretchingLattice::LARGEST_STRAIN;
+    if let Some(extension) = model.flow.extension() {
+        return extension.extremes().strain;
     }
     let shears = matches!(model.flow, Flow::Shear { lees_edwards: true, .. });
     if shears { 0.5 * edges.x / edges.y } else { 0.0 }

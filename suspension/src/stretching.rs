@@ -1,7 +1,8 @@
 //! Lattices that are stretched for ever.
 
-use crate::model::Extension;
-use domain::{PeriodicBox, Vector};
+use crate::model::{CubicField, Extension};
+use domain::{PeriodicBox, Tensor, Vector};
+use std::f64::consts::TAU;
 
 /// Whole numbers, row by row.
 pub type Matrix = [[i32; 3]; 3];
@@ -12,15 +13,16 @@ const IDENTITY: Matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const ROUND_OFF: f64 = 1e-12;
 
 /// The lattice of a box in an extension, `H(strain) = D(strain) H`, with `D` the stretch and `H` as columns the vectors
-/// without strain. After a period `p` of the strain it is the first one again, and its vectors are other ones by whole
-/// numbers `M`,
+/// without strain. After a period `p` of the strain it is the first one again, turned by `R` about the axis of the flow, and its
+/// vectors are other ones by whole numbers `M`,
 ///
 /// ```text
-/// D(p) H = H M,        H(strain) M^-n = D(strain - n p) H
+/// D(p) H = R H M,        H(strain) M^-n = D(strain - n p) R^n H
 /// ```
 ///
-/// so that it is known at any strain from one of `|strain| <= p/2`, where its shortest vectors are easily found. Its box has
-/// these, the shortest first. The period of planar extension is `ln((3 + sqrt(5)) / 2)`.
+/// so that it is known at any strain from one of `|strain| <= p/2`. There the shortest vectors of planar extension, where `R = 1`
+/// and `p = ln((3 + sqrt(5)) / 2)`, are easily found: its box has these, the shortest first. The vectors of a
+/// [`CubicField`] hardly change in its short period and stay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StretchingLattice {
     kind: Extension,
@@ -35,10 +37,6 @@ pub struct Named {
 }
 
 impl StretchingLattice {
-    /// The largest strain of its box, in its own axes: half a vector along the first over the second edge, which is no less than
-    /// the first.
-    pub const LARGEST_STRAIN: f64 = 0.5;
-
     /// The lattice of a box that an extension makes without strain.
     pub fn new(kind: Extension, start: &PeriodicBox) -> Self {
         Self { kind, vectors: start.lattice_vectors() }
@@ -54,8 +52,8 @@ impl StretchingLattice {
         let period = self.period();
         let periods = (strain / period + 0.5).floor();
         let stretch = self.kind.stretch(strain - periods * period);
-        let vectors = self.vectors.map(|vector| stretch * vector);
-        let rows = reduced(&vectors);
+        let vectors = self.turned(periods).map(|vector| stretch * vector);
+        let rows = if self.kind == Extension::Planar { reduced(&vectors) } else { IDENTITY };
         let cell = PeriodicBox::of_lattice(rows.map(|row| combined(&vectors, row)));
         let columns = std::array::from_fn(|i| std::array::from_fn(|j| rows[j][i]));
         (cell.expect("a lattice keeps its volume"), Named { periods: periods as i64, columns })
@@ -70,10 +68,11 @@ impl StretchingLattice {
         times(&inverse(&now.columns), &times(&passed, &before.columns))
     }
 
-    /// The strain `p`.
+    /// The strain `p`: negative where the lattice is followed backwards, as biaxial extension shrinks it along its axis.
     fn period(&self) -> f64 {
         match self.kind {
             Extension::Planar => (0.5 * (3.0 + 5.0_f64.sqrt())).ln(),
+            Extension::Uniaxial | Extension::Biaxial => CubicField::get().period() / along_axis(self.kind),
         }
     }
 
@@ -81,8 +80,27 @@ impl StretchingLattice {
     fn automorphism(&self) -> Matrix {
         match self.kind {
             Extension::Planar => [[2, -1, 0], [-1, 1, 0], [0, 0, 1]],
+            // b_0, b_1 and b_-1 become b_1, b_2 = b_0 + b_-1 and b_0.
+            Extension::Uniaxial | Extension::Biaxial => [[0, 1, 1], [1, 0, 0], [0, 1, 0]],
         }
     }
+
+    /// `R^n H`, where `R` turns back what multiplication by the complex root turns and `D` does not.
+    fn turned(&self, periods: f64) -> [Vector; 3] {
+        let axis = match self.kind {
+            Extension::Planar => return self.vectors,
+            Extension::Uniaxial => Vector::X,
+            Extension::Biaxial => Vector::Z,
+        };
+        let turns = (periods * (CubicField::get().angle() / TAU)).fract();
+        let turn = Tensor::from_axis_angle(axis, -turns * TAU);
+        self.vectors.map(|vector| turn * vector)
+    }
+}
+
+/// The rate along the axis about which a flow is the same.
+fn along_axis(kind: Extension) -> f64 {
+    kind.axis().map_or(0.0, |axis| kind.rates()[axis as usize])
 }
 
 /// Sum of vectors by whole numbers.
@@ -128,62 +146,102 @@ fn inverse(m: &Matrix) -> Matrix {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use domain::Tensor;
+    use crate::model::Extremes;
+    use domain::Random;
 
-    fn lattice() -> StretchingLattice {
-        StretchingLattice::new(Extension::Planar, &Extension::Planar.cell(Vector::new(1.0, 1.0, 2.0)).unwrap())
+    const ALL: [Extension; 3] = [Extension::Planar, Extension::Uniaxial, Extension::Biaxial];
+
+    fn lattice(kind: Extension) -> StretchingLattice {
+        let height = if kind == Extension::Planar { 2.0 } else { 1.0 };
+        StretchingLattice::new(kind, &kind.cell(Vector::new(1.0, 1.0, height)).unwrap())
     }
 
     /// Up to strains where round-off, which the flow stretches too, reaches a thousandth.
     #[test]
     fn the_lattice_is_the_stretched_one() {
-        let lattice = lattice();
-        for k in -300..=300 {
-            let strain = 0.04 * f64::from(k) + 0.001;
-            let stretch = Extension::Planar.stretch(strain);
-            let basis = Tensor::from_cols_array_2d(&lattice.vectors.map(|v| (stretch * v).to_array()));
-            for vector in lattice.at(strain).0.lattice_vectors() {
-                let numbers = basis.inverse() * vector;
-                let off = (numbers - numbers.round()).abs().max_element();
-                assert!(off < 1e-14 * stretch.max_element().powi(2) && off < 1e-3, "at {strain}: {numbers}");
+        for kind in ALL {
+            let lattice = lattice(kind);
+            for k in -300..=300 {
+                let strain = 0.04 * f64::from(k) + 0.001;
+                let stretch = kind.stretch(strain);
+                let basis = Tensor::from_cols_array_2d(&lattice.vectors.map(|v| (stretch * v).to_array()));
+                let allowed = 1e-14 * stretch.max_element() / stretch.min_element();
+                for vector in lattice.at(strain).0.lattice_vectors().into_iter().filter(|_| allowed < 1e-3) {
+                    let numbers = basis.inverse() * vector;
+                    let off = (numbers - numbers.round()).abs().max_element();
+                    assert!(off < allowed, "{kind:?} at {strain}: {numbers}");
+                }
             }
         }
     }
 
-    /// Whatever the strain: the box has the edges that are planned for, and all of their range.
+    /// Whatever the strain: the box has the edges and tilts that are planned for, and all of their range.
     #[test]
     fn the_box_never_degenerates() {
-        let (lattice, (longest, contraction)) = (lattice(), Extension::Planar.extremes());
-        let longest = longest * Vector::new(1.0, 1.0, 2.0);
-        let (mut most, mut least, mut largest) = (Vector::ZERO, Vector::splat(9.0), 0.0_f64);
-        for k in 0..60_000 {
-            let (cell, _) = lattice.at(0.007 * f64::from(k) - 170.0);
-            (most, least) = (most.max(cell.edges()), least.min(cell.edges()));
-            largest = largest.max(cell.strain().abs());
-            assert!(cell.is_upright() && (cell.volume() - 2.0).abs() < 1e-13);
+        for kind in ALL {
+            let (lattice, Extremes { longest, contraction, strain, tilts }) = (lattice(kind), kind.extremes());
+            let (start, volume) = (lattice.at(0.0).0.edges(), lattice.at(0.0).0.volume());
+            let (mut most, mut least, mut largest) = (Vector::ZERO, Vector::splat(9.0), [0.0_f64; 3]);
+            let mut shortest = f64::INFINITY;
+            for k in 0..60_000 {
+                let (cell, _) = lattice.at(0.007 * f64::from(k) - 170.0);
+                (most, least) = (most.max(cell.edges()), least.min(cell.edges()));
+                let [t, r] = cell.tilts();
+                largest = std::array::from_fn(|i| [cell.strain(), t, r][i].abs().max(largest[i]));
+                shortest = cell.lattice_vectors().into_iter().map(Vector::length).fold(shortest, f64::min);
+                assert!((cell.volume() - volume).abs() < 1e-13);
+            }
+            let planned = longest * start;
+            assert!(
+                (most - planned).abs().max_element() < 1e-3 && most.cmple(planned + 1e-12).all(),
+                "{kind:?}: {most}"
+            );
+            let parts = (least / most).min_element();
+            assert!((parts / contraction - 1.0).abs() < 1e-3 && parts > contraction - 1e-12, "{kind:?}: {parts}");
+            for (largest, planned) in largest.into_iter().zip([strain, tilts[0], tilts[1]]) {
+                // The bound of the square is what two edges that are equal would have, which it never has.
+                assert!(largest < planned + 1e-9 && largest >= 0.89 * planned, "{kind:?}: {largest} of {planned}");
+            }
+            let expected = kind.shortest_vector(&lattice.at(0.0).0);
+            assert!((shortest - expected).abs() < 1e-3 && shortest > expected - 1e-12, "{kind:?}: {shortest}");
         }
-        assert!((most - longest).abs().max_element() < 1e-3 && most.cmple(longest + 1e-12).all(), "{most}");
-        let shortest = Vector::new(contraction, 1.0, 2.0);
-        assert!((least - shortest).abs().max_element() < 1e-3 && least.cmpge(shortest - 1e-12).all(), "{least}");
-        assert!(largest <= StretchingLattice::LARGEST_STRAIN + 1e-9, "{largest}");
     }
 
     #[test]
     fn steps_lead_to_the_same_places_by_other_vectors() {
-        let lattice = lattice();
-        let (mut before, mut steps, mut renamed) = (lattice.at(-3.0), [2, -1, 3], 0);
-        for k in 1..400 {
-            let strain = -3.0 + 0.015 * f64::from(k);
-            let now = lattice.at(strain);
-            let there = Extension::Planar.stretch(0.015) * before.0.lattice(steps);
-            renamed += i32::from(before.1 != now.1);
-            let matrix = lattice.renamed(&before.1, &now.1);
-            steps = matrix.map(|row| row.iter().zip(steps).map(|(m, s)| m * s).sum());
-            let off = (now.0.lattice(steps) - there).length();
-            assert!(off < 1e-12 * there.length().max(1.0), "at {strain}: {steps:?}");
-            before = now;
+        for kind in ALL {
+            let lattice = lattice(kind);
+            let (mut before, mut steps, mut renamed) = (lattice.at(-3.0), [2, -1, 3], 0);
+            for k in 1..400 {
+                let strain = -3.0 + 0.015 * f64::from(k);
+                let now = lattice.at(strain);
+                let there = kind.stretch(0.015) * before.0.lattice(steps);
+                renamed += i32::from(before.1 != now.1);
+                let matrix = lattice.renamed(&before.1, &now.1);
+                steps = matrix.map(|row| row.iter().zip(steps).map(|(m, s)| m * s).sum());
+                let off = (now.0.lattice(steps) - there).length();
+                assert!(off < 1e-12 * there.length().max(1.0), "{kind:?} at {strain}: {steps:?}");
+                before = now;
+            }
+            assert!(renamed > 10, "{kind:?}: {renamed}");
+            assert_eq!(times(&lattice.automorphism(), &inverse(&lattice.automorphism())), IDENTITY);
         }
-        assert!(renamed > 10, "{renamed}");
-        assert_eq!(times(&lattice.automorphism(), &inverse(&lattice.automorphism())), IDENTITY);
+    }
+
+    /// The nearest image of any place is the nearest of all, at either end of a period.
+    #[test]
+    fn nearest_images_are_the_nearest() {
+        for kind in ALL {
+            for strain in [-0.14, -0.07, 0.0, 0.0702, 0.48] {
+                let cell = lattice(kind).at(strain).0;
+                for k in 0..200 {
+                    let place = cell.at(Random::new(1, k).point() * cell.edges());
+                    let range = || -3..=3;
+                    let images = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| [x, y, z])));
+                    let nearest = images.map(|steps| (place + cell.lattice(steps)).length()).fold(9.0, f64::min);
+                    assert!((cell.nearest_image(place).length() - nearest).abs() < 1e-14, "{kind:?} at {strain}");
+                }
+            }
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Planar extension, in boxes that repeat for ever.
+//! Extensions, in boxes that repeat for ever.
 
 #[path = "support/ended.rs"]
 mod ended;
@@ -24,6 +24,13 @@ count = 3
 
 const METHODS: [&str; 3] =
     ["order = 4", r#"integrator = "adaptive", tolerance = 1e-6"#, r#"integrator = "implicit", tolerance = 1e-6"#];
+
+/// Each with how it is said in a scene.
+const KINDS: [(Extension, &str); 3] = [
+    (Extension::Planar, r#"flow.kind="planar-extension""#),
+    (Extension::Uniaxial, r#"flow.kind="uniaxial-extension""#),
+    (Extension::Biaxial, r#"flow.kind="biaxial-extension""#),
+];
 
 const CONTACTS: &str = "contacts={friction=0.5,roughness=0.02,stiffness=1e4}";
 
@@ -58,19 +65,19 @@ fn largest(vectors: impl Iterator<Item = Vector>) -> f64 {
 /// allows that the flow stretches too.
 #[test]
 fn a_single_sphere_is_carried_by_the_flow() {
-    for method in METHODS {
-        let keys = ["hydrodynamics={multipoles=\"monopole\"}", "time.step=0.05", "time.steps=240"];
+    for ((kind, flow), method) in KINDS.into_iter().flat_map(|kind| METHODS.map(|method| (kind, method))) {
+        let keys = ["hydrodynamics={multipoles=\"monopole\"}", "time.step=0.05", "time.steps=240", flow];
         let model = alone(method, &keys);
         let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
         for step in 1..=model.steps {
             suspension.step().unwrap();
             let strain = 0.05 * step as f64;
-            let stretch = Extension::Planar.stretch(strain);
+            let stretch = kind.stretch(strain);
             let particles = suspension.particles();
             let found = particles.positions[0] + suspension.cell().lattice(particles.steps[0]);
             let exact = stretch * Vector::new(4.0, 3.0, 2.0);
             let off = (found - exact).length() / stretch.x;
-            assert!(off < 1e-12, "{method}, strain {strain}: {found} is not {exact}");
+            assert!(off < 1e-12, "{flow}, {method}, strain {strain}: {found} is not {exact}");
         }
         assert!((suspension.shear()[1] - 12.0).abs() < 1e-12);
     }
@@ -81,8 +88,8 @@ fn a_single_sphere_is_carried_by_the_flow() {
 #[test]
 fn a_dilute_suspension_has_the_viscosity_of_einstein() {
     let fraction = 4.0 / 3.0 * std::f64::consts::PI / 20.0_f64.powi(3);
-    for flow in [r#"flow={kind="planar-extension",rate=0.7}"#, r#"flow={kind="shear",rate=0.7}"#] {
-        let model = alone("order = 2", &["box.edges=[20.0,20.0,20.0]", "time.steps=9", flow]);
+    for flow in KINDS.map(|(_, flow)| flow).into_iter().chain([r#"flow.kind="shear""#]) {
+        let model = alone("order = 2", &["box.edges=[20.0,20.0,20.0]", "time.steps=9", flow, "flow.rate=0.7"]);
         let driving = ended(&model, 1, |suspension| model.flow.driving_stress(&suspension.stress(1)[0].total(), 1));
         assert!((driving / 0.7 / (2.5 * fraction) - 1.0).abs() < 0.01, "{flow}: {driving}");
     }
@@ -105,12 +112,35 @@ fn other_vectors_of_the_lattice_change_nothing() {
     assert!(velocities(&suspension) != whole, "it was computed anew");
 }
 
+/// The same where the lattice is its own image after half a period of uniaxial extension: relative to the flow spheres move
+/// as just before.
+#[test]
+fn a_period_of_the_lattice_changes_nothing() {
+    let half = 0.5 * 1.324_717_957_244_746_f64.ln();
+    for (flow, half) in [(KINDS[1].1, half), (KINDS[2].1, 0.5 * half)] {
+        let before_the_end = format!("flow.rate=[[0.0,{}],[0.1,1e-6]]", (half - 2.5e-7) / 0.1);
+        let model = passing("order = 2", &[flow, &before_the_end, "time.step=0.1", "time.steps=5"]);
+        let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
+        let mut found = Vec::new();
+        for _ in 0..5 {
+            suspension.step().unwrap();
+            found.push((suspension.cell().lattice_vectors()[0], relative(&suspension)));
+        }
+        let moved = (found[4].0 - found[1].0).length();
+        assert!(moved > 1.0, "{flow}: the vectors are others: {moved}");
+        let error = largest(found[4].1.iter().zip(&found[1].1).map(|(&after, &before)| after - before));
+        assert!(error < 1e-5 * largest(found[1].1.iter().copied()), "{flow}: {error}");
+    }
+}
+
 /// Where places are counted from does not matter: relative to each other, spheres move alike, with contacts too.
 #[test]
 fn relative_motion_does_not_depend_on_the_origin() {
     // By (3.1, 7.7, -2.3).
     let moved = "particles.positions=[[8.1, 9.3, 3.7], [8.7, 6.8, 4.2], [6.1, 13.7, -0.3]]";
-    for (method, more) in METHODS.into_iter().map(|method| (method, None)).chain([(METHODS[2], Some(CONTACTS))]) {
+    let planar = METHODS.into_iter().map(|method| (method, None)).chain([(METHODS[2], Some(CONTACTS))]);
+    let others = KINDS[1..].iter().flat_map(|kind| [(METHODS[0], Some(kind.1)), (METHODS[2], Some(kind.1))]);
+    for (method, more) in planar.chain(others) {
         let at = |place: &[&str]| {
             let model = passing(method, &[place, more.as_slice()].concat());
             ended(&model, 1, |suspension| {
@@ -127,28 +157,38 @@ fn relative_motion_does_not_depend_on_the_origin() {
 /// Stokes flow is reversible: smooth spheres come back to where they were, through boxes of other vectors.
 #[test]
 fn smooth_spheres_come_back_when_the_flow_is_reversed() {
-    for method in METHODS {
-        let model = passing(method, &["flow.reversal_at=[0.6]", "time.steps=60"]);
+    let all = METHODS
+        .map(|method| (method, KINDS[0].1))
+        .into_iter()
+        .chain(KINDS[1..].iter().map(|kind| (METHODS[2], kind.1)));
+    for (method, flow) in all {
+        let model = passing(method, &["flow.reversal_at=[0.6]", "time.steps=60", flow]);
         let before = Suspension::start(&model, &Comm::alone()).unwrap().gathered(None);
         let (after, [rate, strain]) = ended(&model, 1, |suspension| (suspension.gathered(None), suspension.shear()));
         assert!((rate + 1.0).abs() < 1e-15 && strain.abs() < 1e-12);
         let error = largest(after.positions.iter().zip(&before.positions).map(|(&a, &b)| a - b));
-        assert!(error < 2e-4, "{method}: {error}");
+        assert!(error < 2e-4, "{flow}, {method}: {error}");
         assert_eq!(after.steps, before.steps);
     }
 }
 
 #[test]
 fn ranks_agree() {
-    for (method, more) in [(METHODS[0], None), (METHODS[1], None), (METHODS[2], Some(CONTACTS))] {
+    let planar = [(METHODS[0], None), (METHODS[1], None), (METHODS[2], Some(CONTACTS))];
+    let planar = planar.map(|(method, more)| (method, more, [KINDS[0].1, "time.steps=30"]));
+    let others = [
+        (METHODS[0], None, [KINDS[1].1, "time.steps=16"]),
+        (METHODS[2], Some(CONTACTS), [KINDS[2].1, "time.steps=16"]),
+    ];
+    for (method, more, [flow, steps]) in planar.into_iter().chain(others) {
         // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
-        let keys = [&["hydrodynamics.tolerance=1e-7", "time.steps=30"], more.as_slice()].concat();
+        let keys = [&["hydrodynamics.tolerance=1e-7", steps, flow], more.as_slice()].concat();
         let model = passing(method, &keys);
         let alone = run(&model, 1);
         for ranks in [2, 3, 7] {
             let together = run(&model, ranks);
             let error = largest(alone.positions.iter().zip(&together.positions).map(|(&a, &b)| a - b));
-            assert!(error < 1e-7 && together.steps == alone.steps, "{method}, {ranks} ranks: {error}");
+            assert!(error < 1e-7 && together.steps == alone.steps, "{flow}, {method}, {ranks} ranks: {error}");
         }
     }
 }
@@ -160,8 +200,8 @@ fn a_resumed_run_has_the_same_bits() {
     let brownian = (with_heat.replace("ADVANCE", r#"integrator = "brownian""#), None);
     let [fixed, adaptive, implicit] = METHODS.map(|method| PASSING.replace("ADVANCE", method));
     let cases = [(fixed, None), (adaptive, None), (implicit.clone(), None), (implicit, Some(CONTACTS)), brownian];
-    for (text, more) in cases {
-        let keys = [&["flow.reversal_at=[0.6]", "time.step=0.1", "time.steps=12"], more.as_slice()].concat();
+    for ((text, more), flow) in cases.into_iter().flat_map(|case| KINDS.map(|kind| (case.clone(), kind.1))) {
+        let keys = [&["flow.reversal_at=[0.6]", "time.step=0.1", "time.steps=12", flow], more.as_slice()].concat();
         let model = model_of(&text, &keys);
         let comm = Comm::alone();
         let mut whole = Suspension::start(&model, &comm).unwrap();
@@ -172,11 +212,11 @@ fn a_resumed_run_has_the_same_bits() {
             assert_eq!(resumed.cell(), whole.cell());
             whole.step().unwrap();
             resumed.step().unwrap();
-            assert_eq!(whole.gathered(None), resumed.gathered(None), "{text} {more:?}, after step {step}");
+            assert_eq!(whole.gathered(None), resumed.gathered(None), "{text} {flow} {more:?}, after step {step}");
             vectors.push(whole.cell().lattice_vectors()[0]);
         }
         let turned = vectors.windows(2).filter(|pair| (pair[1] - pair[0]).length() > 4.0).count();
-        assert!(turned > 1, "the box took other vectors {turned} times");
+        assert!(turned > 1, "{flow}: the box took other vectors {turned} times");
     }
 }
 

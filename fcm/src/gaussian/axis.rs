@@ -1,8 +1,7 @@
 //! A stencil along one axis.
 
-use crate::gaussian::exponential::exponential;
 use crate::gaussian::shape::{Shape, Sources};
-use solver::simd::Vector as Lanes;
+use solver::simd::{Vector as Lanes, exponential};
 use solver::{Memory, Real};
 
 /// The points of a stencil along one axis: their distances from the particle, and the Gaussians

@@ -1,7 +1,6 @@
 //! The direct method's kernel: every envelope itself on the grid.
 
 mod axis;
-mod exponential;
 mod kernel;
 mod passes;
 mod shape;

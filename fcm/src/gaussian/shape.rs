@@ -12,9 +12,8 @@
 //! component. Interpolation weighs the velocity with the same products, which makes it the exact adjoint of spreading.
 
 use crate::envelope::Source;
-use crate::gaussian::exponential::exponential;
 use solver::Real;
-use solver::simd::Vector as Lanes;
+use solver::simd::{Vector as Lanes, exponential};
 
 /// A particle's sources and the lattice's strain.
 #[derive(Debug, Clone, Copy)]

@@ -15,7 +15,7 @@ use crate::stencil::Place;
 use crate::totals::Totals;
 use crate::window::Lattice;
 use crate::window::kaiser_bessel::DERIVATIVES;
-use crate::window::lattice::SECOND;
+use crate::window::lattice::{SECOND, Slants, UPRIGHT};
 use solver::simd::Vector as Lanes;
 use solver::{Memory, Real};
 
@@ -80,14 +80,15 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn coefficients(&self, class: u32, load: &Load<T>) -> Coefficients<T> {
         let mut all = [[[[T::default(); 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
-        add::<T, ORDER>(&mut all, [0, 0, 0], load.force, self.0.smoothing(class, 0));
+        let leans = self.0.leans;
+        add::<T, ORDER>(&mut all, [0, 0, 0], load.force, (self.0.smoothing(class, 0), leans));
         if ORDER > 0 {
-            let smoothing = self.0.smoothing(class, 1);
-            let ([x, y, z], tilt) = self.0.slopes();
+            let smoothing = (self.0.smoothing(class, 1), leans);
+            let ([x, y, z], Slants { s, r, f }) = self.0.slopes();
             let mut along = [[T::default(); 3]; 3];
             for c in 0..3 {
                 let [gx, gy, gz] = load.dipole[c];
-                (along[0][c], along[1][c], along[2][c]) = ((gx - tilt * gy) * x, gy * y, gz * z);
+                (along[0][c], along[1][c], along[2][c]) = ((gx - s * gy - f * gz) * x, (gy - r * gz) * y, gz * z);
             }
             add::<T, ORDER>(&mut all, [1, 0, 0], along[0], smoothing);
             add::<T, ORDER>(&mut all, [0, 1, 0], along[1], smoothing);
@@ -252,7 +253,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             }
         }
         let columns = Self::columns::<V, WIDTH>(&scratch.axes[0]);
-        let smoothing = [self.0.smoothing(class, 0), self.0.smoothing(class, 1)];
+        let smoothing = [0, 1].map(|multipole| (self.0.smoothing(class, multipole), self.0.leans));
         let mut totals = [zero; 12];
         for c in 0..3 {
             totals[c] = smoothed::<T, V, ORDER, WIDTH>(&columns, &sums, [0, 0, 0], c, smoothing[0]);
@@ -282,12 +283,12 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     /// From derivatives along the lattice to those along the axes.
     #[inline(always)]
     fn weighed(&self, totals: [T; 12]) -> Weighed<T> {
-        let ([x, y, z], tilt) = self.0.slopes();
+        let ([x, y, z], Slants { s, r, f }) = self.0.slopes();
         let mut weighed = Weighed { velocity: [T::default(); 3], gradient: [[T::default(); 3]; 3] };
         for c in 0..3 {
             weighed.velocity[c] = totals[c];
-            let along = totals[3 + c] * x;
-            weighed.gradient[c] = [along, totals[6 + c] * y - tilt * along, totals[9 + c] * z];
+            let (along, across) = (totals[3 + c] * x, totals[6 + c] * y);
+            weighed.gradient[c] = [along, across - s * along, totals[9 + c] * z - r * across - f * along];
         }
         weighed
     }
@@ -295,12 +296,20 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 
 /// Adds a load's derivative to the coefficients, and those of its Laplacian, as far as the order goes.
 #[inline(always)]
-fn add<T: Real, const ORDER: usize>(all: &mut Coefficients<T>, [n, m, l]: [usize; 3], load: [T; 3], smoothing: [T; 4]) {
+fn add<T: Real, const ORDER: usize>(
+    all: &mut Coefficients<T>,
+    [n, m, l]: [usize; 3],
+    load: [T; 3],
+    (smoothing, leans): ([T; SECOND.len()], bool),
+) {
     for c in 0..3 {
         all[n][m][l][c] += load[c];
     }
     if n + m + l + 2 <= ORDER {
         for second in 0..SECOND.len() {
+            if second >= UPRIGHT && !leans {
+                break;
+            }
             let (factor, [dn, dm, dl]) = (smoothing[second], SECOND[second]);
             for c in 0..3 {
                 all[n + dn][m + dm][l + dl][c] += factor * load[c];
@@ -316,7 +325,7 @@ fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const WIDTH: usize>(
     sums: &[[[V; WIDTH]; 3]; PAIRS],
     [n, m, l]: [usize; 3],
     c: usize,
-    smoothing: [T; 4],
+    (smoothing, leans): ([T; SECOND.len()], bool),
 ) -> V {
     let mut total = V::splat(T::default());
     for part in 0..WIDTH {
@@ -324,6 +333,9 @@ fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const WIDTH: usize>(
     }
     if n + m + l + 2 <= ORDER {
         for second in 0..SECOND.len() {
+            if second >= UPRIGHT && !leans {
+                break;
+            }
             let (factor, [dn, dm, dl]) = (smoothing[second], SECOND[second]);
             for part in 0..WIDTH {
                 let column = columns[n + dn][part].mul(V::splat(factor));

@@ -5,11 +5,18 @@ use crate::window::Window;
 use crate::window::pieces::Pieces;
 use solver::{Grid, Real};
 
-/// The derivatives of second order that the Laplacian has in lattice coordinates.
-pub(crate) const SECOND: [[usize; 3]; 4] = [[2, 0, 0], [1, 1, 0], [0, 2, 0], [0, 0, 2]];
+/// The derivatives of second order that the Laplacian has in lattice coordinates; the last two, where the lattice leans.
+pub(crate) const SECOND: [[usize; 3]; 6] = [[2, 0, 0], [1, 1, 0], [0, 2, 0], [0, 0, 2], [1, 0, 1], [0, 1, 1]];
 
-/// A window on a grid: derivatives along its lattice coordinates, `x = X + s y` in a box sheared by `s`, in units of
-/// the spacings.
+/// How many of these a lattice has whose third vector is upright.
+pub(crate) const UPRIGHT: usize = 4;
+
+/// A window on a grid: derivatives along its lattice coordinates `X`, `Y` and `Z`, in units of the spacings. By those, along
+/// the box's axes,
+///
+/// ```text
+/// d/dx = d/dX,      d/dy = d/dY - s d/dX,      d/dz = d/dZ - r d/dY - f d/dX,      f = t - s r
+/// ```
 #[derive(Debug, Clone)]
 pub(crate) struct Lattice<T> {
     pub points: [usize; 3],
@@ -17,9 +24,19 @@ pub(crate) struct Lattice<T> {
     pub pieces: Pieces<T>,
     /// Inverse spacings.
     pub inverse: [f64; 3],
-    pub strain: f64,
+    pub slants: Slants<f64>,
+    /// Whether the third lattice vector is not upright.
+    pub leans: bool,
     /// Those of `1 - (d - D)/2 lap` beyond the 1, by [`SECOND`], of the monopole and the dipole by class of radius.
-    smoothing: Vec<[[T; 4]; 2]>,
+    smoothing: Vec<[[T; SECOND.len()]; 2]>,
+}
+
+/// How a lattice slants: `s`, `r` and `f`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slants<T> {
+    pub s: T,
+    pub r: T,
+    pub f: T,
 }
 
 impl<T: Real> Lattice<T> {
@@ -34,13 +51,20 @@ impl<T: Real> Lattice<T> {
     }
 
     fn of_pieces(grid: &Grid, (window, pieces): (Window, Pieces<T>), common: Common, envelopes: &[Envelope]) -> Self {
-        let (inverse, strain) = (grid.spacing().recip().to_array(), grid.cell().strain());
-        let [x, y, z] = inverse;
-        // d/dy at rest is d/dy - s d/dX along the lattice.
-        let laplacian = [(1.0 + strain * strain) * x * x, -2.0 * strain * x * y, y * y, z * z];
+        let (inverse, s, [t, r]) = (grid.spacing().recip().to_array(), grid.cell().strain(), grid.cell().tilts());
+        let ([x, y, z], f) = (inverse, t - s * r);
+        let laplacian = [
+            (1.0 + s * s + f * f) * x * x,
+            (-2.0 * s + 2.0 * r * f) * x * y,
+            (1.0 + r * r) * y * y,
+            z * z,
+            -2.0 * f * x * z,
+            -2.0 * r * y * z,
+        ];
         let factors = |sigma: f64| laplacian.map(|factor| T::from_f64(-0.5 * common.rest(sigma) * factor));
         let smoothing = envelopes.iter().map(|e| [factors(e.monopole), factors(e.dipole)]).collect();
-        Self { points: grid.points(), window, pieces, inverse, strain, smoothing }
+        let (slants, leans) = (Slants { s, r, f }, !grid.cell().is_upright());
+        Self { points: grid.points(), window, pieces, inverse, slants, leans, smoothing }
     }
 
     /// The highest order of derivatives that forces or dipoles or both need.
@@ -55,16 +79,17 @@ impl<T: Real> Lattice<T> {
         self.smoothing.iter().all(|class| class[multipole][2].to_f64().abs() < 1e-14)
     }
 
-    /// `1/h` along each axis, and the strain.
+    /// `1/h` along each axis, and how the lattice slants.
     #[inline(always)]
-    pub fn slopes(&self) -> ([T; 3], T) {
-        let [x, y, z] = self.inverse;
-        ([T::from_f64(x), T::from_f64(y), T::from_f64(z)], T::from_f64(self.strain))
+    pub fn slopes(&self) -> ([T; 3], Slants<T>) {
+        let ([x, y, z], Slants { s, r, f }) = (self.inverse, self.slants);
+        let slants = Slants { s: T::from_f64(s), r: T::from_f64(r), f: T::from_f64(f) };
+        ([T::from_f64(x), T::from_f64(y), T::from_f64(z)], slants)
     }
 
     /// `1 - (d - D)/2 lap` beyond the 1, by [`SECOND`], for a class's monopole, 0, or dipole, 1.
     #[inline(always)]
-    pub fn smoothing(&self, class: u32, multipole: usize) -> [T; 4] {
+    pub fn smoothing(&self, class: u32, multipole: usize) -> [T; SECOND.len()] {
         self.smoothing[class as usize][multipole]
     }
 }

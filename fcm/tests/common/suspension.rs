@@ -46,6 +46,7 @@ impl Suspension {
             boundaries: self.cell.boundaries(),
             contraction: 1.0,
             largest_strain: self.cell.strain().abs(),
+            largest_tilts: Problem::tilts_of(&self.cell),
             radii: self.radii.iter().map(|&a| (a, 1)).collect(),
             viscosity: self.viscosity,
             multipoles: Multipoles::Dipole,

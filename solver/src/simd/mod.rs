@@ -11,11 +11,13 @@
 //! In both, whatever is called and not inlined is compiled for any processor: every function of a kernel is
 //! `#[inline(always)]`, and loops stand where `std::array::from_fn` or `map` might, which need not be inlined.
 
+mod exponential;
 mod portable;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 
 use crate::Real;
+pub use exponential::exponential;
 
 /// As many neighbouring values as fill a cache line of 64 bytes, worked on at once.
 ///

@@ -98,6 +98,7 @@ impl Task {
             edges: spheres.cell.edges(),
             contraction: 1.0,
             largest_strain: 0.0,
+            largest_tilts: [0.0; 2],
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: 1.0,
             multipoles: if self.kind == Kind::Forces { Multipoles::Monopole } else { Multipoles::Dipole },

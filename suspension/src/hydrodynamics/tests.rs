@@ -16,6 +16,7 @@ fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
         boundaries: domain::Boundaries::Periodic,
         contraction: 1.0,
         largest_strain: 0.0,
+        largest_tilts: [0.0; 2],
         radii: radii.iter().map(|&a| (a, 1)).collect(),
         viscosity: 1.0,
         multipoles: Multipoles::Dipole,

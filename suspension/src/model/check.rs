@@ -1,7 +1,7 @@
 //! The ranges that parameters have to be in.
 
 use super::spheres::check_species;
-use super::{Axis, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, bonds, traps};
+use super::{Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, bonds, traps};
 use domain::{Boundaries, Number, ParameterError};
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
@@ -173,11 +173,25 @@ fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError
             "is set, but velocity fields are those of straight and sheared boxes; leave it out in an extension";
         return Err(ParameterError::new("output.fields_every", message));
     }
-    if p.statistics.and_then(|statistics| statistics.axis).is_some_and(|axis| axis != Axis::Z) {
-        let message = "is x or y, along which the box of planar extension does not repeat; leave it out, for \"z\"";
-        return Err(ParameterError::new("statistics.axis", message));
+    if p.hydrodynamics.method == Evaluation::Direct && kind != Extension::Planar {
+        let message = format!(
+            "is \"direct\", which is for boxes with a lattice vector at right angles to the other two; that of {} has none: \
+             leave it out",
+            kind.name()
+        );
+        return Err(ParameterError::new("hydrodynamics.method", message));
     }
-    Ok(())
+    match (p.statistics.and_then(|statistics| statistics.axis), kind) {
+        (Some(Axis::X | Axis::Y), Extension::Planar) => {
+            let message = "is x or y, along which the box of planar extension does not repeat; leave it out, for \"z\"";
+            Err(ParameterError::new("statistics.axis", message))
+        }
+        (Some(_), Extension::Uniaxial | Extension::Biaxial) => {
+            let message = format!("is set, but the box of {} repeats along no axis; leave it out", kind.name());
+            Err(ParameterError::new("statistics.axis", message))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn check_repulsion(repulsion: &Repulsion) -> Result<(), ParameterError> {

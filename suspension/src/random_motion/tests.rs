@@ -73,6 +73,7 @@ fn hydrodynamics(cell: &PeriodicBox, lubrication: Option<Range>) -> Hydrodynamic
         boundaries: domain::Boundaries::Periodic,
         contraction: 1.0,
         largest_strain: 0.2,
+        largest_tilts: [0.0; 2],
         radii: vec![(1.0, 2), (2.0, 1)],
         viscosity: 1.0,
         multipoles: Multipoles::Dipole,

@@ -6,7 +6,7 @@ mod tables;
 
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
-use crate::model::{Axis, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
+use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
 use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
@@ -64,6 +64,8 @@ struct About {
     rates: ShearRates,
     rigid: bool,
     axis: usize,
+    /// By which separations of pairs are told apart.
+    angle: Angle,
     columns: SpeciesColumns,
     wanted: Wanted,
 }
@@ -113,14 +115,13 @@ impl Statistics {
         let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
         let largest = particles.radii.iter().copied().fold(0.0, f64::max);
         let distance = wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element());
-        let angle = if about.flow == BackgroundFlow::NONE { Angle::Cosine(about.axis) } else { Angle::Azimuth };
         Self {
             times: [f64::NAN, f64::NAN, 0.0],
             velocities: each(speed),
             angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
             paths: Paths::default(),
             lagrangian: Lagrangian::new(&particles.species),
-            pairs: PairDistribution::new(distance, angle, &particles.species, model.cell.volume()),
+            pairs: PairDistribution::new(distance, about.angle, &particles.species, model.cell.volume()),
             profile: Profile::new(&model.cell, about.axis, about.names.len()),
             segregation: Blocks::default(),
             moduli: about.rates.frequency().map(|w| Moduli::new(about.rates.largest() / w, w)),
@@ -171,6 +172,7 @@ impl About {
             rates,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             axis: axis(model, wanted.axis),
+            angle: angle(&flow, model.flow, axis(model, wanted.axis)),
             columns: columns(model),
             wanted,
         }
@@ -193,13 +195,22 @@ pub fn column_bytes(model: &Model) -> Bytes {
 /// The axis of the gradient of a shear flow.
 const GRADIENT: usize = 1;
 
-/// The axis along which the box of planar extension stays as it is.
-const NEUTRAL: usize = 2;
+/// The lattice vector of the box of an extension whose coordinate profiles are of: in planar extension it is along z and stays.
+const THIRD: usize = 2;
 
 /// The axis of profiles: the one wanted, by default that of the forces or the gradient, where the box has it.
 fn axis(model: &Model, wanted: Option<Axis>) -> usize {
     let usual = || model.force_axis().unwrap_or(GRADIENT);
-    wanted.map_or_else(|| if model.flow.extension().is_some() { NEUTRAL } else { usual() }, index)
+    wanted.map_or_else(|| if model.flow.extension().is_some() { THIRD } else { usual() }, index)
+}
+
+/// The azimuth in shear and planar extension, else that to the axis of the flow, or to the one of profiles.
+fn angle(flow: &BackgroundFlow, kind: Flow, axis: usize) -> Angle {
+    match kind.extension().and_then(Extension::axis) {
+        Some(axis) => Angle::Cosine(index(axis)),
+        None if *flow == BackgroundFlow::NONE => Angle::Cosine(axis),
+        None => Angle::Azimuth,
+    }
 }
 
 /// The axis of the columns, by default that of the forces or the gradient, and their width.

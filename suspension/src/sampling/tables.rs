@@ -2,8 +2,7 @@
 
 use super::{Statistics, Vectors};
 use simulation::Table;
-use solver::BackgroundFlow;
-use statistics::{Diffusivity, Estimate, Moduli, StretchedExponential, global_coefficient, mean_coefficient};
+use statistics::{Angle, Diffusivity, Estimate, Moduli, StretchedExponential, global_coefficient, mean_coefficient};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
@@ -125,7 +124,7 @@ impl Statistics {
     }
 
     fn pairs_by_angle(&self) -> Table {
-        let angle = if self.about.flow == BackgroundFlow::NONE { "cosine" } else { "azimuth" };
+        let angle = if self.about.angle == Angle::Azimuth { "azimuth" } else { "cosine" };
         let columns = [("distance", "length"), (angle, ""), ("g", "")];
         let mut table = Table::new("pairs_by_angle", &["first", "second"], &columns);
         for [a, b] in self.pairs.species_pairs() {

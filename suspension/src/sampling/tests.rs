@@ -132,3 +132,17 @@ fn columns_stand_along_the_forces_or_the_gradient() {
     let asked = Some(Wanted { axis: Some(Axis::X), ..Wanted::ALL });
     assert_eq!(of(&|p| (p.species[0].force, p.statistics) = (Vector::Z, asked)).0, 0);
 }
+
+/// Pairs are told apart by the azimuth in shear and planar extension, and by the angle to the axis of the other extensions.
+#[test]
+fn angles_of_pairs_are_those_of_the_flow() {
+    let of = |kind| angle(&kind_of(kind).at_rate(1.0), kind_of(kind), 2);
+    assert_eq!(angle(&BackgroundFlow::NONE, Flow::None, 2), Angle::Cosine(2));
+    assert_eq!(angle(&BackgroundFlow::shear(1.0), model().flow, 1), Angle::Azimuth);
+    let found = [Extension::Planar, Extension::Uniaxial, Extension::Biaxial].map(of);
+    assert_eq!(found, [Angle::Azimuth, Angle::Cosine(0), Angle::Cosine(2)]);
+}
+
+fn kind_of(kind: Extension) -> Flow {
+    Flow::Extension { kind, rate: 1.0 }
+}

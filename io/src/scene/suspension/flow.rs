@@ -28,14 +28,14 @@ pub fn flow(
         return match keys.into_iter().find(|(_, is_set)| *is_set) {
             None => without_rate(raw),
             Some((key, _)) => {
-                let kind = if raw.kind == raw::FlowKind::None { "none" } else { "poiseuille" };
+                let kind = name(raw.kind);
                 let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"shear\" or leave it out");
                 Err(Fault::new(key, message))
             }
         };
     }
     if raw.pressure_gradient.is_some() {
-        let kind = if extension(raw.kind).is_some() { "planar-extension" } else { "shear" };
+        let kind = name(raw.kind);
         let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"poiseuille\" or leave it out");
         return Err(Fault::new("flow.pressure_gradient", message));
     }
@@ -77,6 +77,20 @@ pub fn extension(kind: raw::FlowKind) -> Option<Extension> {
     match kind {
         raw::FlowKind::None | raw::FlowKind::Shear | raw::FlowKind::Poiseuille => None,
         raw::FlowKind::PlanarExtension => Some(Extension::Planar),
+        raw::FlowKind::UniaxialExtension => Some(Extension::Uniaxial),
+        raw::FlowKind::BiaxialExtension => Some(Extension::Biaxial),
+    }
+}
+
+/// What it is called in a scene.
+fn name(kind: raw::FlowKind) -> &'static str {
+    match kind {
+        raw::FlowKind::None => "none",
+        raw::FlowKind::Shear => "shear",
+        raw::FlowKind::Poiseuille => "poiseuille",
+        raw::FlowKind::PlanarExtension => "planar-extension",
+        raw::FlowKind::UniaxialExtension => "uniaxial-extension",
+        raw::FlowKind::BiaxialExtension => "biaxial-extension",
     }
 }
 

@@ -173,7 +173,7 @@ pub(super) enum Initial {
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
     /// The flow: none; along x the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls; or
-    /// the extension u = rate (x, -y, 0).
+    /// an extension: planar, u = rate (x, -y, 0), uniaxial, u = rate (x, -y/2, -z/2), or biaxial, u = rate (x, y, -2 z).
     pub(super) kind: FlowKind,
     /// Rate of shear or extension; or a table of times, from 0 on, and the rates from then on.
     pub(super) rate: Option<Rate>,
@@ -222,6 +222,8 @@ pub(super) enum FlowKind {
     Shear,
     Poiseuille,
     PlanarExtension,
+    UniaxialExtension,
+    BiaxialExtension,
 }
 
 #[derive(Deserialize, JsonSchema)]

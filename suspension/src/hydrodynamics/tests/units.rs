@@ -22,6 +22,7 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
         boundaries: cell.boundaries(),
         contraction: 1.0,
         largest_strain: 0.5,
+        largest_tilts: [0.0; 2],
         radii: place(&radii).into_iter().map(|a| (a, 1)).collect(),
         viscosity,
         multipoles: Multipoles::Dipole,

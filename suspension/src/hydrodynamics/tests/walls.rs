@@ -14,6 +14,7 @@ fn between(radii: &[f64], edge: f64) -> Plan {
         boundaries: Boundaries::Walls,
         contraction: 1.0,
         largest_strain: 0.0,
+        largest_tilts: [0.0; 2],
         radii: radii.iter().map(|&a| (a, 1)).collect(),
         viscosity: usual.viscosity,
         multipoles: Multipoles::Dipole,
