@@ -100,8 +100,7 @@ impl PeriodicBox {
         Ok(Self { boundaries, ..*self })
     }
 
-    /// A box of the same boundaries with other edges, that begins elsewhere, along axes that are open: those are the ones along
-    /// which it may be given others.
+    /// A box of the same boundaries with other edges that begins elsewhere, along axes that do not repeat.
     pub fn spanning(&self, origin: Vector, edges: Vector) -> Result<Self, BoxError> {
         let plain = Self::new(edges)?.with_boundaries(self.boundaries)?;
         Ok(Self { origin, ..plain })

@@ -8,8 +8,8 @@ use crate::model::Model;
 use crate::open_box::follows;
 use crate::plan::{Radii, problem_in};
 use crate::setup::{Planned, Setup};
-use domain::{Boundaries, Comm, GivenPositions, Need, Number, readable_bytes};
-use fcm::{Method, Plan, Precision, Support};
+use domain::{Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, readable_bytes};
+use fcm::{Method, Plan, Precision, Problem, Support};
 use serde_json::{Value, json};
 use simulation::Outline;
 
@@ -65,6 +65,7 @@ pub fn outline(
     };
     let memory = Memory::of(model, &planned, asked);
     let outline = with_cost(memory.add_to(outline), &planned.plan, &others);
+    let outline = beside_periodic(outline, (model, &cell), &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
 
@@ -82,6 +83,24 @@ fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&G
         .value("particles", radii.count())
         .value("volume_fraction", fraction);
     outline.value("smallest_gap", gap.map(|gap| gap.length))
+}
+
+/// What the boundaries of a box cost, that is not periodic, beside one of the same edges that is.
+fn beside_periodic(outline: Outline, (model, cell): (&Model, &PeriodicBox), planned: &Planned, ranks: Ranks) -> Outline {
+    let boundaries = model.cell.boundaries();
+    let periodic = Problem { boundaries: Boundaries::Periodic, ..problem_in(cell, model, &planned.radii) };
+    let (Ok(periodic), true) = (Plan::choose(&periodic), boundaries != Boundaries::Periodic) else { return outline };
+    let memory = |plan: &Plan| memory::need(model, (&planned.radii, plan), ranks, 0).resident;
+    let times = planned.plan.predicted_seconds / periodic.predicted_seconds;
+    let room = memory(&planned.plan) / memory(&periodic);
+    let edges = cell.edges().to_array().map(|edge| Number(edge).to_string()).join(" x ");
+    let text = format!("{times:.1} times the time of an evaluation, and {room:.1} times the memory, of a periodic box of {edges}");
+    let outline = outline.line(if boundaries.walls() > 0 { "walls" } else { "open fluid" }, text);
+    let outline = outline.value("time_over_periodic", times).value("memory_over_periodic", room);
+    let near = "spheres nearer to one than a tenth of their radius may err by more than the tolerance, in stresslets above all";
+    let outline = if boundaries.walls() > 0 { outline.line("", near) } else { outline };
+    let follows_them = "the box follows the spheres: time and memory go with the room that they take";
+    if follows(boundaries) { outline.line("", follows_them) } else { outline }
 }
 
 /// The part that the spheres fill of the box, or of the ball in which they start; none of open fluid.

@@ -177,8 +177,9 @@ fn a_sphere_alone_goes_with_the_flow() {
         let mut all = suspension.gathered(None);
         (all.positions[0], all.vectors(suspension::ANGULAR_VELOCITY)[0])
     });
-    assert!((place - Vector::new(3.0 + 0.4 * 50.0 * 6.0, 50.0, -7.0)).length() < 1e-10, "{place}");
-    assert!((spin - Vector::Z * -0.2).length() < 1e-12);
+    // To the tolerance of what the flow does over a radius.
+    assert!((place - Vector::new(3.0 + 0.4 * 50.0 * 6.0, 50.0, -7.0)).length() < 1e-4 * 0.4 * 6.0, "{place}");
+    assert!((spin - Vector::Z * -0.2).length() < 1e-4 * 0.2, "{spin}");
 }
 
 /// Above a wall a sphere may rise as high as it likes: beyond the box of the scene it moves as in unbounded fluid, nearly.

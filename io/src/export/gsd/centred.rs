@@ -19,7 +19,7 @@ impl Centred {
 
 fn centred(cell: &PeriodicBox, position: Vector, mut steps: [i32; 3]) -> ([f64; 3], [i32; 3]) {
     let edges = cell.edges();
-    let mut coordinates = (cell.lattice_coordinates(position) - 0.5 * edges).to_array();
+    let mut coordinates = (cell.lattice_coordinates(position) - cell.origin() - 0.5 * edges).to_array();
     for axis in 0..3 {
         // Rounding to single precision can reach the far face.
         if coordinates[axis] as f32 >= (0.5 * edges[axis]) as f32 {
