@@ -72,7 +72,14 @@ impl PeriodicBox {
         }
         let (period, boundaries) = (edges.x / edges.y, Boundaries::Periodic);
         let turns = (strain / period + 0.5).floor();
-        Ok(Self { edges, strain: strain - turns * period, tilts: [0.0; 2], axes: None, boundaries, origin: Vector::ZERO })
+        Ok(Self {
+            edges,
+            strain: strain - turns * period,
+            tilts: [0.0; 2],
+            axes: None,
+            boundaries,
+            origin: Vector::ZERO,
+        })
     }
 
     /// The box of any three lattice vectors in right-handed order, which are kept as they are.
@@ -374,6 +381,19 @@ mod tests {
         let cell = periodic.with_boundaries(Boundaries::Wall).unwrap();
         let (wrapped, steps) = cell.wrap(Vector::new(-1e-18, 0.0, 11.0));
         assert!(wrapped.x < 3.0 && (wrapped.z - 11.0).abs() < 1e-15 && steps[2] == 0, "{wrapped}");
+    }
+
+    #[test]
+    fn a_box_may_begin_elsewhere_where_it_does_not_repeat() {
+        let open = PeriodicBox::new(Vector::splat(3.0)).unwrap().with_boundaries(Boundaries::Open).unwrap();
+        let cell = open.spanning(Vector::new(-5.0, 1.0, 40.0), Vector::new(2.0, 4.0, 8.0)).unwrap();
+        assert_eq!(
+            (cell.boundaries(), cell.edges(), cell.scaled(0.5).origin()),
+            (Boundaries::Open, Vector::new(2.0, 4.0, 8.0), Vector::new(-2.5, 0.5, 20.0))
+        );
+        assert_eq!(cell.parts(Vector::new(-4.0, 1.0, 48.0)), Vector::new(0.5, 0.0, 1.0));
+        assert_eq!(cell.scaled(0.5).parts(Vector::new(-2.0, 0.5, 24.0)), Vector::new(0.5, 0.0, 1.0));
+        assert!(open.spanning(Vector::ZERO, Vector::new(1.0, -1.0, 1.0)).is_err());
     }
 
     #[test]

@@ -153,8 +153,7 @@ fn around(cell: PeriodicBox, particles: &Particles, periodic: [bool; 3]) -> Peri
     let mut origin = Vector::ZERO;
     for axis in (0..3).filter(|&axis| !periodic[axis] && !particles.is_empty()) {
         let places = || particles.positions.iter().map(|x| x[axis]);
-        let (lowest, highest) =
-            (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
+        let (lowest, highest) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
         if periodic == [false; 3] || lowest < 0.0 || highest > cell.edges()[axis] {
             origin[axis] = 0.5 * (lowest + highest - cell.edges()[axis]);
         }
@@ -222,6 +221,22 @@ mod tests {
         };
         assert_ne!(changed(|file| short(file, "particles/all/box/edges/value")), "");
         assert_ne!(changed(|file| file.dataset("particles/all/box/strain/value")?.resize((0,))), "");
+    }
+
+    /// In open fluid the box is around the particles, wherever they are; along an open axis where they are outside of it.
+    #[test]
+    fn boxes_that_follow_particles_are_around_them() {
+        let mut particles = Particles::default();
+        particles.push(0, Vector::new(-7.0, 2.0, 103.0), 1.0, 0);
+        particles.push(1, Vector::new(-3.0, 1.0, 100.0), 1.0, 0);
+        let cell = PeriodicBox::new(Vector::new(6.0, 3.0, 4.0)).unwrap();
+        let origin = |periodic| around(cell, &particles, periodic).origin();
+        assert_eq!(origin([false; 3]), Vector::new(-8.0, 0.0, 99.5));
+        assert_eq!(origin([true, true, false]), Vector::new(0.0, 0.0, 99.5));
+        assert_eq!(origin([true, false, true]), Vector::ZERO);
+        assert_eq!(around(cell, &Particles::default(), [false; 3]), cell);
+        let parts = particles.positions.iter().map(|&x| around(cell, &particles, [false; 3]).parts(x));
+        assert!(parts.into_iter().all(|part| part.min_element() > 0.0 && part.max_element() < 1.0));
     }
 
     #[test]

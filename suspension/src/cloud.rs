@@ -80,7 +80,8 @@ mod tests {
     fn an_ellipsoid_is_found_by_its_axes() {
         let (centre, axes) = (Vector::new(1e3, -20.0, 7.0), [5.0, 3.0, 0.5]);
         let turn = Tensor::from_axis_angle(Vector::new(1.0, 2.0, -0.5).normalize(), 0.7);
-        let points = |k: usize| [1.0, -1.0].map(|sign| centre + turn.col(k) * (sign * axes[k] * (3.0_f64 / 5.0).sqrt()));
+        let points =
+            |k: usize| [1.0, -1.0].map(|sign| centre + turn.col(k) * (sign * axes[k] * (3.0_f64 / 5.0).sqrt()));
         let places: Vec<Vector> = [2, 0, 1].into_iter().flat_map(points).collect();
         for ranks in [1, 2, 7] {
             let found = Comm::threads(ranks, |comm| {

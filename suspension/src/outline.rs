@@ -86,7 +86,12 @@ fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&G
 }
 
 /// What the boundaries of a box cost, that is not periodic, beside one of the same edges that is.
-fn beside_periodic(outline: Outline, (model, cell): (&Model, &PeriodicBox), planned: &Planned, ranks: Ranks) -> Outline {
+fn beside_periodic(
+    outline: Outline,
+    (model, cell): (&Model, &PeriodicBox),
+    planned: &Planned,
+    ranks: Ranks,
+) -> Outline {
     let boundaries = model.cell.boundaries();
     let periodic = Problem { boundaries: Boundaries::Periodic, ..problem_in(cell, model, &planned.radii) };
     let (Ok(periodic), true) = (Plan::choose(&periodic), boundaries != Boundaries::Periodic) else { return outline };
@@ -94,7 +99,9 @@ fn beside_periodic(outline: Outline, (model, cell): (&Model, &PeriodicBox), plan
     let times = planned.plan.predicted_seconds / periodic.predicted_seconds;
     let room = memory(&planned.plan) / memory(&periodic);
     let edges = cell.edges().to_array().map(|edge| Number(edge).to_string()).join(" x ");
-    let text = format!("{times:.1} times the time of an evaluation, and {room:.1} times the memory, of a periodic box of {edges}");
+    let text = format!(
+        "{times:.1} times the time of an evaluation, and {room:.1} times the memory, of a periodic box of {edges}"
+    );
     let outline = outline.line(if boundaries.walls() > 0 { "walls" } else { "open fluid" }, text);
     let outline = outline.value("time_over_periodic", times).value("memory_over_periodic", room);
     let near = "spheres nearer to one than a tenth of their radius may err by more than the tolerance, in stresslets above all";

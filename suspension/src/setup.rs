@@ -108,8 +108,7 @@ impl Setup {
     ) -> Result<Self, StartError> {
         let cell = open_box::of(model, &particles, (&planned.radii, comm));
         let fits = cell == model.cell || planned.plan.edges == cell.edges();
-        let Planned { radii, plan } =
-            if fits { planned } else { Planned::within(&cell, model, planned.radii, comm)? };
+        let Planned { radii, plan } = if fits { planned } else { Planned::within(&cell, model, planned.radii, comm)? };
         let partition = partition(&plan, comm);
         let is_straight = matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
         let shears = model.cell.boundaries() == Boundaries::Periodic && !is_straight;

@@ -7,10 +7,11 @@ mod support;
 use domain::{Comm, Interrupt, Vector};
 use ended::ended;
 use lubrication::two_sphere::{Function, TwoSphere};
+use simulation::Simulation;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::model_of;
-use suspension::{Suspension, VELOCITY};
+use suspension::{Asked, Observed, Ranks, Suspension, VELOCITY, outline};
 
 const PAIR: &str = r#"
 box.boundaries = ["open", "open", "open"]
@@ -190,8 +191,9 @@ fn a_sphere_rises_out_of_the_box_above_a_wall() {
         "species=[{radius=1.0, count=1, force=[0.0, 0.0, 37.69911184307752]}]",
         "particles={initial=\"positions\", positions=[[3.0, 5.0, 4.5]]}",
     ];
-    let (place, edges) =
-        ended(&model_of(PAIR, &keys), 1, |suspension| (suspension.gathered(None).positions[0], suspension.cell().edges()));
+    let (place, edges) = ended(&model_of(PAIR, &keys), 1, |suspension| {
+        (suspension.gathered(None).positions[0], suspension.cell().edges())
+    });
     assert!(place.z > 7.5 && place.z < 10.5 && edges.z > place.z && edges.x == 30.0, "{place} {edges}");
 }
 
@@ -212,4 +214,45 @@ fn a_layer_falls_in_open_fluid() {
     let (centre, origin) = all[0];
     assert!(centre.z < -1.0 && origin.z < centre.z && origin.x == 0.0, "{centre} {origin}");
     assert!((all[1].0 - centre).length() < 1e-6);
+}
+
+/// Files say along which axes a box repeats: whoever gathers a frame, or has a share of it, knows.
+#[test]
+fn frames_know_along_which_axes_a_box_repeats() {
+    let layer = "box={edges=[12.0, 12.0, 8.0], boundaries=[\"periodic\", \"periodic\", \"open\"]}";
+    let slit = "box={edges=[12.0, 12.0, 8.0], boundaries=[\"periodic\", \"periodic\", \"walls\"]}";
+    let random = "particles={initial=\"random\"}";
+    let still = "species=[{radius=1.0, count=2}]";
+    let along_z = [&[layer, random, still][..], &[slit, random, still]].map(|keys| (keys, [true, true, false]));
+    for (keys, periodic) in along_z.into_iter().chain([(&[][..], [false; 3])]) {
+        let observed = Observed::start(&model_of(PAIR, keys), None, &Comm::alone()).unwrap();
+        assert_eq!((observed.frame().periodic, observed.frame_share().periodic), (periodic, periodic));
+    }
+}
+
+/// A row of the time series has the cloud's place and size; `check` says what open fluid and walls cost, and nothing of the kind of a
+/// periodic box.
+#[test]
+fn what_is_told_of_clouds_and_of_boundaries() {
+    let model = model_of(SHEARED, &["time.steps=0"]);
+    let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let (quantities, row) = (observed.quantities(), observed.observe());
+    assert_eq!(quantities.len(), row.len());
+    assert!(quantities.iter().zip(&row).all(|(quantity, values)| quantity.columns().len() == values.len()));
+    let place = quantities.iter().position(|quantity| quantity.name == "cloud").unwrap();
+    assert_eq!(quantities[place].columns()[3], "cloud_radius[1]");
+    assert!(row[place][3] > 2.0 && row[place][3] < 6.0, "{:?}", row[place]);
+    assert!(!quantities.iter().any(|quantity| quantity.name.contains("stress")));
+    let told = |keys: &[&str]| {
+        let ranks = Ranks { count: 2, threads: 1 };
+        let model = model_of(CLOUD, keys);
+        outline(&model, None, Asked { ranks, on_a_machine: 2 }, &Comm::alone()).unwrap().text().to_owned()
+    };
+    let edges = "box.edges=[40.0, 40.0, 40.0]";
+    let walls = ["box.boundaries=[\"periodic\", \"periodic\", \"walls\"]", edges, "particles={initial=\"random\"}"];
+    let periodic = ["box.boundaries=[\"periodic\", \"periodic\", \"periodic\"]", edges, walls[2]];
+    let (open, walls, periodic) = (told(&[]), told(&walls), told(&periodic));
+    assert!(open.contains("the box follows the spheres") && open.contains("200, 0.7407% by volume"), "{open}");
+    assert!(walls.contains("walls      ") && walls.contains("than a tenth of their radius"), "{walls}");
+    assert!(!periodic.contains("periodic box"), "{periodic}");
 }

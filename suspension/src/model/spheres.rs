@@ -168,7 +168,8 @@ fn check_open(cell: &PeriodicBox) -> Result<(), ParameterError> {
     if cell.boundaries() == Boundaries::Open {
         return Ok(());
     }
-    let message = "is \"cloud\", which is in open fluid; set box.boundaries = [\"open\", \"open\", \"open\"], or take \"random\"";
+    let message =
+        "is \"cloud\", which is in open fluid; set box.boundaries = [\"open\", \"open\", \"open\"], or take \"random\"";
     Err(ParameterError::new("particles.initial", message))
 }
 

@@ -94,7 +94,8 @@ impl Playback {
         let edges: Vec<String> = edges[..axes].iter().map(|&edge| format!("{:.4}", Number(edge))).collect();
         let periodic: Vec<&str> =
             ["x", "y", "z"].into_iter().zip(self.periodic).filter(|axis| axis.1).map(|axis| axis.0).collect();
-        let repeats = if periodic.is_empty() { "open".to_owned() } else { format!("periodic along {}", periodic.join(", ")) };
+        let repeats =
+            if periodic.is_empty() { "open".to_owned() } else { format!("periodic along {}", periodic.join(", ")) };
         Some(format!("{}, {repeats}", edges.join(" \u{d7} ")))
     }
 

@@ -41,7 +41,8 @@ fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
         }
         None if boundaries == Boundaries::Open && !starts_in_box => Ok(around(raw)),
         None => {
-            let message = "are missing; only spheres in open fluid that start as a cloud, at positions or from a file need none";
+            let message =
+                "are missing; only spheres in open fluid that start as a cloud, at positions or from a file need none";
             Err(Fault::new("box.edges", message))
         }
     }

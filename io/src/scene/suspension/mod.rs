@@ -118,7 +118,8 @@ fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
     match raw.initial {
         Random => Ok((Start::Random { minimum_gap: raw.minimum_gap.unwrap_or(0.0) }, None)),
         Cloud => {
-            let radius = raw.radius.ok_or_else(|| missing("radius", "say how large the ball is in which the centres are"))?;
+            let radius =
+                raw.radius.ok_or_else(|| missing("radius", "say how large the ball is in which the centres are"))?;
             Ok((Start::Cloud { radius, minimum_gap: raw.minimum_gap.unwrap_or(0.0) }, None))
         }
         Lattice => Ok((Start::Lattice(raw.lattice.map_or(self::Lattice::SimpleCubic, Into::into)), None)),
