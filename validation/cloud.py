@@ -35,7 +35,7 @@ def velocity(cloud):
 
 
 def scene(cloud, seed):
-    repulsion = "repulsion = { strength = 60.0, range = 0.1 }" if cloud["multipoles"] == "dipole" else ""
+    repulsion = "repulsion = { strength = 30.0, range = 0.25 }" if cloud["multipoles"] == "dipole" else ""
     return f"""seed = {seed}
 box.boundaries = ["open", "open", "open"]
 fluid.viscosity = 1.0

@@ -456,9 +456,11 @@ impl Dynamics {
         before + self.hydrodynamics.mobility().work().evaluations
     }
 
-    /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last. Collective.
-    pub fn divergence(&mut self) -> f64 {
-        self.hydrodynamics.mobility().divergence()
+    /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last, if the box repeats along all axes.
+    /// Collective.
+    pub fn divergence(&mut self) -> Option<f64> {
+        let is_periodic = self.cell().boundaries() == Boundaries::Periodic;
+        is_periodic.then(|| self.hydrodynamics.mobility().divergence())
     }
 
     /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in

@@ -23,6 +23,8 @@ pub struct Observer {
     repels: bool,
     /// How many walls there are.
     walls: usize,
+    /// Whether the box repeats along all axes.
+    is_periodic: bool,
     /// Whether the fluid is open, and the spheres of each species a cloud.
     is_open: bool,
     /// Thermal energy over the volume of the box, if there is heat.
@@ -72,6 +74,7 @@ impl Observer {
             overlaps: Overlaps::default(),
             repels,
             walls: model.cell.boundaries().walls(),
+            is_periodic: model.cell.boundaries() == Boundaries::Periodic,
             is_open: model.cell.boundaries() == Boundaries::Open,
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| contacts.overlap),
@@ -140,9 +143,9 @@ impl Observer {
             Quantity::number("iterations", ""),
             Quantity::number("residual", ""),
             Quantity::number("evaluations", ""),
-            Quantity::number("divergence", ""),
-            Quantity::number("seconds_per_step", "s"),
         ]);
+        quantities.extend(self.is_periodic.then(|| Quantity::number("divergence", "")));
+        quantities.push(Quantity::number("seconds_per_step", "s"));
         quantities
     }
 
@@ -180,7 +183,8 @@ impl Observer {
         row.extend(suspension.bond_numbers().into_iter().flatten().map(|number| vec![number]));
         row.extend(suspension.trap_energy().map(|energy| vec![energy]));
         let (iterations, evaluations) = (iterations as f64, evaluations as f64);
-        row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));
+        row.extend([smallest_gap, iterations, residual, evaluations].map(|number| vec![number]));
+        row.extend(divergence.into_iter().chain([seconds]).map(|number| vec![number]));
         row
     }
 

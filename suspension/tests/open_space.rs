@@ -223,10 +223,14 @@ fn frames_know_along_which_axes_a_box_repeats() {
     let slit = "box={edges=[12.0, 12.0, 8.0], boundaries=[\"periodic\", \"periodic\", \"walls\"]}";
     let random = "particles={initial=\"random\"}";
     let still = "species=[{radius=1.0, count=2}]";
-    let along_z = [&[layer, random, still][..], &[slit, random, still]].map(|keys| (keys, [true, true, false]));
-    for (keys, periodic) in along_z.into_iter().chain([(&[][..], [false; 3])]) {
+    let all = [
+        (vec![layer, random, still], [true, true, false]),
+        (vec![slit, random, still], [true, true, false]),
+        (vec![], [false; 3]),
+    ];
+    for (keys, periodic) in &all {
         let observed = Observed::start(&model_of(PAIR, keys), None, &Comm::alone()).unwrap();
-        assert_eq!((observed.frame().periodic, observed.frame_share().periodic), (periodic, periodic));
+        assert_eq!((observed.frame().periodic, observed.frame_share().periodic), (*periodic, *periodic));
     }
 }
 
