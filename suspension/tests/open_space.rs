@@ -194,7 +194,7 @@ fn a_sphere_rises_out_of_the_box_above_a_wall() {
     let (place, edges) = ended(&model_of(PAIR, &keys), 1, |suspension| {
         (suspension.gathered(None).positions[0], suspension.cell().edges())
     });
-    assert!(place.z > 7.5 && place.z < 10.5 && edges.z > place.z && edges.x == 30.0, "{place} {edges}");
+    assert!(place.z > 7.5 && place.z < 10.5 && edges.z > place.z, "{place} {edges}");
 }
 
 /// A layer in fluid that is open on both sides settles across itself, and the box goes with it.
@@ -212,7 +212,7 @@ fn a_layer_falls_in_open_fluid() {
         })
     });
     let (centre, origin) = all[0];
-    assert!(centre.z < -1.0 && origin.z < centre.z && origin.x == 0.0, "{centre} {origin}");
+    assert!(centre.z < -1.0 && origin.z < centre.z, "{centre} {origin}");
     assert!((all[1].0 - centre).length() < 1e-6);
 }
 
