@@ -17,6 +17,10 @@ pub struct Pair {
 }
 
 impl Pair {
+    fn reversed(self) -> Self {
+        Self { i: self.j, j: self.i, steps: self.steps.map(|s| -s) }
+    }
+
     /// The vector from the first particle to that image of the second.
     pub fn separation(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vector {
         let d = positions[self.j as usize] - positions[self.i as usize];
@@ -48,6 +52,22 @@ impl Pairs {
                 kept
             })
             .collect();
+        Self { list }
+    }
+
+    /// The same pairs in the same order, from the neighbours within the cutoff of the particles that this rank owns.
+    pub fn of(neighbours: &Neighbours, ids: &[u64], owned: usize) -> Self {
+        let sorted = |mut pairs: Vec<Pair>| {
+            pairs.sort_unstable_by_key(|pair| (pair.i, pair.j, pair.steps));
+            pairs
+        };
+        let of_row =
+            |row: usize| neighbours.of(row).iter().map(move |n| Pair { i: row as u32, j: n.row, steps: n.steps });
+        let firsts = |row: usize| sorted(of_row(row).filter(|pair| is_kept(pair, ids, owned)).collect());
+        let mut list: Vec<Pair> = (0..owned).into_par_iter().flat_map_iter(firsts).collect();
+        // Those whose first particle another rank owns come last, as it does.
+        let of_others = (0..owned).flat_map(of_row).filter(|pair| pair.j as usize >= owned).map(Pair::reversed);
+        list.extend(sorted(of_others.filter(|pair| is_kept(pair, ids, owned)).collect()));
         Self { list }
     }
 

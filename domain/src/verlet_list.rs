@@ -267,7 +267,7 @@ fn least_stretch(before: &PeriodicBox, now: &PeriodicBox) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Boundaries, Comm, Particles, Random};
+    use crate::{Boundaries, Comm, Pairs, Particles, Random};
 
     fn particles(cell: &PeriodicBox, places: &[Vector], turn: usize) -> Particles {
         let mut particles = Particles::default();
@@ -344,6 +344,8 @@ mod tests {
                     halo.extend(&mut ids);
                     halo.extend(&mut positions);
                     verlet_list.update(&cell, &LocalAndGhosts { owned, ids: &ids, positions: &positions });
+                    let pairs = Pairs::of(verlet_list.neighbours(), &ids, owned);
+                    assert_eq!(pairs.list(), Pairs::find(&cell, &positions, &ids, owned, cutoff).list());
                     let fresh = Neighbours::find(&cell, &positions, owned, cutoff);
                     for row in 0..owned {
                         let mut expected = fresh.of(row).to_vec();

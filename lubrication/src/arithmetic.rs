@@ -16,6 +16,10 @@ pub trait Arithmetic: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Outpu
     #[must_use]
     fn plus(self, factor: Self, term: Self) -> Self;
 
+    /// `self / divisor`
+    #[must_use]
+    fn over(self, divisor: Self) -> Self;
+
     /// The first numbers of some.
     fn read(from: &[f64]) -> Self;
 
@@ -34,6 +38,11 @@ impl Arithmetic for f64 {
     #[inline(always)]
     fn plus(self, factor: Self, term: Self) -> Self {
         factor.mul_add(term, self)
+    }
+
+    #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        self / divisor
     }
 
     #[inline(always)]

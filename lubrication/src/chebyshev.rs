@@ -66,13 +66,11 @@ pub struct Powers<const LANES: usize, const NODES: usize> {
     coefficients: Box<Samples<LANES, NODES>>,
 }
 
-/// Sums that are worked on at once: the number of functions is a multiple of this many numbers of the widest.
-const TOGETHER: usize = 5;
-
 impl<const LANES: usize, const NODES: usize> Powers<LANES, NODES> {
-    /// Writes the values at `x`, by Horner's rule.
+    /// Writes the values at `x`, by Horner's rule, so many sums at once: the number of functions is a multiple of this many
+    /// numbers.
     #[inline(always)]
-    pub fn write<X: Arithmetic>(&self, x: f64, values: &mut [f64; LANES]) {
+    pub fn write<X: Arithmetic, const TOGETHER: usize>(&self, x: f64, values: &mut [f64; LANES]) {
         const { assert!(LANES.is_multiple_of(TOGETHER * X::WIDTH)) };
         let x = X::constant((x - self.middle) * self.over_half);
         let mut first = 0;
@@ -131,7 +129,7 @@ mod tests {
         let series = Chebyshev::<5, 8>::through(-2.0, 3.0, &Chebyshev::<5, 8>::nodes(-2.0, 3.0).map(functions));
         for x in [-2.0, -0.3, 1.7, 3.0] {
             let (mut found, expected) = ([0.0; 5], series.at(x));
-            Powers::from(&series).write::<f64>(x, &mut found);
+            Powers::from(&series).write::<f64, 5>(x, &mut found);
             for k in 0..5 {
                 assert!((found[k] - expected[k]).abs() <= 1e-14 * 3e3, "{k} at {x}: {} {}", found[k], expected[k]);
             }

@@ -123,9 +123,19 @@ impl PairForce {
     #[inline(always)]
     pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
         let table = self.table(species);
-        let gap = distance - table.sum;
-        let factor = self.viscosity * table.small * self.range.share(gap * table.over_large);
-        table.roots.record::<X>(gap.max(table.closest) * table.over_small, [factor, table.small], record);
+        let share = self.range.share((distance - table.sum) * table.over_large);
+        self.record_of::<X>(table, (distance, share), record);
+    }
+
+    /// The same as if there were no cutoff.
+    pub(crate) fn whole_record(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
+        self.record_of::<f64>(self.table(species), (distance, 1.0), record);
+    }
+
+    #[inline(always)]
+    fn record_of<X: Arithmetic>(&self, table: &Table, (distance, share): (f64, f64), record: &mut [f64; RECORD]) {
+        let gap = (distance - table.sum).max(table.closest);
+        table.roots.record::<X>(gap * table.over_small, [self.viscosity * table.small * share, table.small], record);
     }
 
     /// The coefficients at a distance of the centres; none beyond the cutoff.

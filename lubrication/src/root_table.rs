@@ -77,7 +77,7 @@ impl RootTable {
     #[inline(always)]
     fn write<X: Arithmetic>(&self, gap: f64, lanes: &mut [f64; LANES]) {
         let piece = &self.pieces[piece_of(gap).min(self.pieces.len() - 1)];
-        piece.powers.write::<X>((gap - piece.mean) / (gap + piece.mean), lanes);
+        piece.powers.write::<X, 5>(relative(gap, piece.mean), lanes);
     }
 
     /// Bytes of the table of a ratio.
@@ -90,12 +90,9 @@ impl RootTable {
     }
 
     fn compute(exact: &TwoSphere) -> Self {
-        let edge = (GROWTH.sqrt() - 1.0) / (GROWTH.sqrt() + 1.0);
         let piece = |k: usize| {
-            let mean = 2.0_f64.powi(FIRST) * GROWTH.powi(k as i32) * GROWTH.sqrt();
-            let at = |u: f64| roots(exact, mean * (1.0 + u) / (1.0 - u));
-            let values = Chebyshev::<LANES, NODES>::nodes(-edge, edge).map(at);
-            Piece { mean, powers: Powers::from(&Chebyshev::through(-edge, edge, &values)) }
+            let mean = mean_of(k);
+            Piece { mean, powers: of_gaps(mean, |gap| roots(exact, gap)) }
         };
         Self {
             pieces: (0..Self::pieces_of(exact.ratio())).map(piece).collect(),
@@ -105,9 +102,27 @@ impl RootTable {
     }
 }
 
+/// The geometric mean of the gaps of a piece.
+pub fn mean_of(piece: usize) -> f64 {
+    2.0_f64.powi(FIRST) * GROWTH.powi(piece as i32) * GROWTH.sqrt()
+}
+
+/// Functions of the gaps of the piece with such a mean.
+pub fn of_gaps<const N: usize>(mean: f64, values: impl Fn(f64) -> [f64; N]) -> Powers<N, NODES> {
+    let edge = (GROWTH.sqrt() - 1.0) / (GROWTH.sqrt() + 1.0);
+    let at = |u: f64| values(mean * (1.0 + u) / (1.0 - u));
+    Powers::from(&Chebyshev::through(-edge, edge, &Chebyshev::<N, NODES>::nodes(-edge, edge).map(at)))
+}
+
+/// A gap relative to the mean of its piece, as it is interpolated in.
+#[inline(always)]
+pub fn relative(gap: f64, mean: f64) -> f64 {
+    (gap - mean) / (gap + mean)
+}
+
 /// The piece that a gap is in: twice its binary exponent, and one more in the upper half of an octave.
 #[inline(always)]
-fn piece_of(gap: f64) -> usize {
+pub fn piece_of(gap: f64) -> usize {
     const MANTISSA: u64 = (1 << 52) - 1;
     let bits = gap.to_bits();
     let exponent = (bits >> 52) as i32 - 1023;

@@ -96,7 +96,7 @@ impl Dynamics {
         let chosen = &model.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
         let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
-        let forces = Forces::new(model, setup.radii.largest())?;
+        let forces = Forces::new(model, setup.radii.largest(), &setup.partition)?;
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
         let radii = [setup.radii.smallest(), setup.radii.largest()];
         let contacts =
@@ -273,9 +273,9 @@ impl Dynamics {
         guess: &Guess,
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
-        let forces = &self.forces;
+        let surface = self.forces.surface();
         let resistance =
-            moment.implicit.map(|time| move |d: f64, between: Surfaces| forces.resistance(time, d, between));
+            moment.implicit.map(|time| move |d: f64, between: Surfaces| surface.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
         let (strain_rate, strain_slope) = self.moving.strain_rate();
         let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient };

@@ -1,7 +1,7 @@
 //! What acts on the particles besides the fluid.
 
 use crate::model::{Attraction, Model, Repulsion, Species};
-use crate::near::Near;
+use crate::near::{Near, NearLists};
 use domain::{Particles, Partition, PeriodicBox, Tensor, ToWall, Traceless, Vector};
 use fcm::Loads;
 use lubrication::{Barrier, BarrierError, SurfaceForce, Surfaces};
@@ -12,8 +12,8 @@ pub struct Forces {
     species: Vec<Species>,
     gravity: Vector,
     surface: SurfaceForces,
-    /// The distance of centres up to which spheres act on each other, if they do.
-    reach: Option<f64>,
+    /// Who is near enough to act on whom, if spheres do.
+    near: Option<NearLists>,
     /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
     range: f64,
 }
@@ -63,6 +63,17 @@ impl SurfaceForces {
         self.all().map(|force| force.reach(radii)).reduce(f64::max)
     }
 
+    /// By how much the repulsion of two spheres, or of one and a wall, at a distance falls in some time if they part at unit
+    /// velocity.
+    pub fn resistance(&self, time: f64, distance: f64, between: impl Into<Surfaces>) -> f64 {
+        let between = between.into();
+        let gap = match between {
+            Surfaces::Spheres(radii) => distance - radii[0] - radii[1],
+            Surfaces::Wall(radius) => distance - radius,
+        };
+        self.repulsion.map_or(0.0, |repulsion| time * repulsion.stiffness(gap, between))
+    }
+
     fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
         let between = between.into();
         self.all().map(|force| force.force(separation, between)).reduce(|sum, force| sum + force).unwrap_or_default()
@@ -81,20 +92,20 @@ pub struct Ahead<'a> {
 
 impl Forces {
     /// The forces of a scene whose largest particle has the given radius.
-    pub fn new(model: &Model, largest_radius: f64) -> Result<Self, BarrierError> {
+    pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Result<Self, BarrierError> {
         let surface = SurfaceForces::of(model)?;
-        let reach = surface.reach([largest_radius; 2]);
+        let near = surface.reach([largest_radius; 2]).map(|reach| NearLists::new(reach, partition));
         let smallest = model.species.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
         let range = match surface.repulsion {
             Some(SurfaceForce::Barrier(barrier)) => barrier.range(),
             Some(SurfaceForce::Screened { length, .. }) => length / smallest,
             _ => 0.0,
         };
-        Ok(Self { species: model.species.clone(), gravity: model.gravity, surface, reach, range })
+        Ok(Self { species: model.species.clone(), gravity: model.gravity, surface, near, range })
     }
 
     /// Forces and torques on the particles that this rank owns. Where they are to be those at the end of some time, repulsion
-    /// has what [`Self::resistance`] takes off it for the velocities expected: so the sum of both is right for these, and
+    /// has what [`SurfaceForces::resistance`] takes off it for the velocities expected: so the sum of both is right for these, and
     /// nearly for others. Collective.
     pub fn on(
         &self,
@@ -103,9 +114,9 @@ impl Forces {
         ahead: Option<&Ahead>,
     ) -> Loads {
         let mut forces = self.steady_forces(particles);
-        if let Some(reach) = self.reach {
+        if let Some(near) = &self.near {
             forces.resize(particles.len(), Vector::ZERO);
-            let near = Near::find(particles, cell, partition, reach);
+            let near = near.find(particles, (cell, partition));
             let added = ahead.map(|ahead| self.expected(&near, ahead)).unwrap_or_default();
             let on_pair = |(k, (separation, radii, _)): (usize, (Vector, [f64; 2], _))| {
                 let force = self.surface.force(separation, radii) + added.get(k).copied().unwrap_or_default();
@@ -124,34 +135,29 @@ impl Forces {
         Loads { forces, torques: self.torques(particles), stresslets: Vec::new() }
     }
 
-    /// For each pair, the force on the first sphere by which [`Self::resistance`] changes repulsion at the velocities
+    /// For each pair, the force on the first sphere by which [`SurfaceForces::resistance`] changes repulsion at the velocities
     /// expected, taken back. Collective.
     fn expected(&self, near: &Near, ahead: &Ahead) -> Vec<Vector> {
         let (relative, strain_rate) = (near.differences(ahead.velocities), ahead.strain_rate.tensor());
         let of_pair = |((separation, radii, _), velocity): ((Vector, [f64; 2], _), Vector)| {
             let distance = separation.length();
             let axis = separation / distance;
-            axis * (-self.resistance(ahead.time, distance, radii) * axis.dot(velocity + strain_rate * separation))
+            axis * (-self.surface.resistance(ahead.time, distance, radii)
+                * axis.dot(velocity + strain_rate * separation))
         };
         near.pairs().zip(relative).map(of_pair).collect()
     }
 
     /// The same of a sphere and a wall, which in any flow does not move across itself.
     fn expected_at_wall(&self, ahead: &Ahead, row: usize, (to, radius): (ToWall, f64)) -> Vector {
-        let resistance = self.resistance(ahead.time, to.distance, Surfaces::Wall(radius));
+        let resistance = self.surface.resistance(ahead.time, to.distance, Surfaces::Wall(radius));
         let velocity = ahead.velocities[row] - ahead.strain_rate.tensor() * (to.axis * to.distance);
         to.axis * (resistance * to.axis.dot(velocity))
     }
 
-    /// By how much the repulsion of two spheres, or of one and a wall, at a distance falls in some time if they part at unit
-    /// velocity.
-    pub fn resistance(&self, time: f64, distance: f64, between: impl Into<Surfaces>) -> f64 {
-        let between = between.into();
-        let gap = match between {
-            Surfaces::Spheres(radii) => distance - radii[0] - radii[1],
-            Surfaces::Wall(radius) => distance - radius,
-        };
-        self.surface.repulsion.map_or(0.0, |repulsion| time * repulsion.stiffness(gap, between))
+    /// Repulsion and attraction.
+    pub fn surface(&self) -> SurfaceForces {
+        self.surface
     }
 
     /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
@@ -167,7 +173,7 @@ impl Forces {
     /// For each particle that this rank owns, its share of the first moments of repulsion or attraction: of a pair at
     /// `x_i` and `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`, and a sphere at a wall has all of it
     /// with the wall's nearest point as `x_j`. Without such forces there are none.
-    /// Where it is to be that at the end of some time, repulsion changes by [`Self::resistance`] to velocities beyond those
+    /// Where it is to be that at the end of some time, repulsion changes by [`SurfaceForces::resistance`] to velocities beyond those
     /// expected. Collective.
     pub fn moments(
         &self,
@@ -180,8 +186,8 @@ impl Forces {
             Surface::Repulsion => self.surface.repulsion,
             Surface::Attraction => self.surface.attraction,
         };
-        let (Some(force), Some(reach)) = (force, self.reach) else { return Vec::new() };
-        let near = Near::find(particles, cell, partition, reach);
+        let (Some(force), Some(near)) = (force, &self.near) else { return Vec::new() };
+        let near = near.find(particles, (cell, partition));
         let taken_back = beyond.map(|ahead| self.expected(&near, ahead)).unwrap_or_default();
         let of_pair = |(k, (separation, radii, _)): (usize, (Vector, [f64; 2], _))| {
             let force = force.force(separation, radii) - taken_back.get(k).copied().unwrap_or_default();

@@ -18,7 +18,8 @@ use crate::sampling;
 use crate::tethers::TRAP_NUMBERS;
 use crate::warm_start::WarmStart;
 use domain::{
-    Bytes, ExpectedCounts, Need, Pairs, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes,
+    Bytes, ExpectedCounts, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList, packing_bytes,
+    readable_bytes,
 };
 use fcm::{Footprint, Plan};
 use lubrication::Range;
@@ -206,6 +207,12 @@ impl Share<'_> {
         copies.then(Pairs::bytes(owned, present, self.expected.neighbours(distance)))
     }
 
+    /// Lists of who is within a distance.
+    fn lists(&self, distance: f64) -> Bytes {
+        let numbers = [distance, distance * VerletList::REACH].map(|reach| self.expected.neighbours(reach));
+        VerletList::bytes([self.expected.owned(), self.expected.present(distance), self.expected.total()], numbers)
+    }
+
     fn gap_search(&self) -> f64 {
         2.2 * self.expected.largest_radius()
     }
@@ -238,7 +245,7 @@ impl Share<'_> {
         let owned = self.expected.owned();
         let largest = self.expected.largest_radius();
         let reach = SurfaceForces::of(self.model).ok().and_then(|forces| forces.reach([largest; 2]));
-        let forces = reach.map_or_else(Bytes::default, |reach| self.near(reach).freed());
+        let forces = reach.map_or_else(Bytes::default, |reach| self.lists(reach).then(self.near(reach).freed()));
         let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
         let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
         let solve = match self.near_field() {

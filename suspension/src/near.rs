@@ -1,7 +1,10 @@
 //! Particles near each other.
 
 use bytemuck::Pod;
-use domain::{Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Partition, PeriodicBox, Vector};
+use domain::{
+    Halo, LocalAndGhosts, Neighbour, Neighbours, Pair, Pairs, Particles, Partition, PeriodicBox, Vector, VerletList,
+};
+use std::cell::RefCell;
 use std::ops::AddAssign;
 
 /// The pairs within a cutoff, with what is needed of the images that other ranks own.
@@ -13,16 +16,51 @@ pub struct Near {
     pairs: Pairs,
 }
 
+/// Who is near whom, found again and again as particles move.
+pub struct NearLists {
+    cutoff: f64,
+    lists: RefCell<VerletList>,
+}
+
+impl NearLists {
+    /// Of pairs whose centres are nearer than `cutoff`.
+    pub fn new(cutoff: f64, partition: &Partition) -> Self {
+        Self { cutoff, lists: RefCell::new(VerletList::new(cutoff, partition)) }
+    }
+
+    /// The same as [`Near::find`], by lists that are made anew now and then. Collective.
+    pub fn find(&self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Near {
+        let mut lists = self.lists.borrow_mut();
+        let owned = particles.len();
+        Near::by(particles, (cell, partition), self.cutoff, |positions, ids| {
+            lists.update(cell, &LocalAndGhosts { owned, ids, positions });
+            Pairs::of(lists.neighbours(), ids, owned)
+        })
+    }
+}
+
 impl Near {
     /// Finds the pairs whose centres are nearer than `cutoff`. Collective.
     pub fn find(particles: &Particles, cell: &PeriodicBox, partition: &Partition, cutoff: f64) -> Self {
+        Self::by(particles, (cell, partition), cutoff, |positions, ids| {
+            Pairs::find(cell, positions, ids, particles.len(), cutoff)
+        })
+    }
+
+    /// The pairs that are found by the positions and ids of all that are present.
+    fn by(
+        particles: &Particles,
+        (cell, partition): (&PeriodicBox, &Partition),
+        cutoff: f64,
+        find: impl FnOnce(&[Vector], &[u64]) -> Pairs,
+    ) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [cutoff; 2]);
         let (mut positions, mut radii, mut ids) =
             (particles.positions.clone(), particles.radii.clone(), particles.ids.clone());
         halo.extend(&mut positions);
         halo.extend(&mut radii);
         halo.extend(&mut ids);
-        let pairs = Pairs::find(cell, &positions, &ids, particles.len(), cutoff);
+        let pairs = find(&positions, &ids);
         Self { halo, cell: *cell, positions, radii, pairs }
     }
 

@@ -1,20 +1,19 @@
 //! From neighbour lists to the resistance of near pairs.
 
-use super::lanes::{LANES, Lanes, turn};
-use super::pair_matrix::{Group, MomentGroup, Part, ROWS, Slice};
+use super::lanes::{LANES, Stored};
+use super::packed::{Kind, NearPair, Packed, STIFF, Soft, Stiff};
+use super::pair_lubrication::PairLubrication;
+use super::pair_matrix::{Part, ROWS, Slice};
 use super::row_sums::{InStrain, Sums};
-use super::row_view::RowView;
 use super::screw::Screw;
 use super::springs::Springs;
-use super::stiffness::Stiffness;
-use super::touching::Touching;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
-use lubrication::{Arithmetic, Coefficients, PairForce, RECORD};
+use lubrication::SIDE;
 use solver::simd::{Vector as Width, Work};
 
 /// The particles present and who is near whom.
 pub struct Arrangement<'a> {
-    pub lubrication: Option<(&'a PairForce, &'a Stiffness)>,
+    pub lubrication: Option<&'a PairLubrication>,
     pub springs: Option<&'a Springs<'a>>,
     /// Radii by species.
     pub radii: &'a [f64],
@@ -31,8 +30,8 @@ pub struct Arrangement<'a> {
 /// Rows of a rank's particles: their stiff pairs, the others, and their loads and moments by all of them in the ambient
 /// flow if they do not move relative to it.
 pub struct Assembled {
-    pub stiff: Part,
-    pub soft: Part,
+    pub stiff: Part<f64>,
+    pub soft: Part<f32>,
     pub loads: Vec<Screw>,
     pub moments: Vec<Traceless>,
 }
@@ -53,51 +52,18 @@ struct Listed {
     ends: Vec<usize>,
 }
 
-/// A pair of a row: from its particle to the other.
-struct NearPair {
-    separation: Vector,
-    distance: f64,
-    /// The height half-way between them.
-    height: f64,
-    other: u32,
-    species: [u32; 2],
-    is_lubricated: bool,
-}
-
-/// Numbers of a pair: those of its coefficients, 1 where the row's particle is the larger one, and the resistance of its
-/// spring along the axis.
-const NUMBERS: usize = 48;
-const IS_LARGER: usize = RECORD;
-const SPRING: usize = RECORD + 1;
-
-/// Pairs of several rows, a lane each.
-struct Packed {
-    records: [[f64; NUMBERS]; LANES],
-    /// Unit vectors from the smaller sphere to the larger.
-    axis: [[f64; LANES]; 3],
-    /// By how much the xz component of the ambient rate of strain is larger between them.
-    sloping: [f64; LANES],
-    others: [u32; LANES],
-    touching: Touching,
-    /// Whether any of them touch.
-    touch: bool,
-}
-
 impl Work<f64> for Assembly<'_> {
     type Output = Assembled;
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) -> Assembled {
         let [stiff, soft] = self.listed();
-        let mut assembled = Assembled {
-            stiff: Part::default(),
-            soft: Part::default(),
-            loads: vec![Screw::default(); self.rows],
-            moments: vec![Traceless::ZERO; self.rows],
-        };
-        assembled.stiff = self.part::<V>(&stiff, &mut assembled);
-        assembled.soft = self.part::<V>(&soft, &mut assembled);
-        assembled
+        let (mut loads, mut moments) = (vec![Screw::default(); self.rows], vec![Traceless::ZERO; self.rows]);
+        let (lubrication, sums) = (self.arrangement.lubrication, (&mut loads[..], &mut moments[..]));
+        let stiff = self.part::<V, _, _, STIFF>(&stiff, || Stiff::new(lubrication), sums);
+        let sums = (&mut loads[..], &mut moments[..]);
+        let soft = self.part::<V, _, _, SIDE>(&soft, || Soft(lubrication), sums);
+        Assembled { stiff, soft, loads, moments }
     }
 }
 
@@ -134,15 +100,15 @@ impl Assembly<'_> {
             separation += cell.lattice(neighbour.steps.map(i32::from));
         }
         let (pair, distance) = ([species[row], species[other]], separation.length());
-        let gap = lubrication.and_then(|(force, _)| force.gap(distance, pair));
+        let gap = lubrication.and_then(|pairs| pairs.force.gap(distance, pair));
         let between = |springs: &Springs| springs.between((row, ids[other]), distance, pair.map(|s| radii[s as usize]));
         let resisted = springs.map(between);
         let spring = resisted.map_or(0.0, |[along, ..]| along);
         if gap.is_none() && spring == 0.0 {
             return;
         }
-        let holds = |(_, stiffness): (&PairForce, &Stiffness)| gap.is_some_and(|gap| stiffness.holds(pair, gap));
-        let list = if spring > 0.0 || lubrication.is_some_and(holds) { stiff } else { soft };
+        let is_stiff = |pairs: &PairLubrication| gap.is_some_and(|gap| pairs.is_stiff(pair, gap));
+        let list = if spring > 0.0 || lubrication.is_some_and(is_stiff) { stiff } else { soft };
         let (other, is_lubricated) = (neighbour.row, gap.is_some());
         let height = positions[row].z + 0.5 * separation.z;
         list.pairs.push(NearPair { separation, distance, height, other, species: pair, is_lubricated });
@@ -151,7 +117,12 @@ impl Assembly<'_> {
 
     /// Makes rows of pairs of one kind, and adds their loads and moments in the ambient flow.
     #[inline(always)]
-    fn part<V: Width<f64>>(&self, listed: &Listed, assembled: &mut Assembled) -> Part {
+    fn part<V: Width<f64>, T: Stored, K: Kind<N>, const N: usize>(
+        &self,
+        listed: &Listed,
+        kind: impl Fn() -> K,
+        (loads, moments): (&mut [Screw], &mut [Traceless]),
+    ) -> Part<T> {
         let order = listed.order();
         let groups = order.chunks(LANES).map(|rows| listed.of(rows[0]).len()).sum();
         let mut part = Part::with_room(self.rows, groups);
@@ -159,53 +130,37 @@ impl Assembly<'_> {
             let slice = Slice::new(rows);
             let (mut sums, mut strained) = (Sums::<V>::zero(), InStrain::zero());
             for place in 0..listed.of(rows[0]).len() {
-                let packed = self.packed::<V>((listed, rows), place);
+                let mut packed = Packed::empty(kind(), (self.first + rows[0] as usize) as u32);
+                self.pack::<V, K, N>((listed, rows), place, &mut packed);
                 packed.assemble(part.group(), (&mut sums, &mut strained), self.arrangement.ambient);
             }
             part.end_slice(slice, &sums.totals());
-            let (loads, moments) = strained.totals();
+            let (added, moved) = strained.totals();
             for (lane, &row) in rows.iter().enumerate() {
-                assembled.loads[row as usize] += loads[lane];
-                assembled.moments[row as usize] += moments[lane];
+                loads[row as usize] += added[lane];
+                moments[row as usize] += moved[lane];
             }
         }
         part
     }
 
-    /// The pairs in a place of the rows' lists.
+    /// Sets the pairs in a place of the rows' lists.
     #[inline(always)]
-    fn packed<V: Width<f64>>(&self, (listed, rows): (&Listed, &[u32]), place: usize) -> Packed {
-        let mut packed = Packed::empty((self.first + rows[0] as usize) as u32);
+    fn pack<V: Width<f64>, K: Kind<N>, const N: usize>(
+        &self,
+        (listed, rows): (&Listed, &[u32]),
+        place: usize,
+        packed: &mut Packed<K, N>,
+    ) {
+        let Arrangement { radii, slope, .. } = *self.arrangement;
         for (lane, &row) in rows.iter().enumerate() {
             let range = listed.of(row);
             if place < range.len() {
-                self.pack::<V>((listed, range.start + place), lane, &mut packed);
+                let k = range.start + place;
+                let pair = &listed.pairs[k];
+                let sizes = pair.species.map(|s| radii[s as usize]);
+                packed.set::<V>(lane, (pair, sizes), listed.springs.get(k), slope);
             }
-        }
-        packed
-    }
-
-    #[inline(always)]
-    fn pack<V: Width<f64>>(&self, (listed, pair): (&Listed, usize), lane: usize, packed: &mut Packed) {
-        let NearPair { separation, distance, height, other, species, is_lubricated } = listed.pairs[pair];
-        let [own, others] = [self.arrangement.radii[species[0] as usize], self.arrangement.radii[species[1] as usize]];
-        let is_larger = own > others;
-        let numbers = &mut packed.records[lane];
-        if let Some((force, _)) = self.arrangement.lubrication.filter(|_| is_lubricated) {
-            let record = numbers.first_chunk_mut().expect("numbers begin with a record");
-            force.record::<Lanes<V>>(distance, species, record);
-        }
-        numbers[IS_LARGER] = f64::from(u8::from(is_larger));
-        packed.others[lane] = other;
-        packed.sloping[lane] = self.arrangement.slope * height;
-        let axis = separation * (if is_larger { -1.0 } else { 1.0 } / distance);
-        for k in 0..3 {
-            packed.axis[k][lane] = axis[k];
-        }
-        if let Some(&[along, slip, rolling]) = listed.springs.get(pair) {
-            numbers[SPRING] = along;
-            packed.touching.set(lane, [slip, rolling], distance, [own, others]);
-            packed.touch |= slip + rolling > 0.0;
         }
     }
 }
@@ -227,59 +182,5 @@ impl Listed {
         let mut rows: Vec<u32> = (0..self.ends.len() as u32).filter(|&row| !self.of(row).is_empty()).collect();
         rows.sort_by_key(|&row| std::cmp::Reverse(self.of(row).len()));
         rows
-    }
-}
-
-impl Packed {
-    /// No pairs, in lanes that stand for any row.
-    #[inline(always)]
-    fn empty(row: u32) -> Self {
-        Self {
-            records: [[0.0; NUMBERS]; LANES],
-            axis: [[0.0; LANES]; 3],
-            sloping: [0.0; LANES],
-            others: [row; LANES],
-            touching: Touching::default(),
-            touch: false,
-        }
-    }
-
-    /// Makes a group of the pairs.
-    #[inline(always)]
-    fn assemble<V: Width<f64>>(
-        &self,
-        (group, moments): (&mut Group, &mut MomentGroup),
-        (sums, strained): (&mut Sums<V>, &mut InStrain<V>),
-        ambient: Traceless,
-    ) {
-        let mut numbers = [[0.0; LANES]; NUMBERS];
-        for (k, lanes) in numbers.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            turn::<V, NUMBERS>(&self.records, k * LANES, lanes);
-        }
-        let mut record = [Lanes::<V>::constant(0.0); RECORD];
-        for k in 0..RECORD {
-            record[k] = Lanes::read(&numbers[k]);
-        }
-        let mut coefficients = Coefficients::of(&record);
-        let spring = Lanes::read(&numbers[SPRING]);
-        for k in 0..2 {
-            coefficients.along[k][k] = coefficients.along[k][k] + spring;
-            coefficients.along[k][1 - k] = coefficients.along[k][1 - k] - spring;
-        }
-        if self.touch {
-            self.touching.add_to(&mut coefficients);
-        }
-        let mut z = [Lanes::constant(0.0); 3];
-        for k in 0..3 {
-            z[k] = Lanes::read(&self.axis[k]);
-        }
-        let is_larger = Lanes::read(&numbers[IS_LARGER]);
-        let view = RowView::new(is_larger);
-        sums.add(&coefficients, &view, z);
-        strained.add(&coefficients, &view, z, (ambient, Lanes::read(&self.sloping)));
-        group.others = self.others;
-        group.axis = self.axis;
-        group.set(&coefficients, &view);
-        moments.set(&coefficients, &view);
     }
 }

@@ -1,6 +1,6 @@
 //! The resistance of spheres at walls.
 
-use super::pair_matrix::Own;
+use super::own::Own;
 use super::screw::{Screw, Screws};
 use super::springs::Springs;
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
@@ -49,7 +49,7 @@ fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 
 
 impl AtWall {
     /// What it adds to the block on the diagonal of its row.
-    pub fn own(&self) -> Own {
+    pub fn own(&self) -> Own<f64> {
         let (z, r) = (self.axis.to_array(), &self.resistance);
         let tensor = |along: f64, across: f64| {
             [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
@@ -80,7 +80,6 @@ impl AtWall {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hydrodynamics::pair_matrix::Padded;
     use crate::hydrodynamics::springs::ContactSprings;
     use crate::tethers::TetherResistance;
     use domain::Boundaries;
@@ -107,7 +106,7 @@ mod tests {
         for at in &found {
             let motion = [Vector::new(0.3, -0.2, 0.9), Vector::new(-0.4, 0.8, 0.1)];
             let expected = at.resistance.by_motion(at.axis, motion);
-            let loads = at.own().times(&Padded::from(&Screw::new(motion[0], motion[1])));
+            let loads = at.own().times(motion.map(|v| v.to_array()));
             let wanted = Screw::new(expected.force, expected.torque).0;
             assert!(loads.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12 * wanted[2].abs()), "{loads:?}");
         }
@@ -122,7 +121,7 @@ mod tests {
         let springs = Springs { resistance: &|_, _| 2.0, contacts: &contacts, tethers: &tethers };
         let found = find(None, Some(&springs), &spheres(), &cell());
         let at = found.iter().find(|at| at.row == 0 && at.axis.z < 0.0).unwrap();
-        let force = |velocity: Vector, turning: Vector| at.own().times(&Padded::from(&Screw::new(velocity, turning)));
+        let force = |velocity: Vector, turning: Vector| at.own().times([velocity.to_array(), turning.to_array()]);
         let along = [force(Vector::Z, Vector::ZERO)[2], force(Vector::X, Vector::ZERO)[0]];
         assert!(along.iter().all(|force| (force - 5.0).abs() < 1e-14), "{along:?}");
         // The lowest point of a sphere that turns about y moves along -x.

@@ -1,60 +1,73 @@
 //! Small dense matrices.
 
+use super::lanes::{LANES, Lanes};
 use super::screw::Screw;
-use bytemuck::{Pod, Zeroable};
-use std::ops::AddAssign;
+use lubrication::Arithmetic;
+use solver::simd::{Vector as Width, Work};
 
-/// A matrix that takes the motion of one particle to loads on one particle, row by row.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
-#[repr(transparent)]
-pub struct Block(pub [[f64; 6]; 6]);
+/// A symmetric matrix that takes loads on one particle to its motion, row by row, and nothing up to a whole vector.
+#[derive(Debug, Clone, Copy)]
+pub struct Block(pub [f64; Block::NUMBERS]);
 
 impl Block {
-    /// The matrix times a screw.
-    pub fn times(&self, screw: &Screw) -> Screw {
-        let mut product = [0.0; 6];
-        for (sum, row) in product.iter_mut().zip(&self.0) {
-            for k in 0..6 {
-                *sum += row[k] * screw.0[k];
-            }
-        }
-        Screw(product)
-    }
+    /// Its numbers: from the first of the last row on there is a whole vector.
+    pub const NUMBERS: usize = 5 * 6 + LANES;
 
-    /// The inverse of a symmetric positive definite matrix, by Gauss's and Jordan's elimination without pivoting.
-    pub fn inverse(&self) -> Self {
-        let mut work = self.0;
-        for pivot in 0..6 {
-            let scale = 1.0 / work[pivot][pivot];
-            work[pivot][pivot] = 1.0;
-            work[pivot] = work[pivot].map(|value| value * scale);
-            let row = work[pivot];
-            for i in (0..6).filter(|&i| i != pivot) {
-                let factor = std::mem::take(&mut work[i][pivot]);
-                work[i].iter_mut().zip(row).for_each(|(value, r)| *value -= factor * r);
-            }
-        }
-        Self(work)
+    /// The matrix times a screw.
+    #[cfg(test)]
+    pub fn times(&self, screw: &Screw) -> Screw {
+        let row = |i: usize| (0..6).map(|k| self.0[6 * i + k] * screw.0[k]).sum();
+        Screw(std::array::from_fn(row))
     }
 }
 
-impl AddAssign for Block {
-    fn add_assign(&mut self, other: Self) {
-        self.0.as_flattened_mut().iter_mut().zip(other.0.as_flattened()).for_each(|(a, b)| *a += b);
+impl Default for Block {
+    fn default() -> Self {
+        Self([0.0; Self::NUMBERS])
+    }
+}
+
+/// Blocks times a screw each.
+pub struct Products<'a> {
+    pub blocks: &'a [Block],
+    pub screws: &'a [Screw],
+    pub products: &'a mut [Screw],
+}
+
+impl Work<f64> for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) {
+        for ((block, screw), product) in self.blocks.iter().zip(self.screws).zip(self.products) {
+            let mut sum = Lanes::<V>::constant(0.0);
+            for k in 0..6 {
+                // A column is a row. What follows it is summed too, and left out.
+                sum = sum.plus(Lanes::constant(screw.0[k]), Lanes::read(&block.0[6 * k..]));
+            }
+            let mut wide = [0.0; LANES];
+            sum.write(&mut wide);
+            product.0.copy_from_slice(&wide[..6]);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use solver::Real;
 
     #[test]
-    fn inverse_undoes_the_matrix() {
-        let block = Block(std::array::from_fn(|i| {
-            std::array::from_fn(|j| if i == j { 2.0 + i as f64 } else { 1.0 / (1.0 + i as f64 + j as f64) })
+    fn products_are_those_of_rows() {
+        let block = Block(std::array::from_fn(|k| {
+            let (i, j) = (k / 6, k % 6);
+            if i == j { 2.0 + i as f64 } else { 1.0 / (1.0 + i as f64 + j as f64) }
         }));
-        let x = Screw([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]);
-        let back = block.inverse().times(&block.times(&x));
-        assert!(back.0.iter().zip(x.0).all(|(a, b)| (a - b).abs() < 1e-13), "{back:?}");
+        let screws = [Screw([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]), Screw([0.0, 1.0, 0.0, 0.0, 0.0, -1.0])];
+        let mut products = [Screw::default(); 2];
+        f64::dispatch(Products { blocks: &[block; 2], screws: &screws, products: &mut products });
+        for (product, screw) in products.iter().zip(&screws) {
+            assert!(product.0.iter().zip(block.times(screw).0).all(|(a, b)| (a - b).abs() < 1e-14), "{product:?}");
+        }
     }
 }

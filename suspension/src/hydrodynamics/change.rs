@@ -100,7 +100,7 @@ impl Hydrodynamics {
         mobility.arrange(cell, particles);
         let (single, strain_resistance) = alone(mobility.plan().viscosity / units.viscosity, &own.radii);
         let is_matrix = self.preconditioned && self.near.is_some();
-        let matrix = is_matrix.then(|| ParticleMatrix::new((comm, &near), &[near.stiff()], &single, ROUGH));
+        let matrix = is_matrix.then(|| ParticleMatrix::new((comm, &near), &single, ROUGH));
         let start = guessed(&near, &single, &scaled::found(found, &units));
         let loads = scaled::times(loads, 1.0 / units.torque());
         let known = Screws::new(own.len(), &loads.forces, &loads.torques);

@@ -1,7 +1,6 @@
 //! The coupled system of lubrication forces and stresslets.
 
-use super::near_pairs::NearPairs;
-use super::pair_matrix::PairMatrix;
+use super::near_pairs::{NearPairs, Pairs};
 use super::particle_matrix::ParticleMatrix;
 use super::scaled::Scaled;
 use super::screw::{Screw, Screws};
@@ -187,9 +186,9 @@ impl System for Coupled<'_> {
                 let [motions, loads] = matrix.solve(&loads);
                 Resisted { motions, loads }
             }
-            None => resisted(self.near, self.near.stiff(), &residual.stiff),
+            None => resisted(self.near, Pairs::Stiff, &residual.stiff),
         };
-        let soft = resisted(self.near, self.near.soft(), &residual.soft);
+        let soft = resisted(self.near, Pairs::Soft, &residual.soft);
         let moments = residual.strain_rates.iter().zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
         self.correction = Unknowns { stiff, soft, moments };
         self.correction.clone()
@@ -224,7 +223,7 @@ impl Coupled<'_> {
 }
 
 /// Motions and what some pairs resist to them. Collective.
-pub fn resisted(near: &NearPairs, pairs: &PairMatrix, motions: &Screws) -> Resisted {
+pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &Screws) -> Resisted {
     Resisted { loads: near.times(&[pairs], motions), motions: motions.clone() }
 }
 

@@ -38,6 +38,11 @@ impl<V: Vector<f64>> Arithmetic for Lanes<V> {
     }
 
     #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        Self(self.0.div(divisor.0))
+    }
+
+    #[inline(always)]
     fn read(from: &[f64]) -> Self {
         const { assert!(V::LANES == LANES) };
         let from = &from[..LANES];
@@ -75,5 +80,40 @@ impl<V: Vector<f64>> Mul for Lanes<V> {
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         Self(self.0.mul(other.0))
+    }
+}
+
+/// Numbers as they are stored, a lane each.
+pub trait Stored: bytemuck::Zeroable + Copy + Send + Sync {
+    /// The lanes of stored numbers.
+    fn lanes<V: Vector<f64>>(stored: &[Self; LANES]) -> Lanes<V>;
+
+    /// Stores lanes, rounded if need be.
+    fn store<V: Vector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]);
+}
+
+impl Stored for f64 {
+    #[inline(always)]
+    fn lanes<V: Vector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
+        Lanes::read(stored)
+    }
+
+    #[inline(always)]
+    fn store<V: Vector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
+        lanes.write(to);
+    }
+}
+
+impl Stored for f32 {
+    #[inline(always)]
+    fn lanes<V: Vector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
+        Lanes::read(&stored.map(f64::from))
+    }
+
+    #[inline(always)]
+    fn store<V: Vector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
+        let mut wide = [0.0; LANES];
+        lanes.write(&mut wide);
+        *to = wide.map(|number| number as Self);
     }
 }

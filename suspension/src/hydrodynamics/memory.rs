@@ -2,13 +2,14 @@
 
 use super::block::Block;
 use super::lanes::LANES;
-use super::pair_matrix::{Group, MomentGroup, Own};
+use super::own::Own;
+use super::pair_matrix::{Group, MomentGroup};
 use super::screw::Screw;
 use domain::{Bytes, ExpectedCounts, Halo, Traceless, Vector, VerletList};
 use fcm::Footprint;
 use lubrication::{PairForce, Range};
 
-/// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::Stiffness`] finds, about.
+/// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::PairLubrication`] finds, about.
 const STIFF: f64 = 0.5;
 
 /// How far the most pairs of a slice of rows are above the mean, in standard deviations, the rows of a part being sorted.
@@ -48,10 +49,11 @@ fn near_pairs(expected: &ExpectedCounts, range: Range) -> (Bytes, Bytes) {
     let numbers = [reach, reach * VerletList::REACH].map(|reach| expected.neighbours(reach));
     let lists = VerletList::bytes([owned, present, expected.total()], numbers);
     let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
-    let groups = groups(stiff) + groups(numbers[0] - stiff);
-    let rows = Bytes::list::<([Own; 2], [u32; 2], Screw, Traceless)>(owned);
+    let soft = numbers[0] - stiff;
+    let rows = Bytes::list::<([Own<f64>; 2], [u32; 2], Screw, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
-    let pairs = Bytes::list::<(Group, MomentGroup)>(groups * owned);
+    let pairs = Bytes::list::<(Group<f64>, MomentGroup<f64>)>(groups(stiff) * owned)
+        .then(Bytes::list::<(Group<f32>, MomentGroup<f32>)>(groups(soft) * owned));
     (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
 }
 

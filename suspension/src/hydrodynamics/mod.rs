@@ -8,15 +8,16 @@ mod coupled;
 mod lanes;
 pub mod memory;
 mod near_pairs;
+mod own;
+mod packed;
+mod pair_lubrication;
 mod pair_matrix;
 mod pair_noise;
 mod particle_matrix;
 mod row_sums;
-mod row_view;
 mod scaled;
 mod screw;
 mod springs;
-mod stiffness;
 mod touching;
 
 pub use change::Found;
@@ -26,13 +27,13 @@ use fcm::{
     Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
 };
 use lubrication::{PairForce, PairForceError, Range, WallForce};
-use near_pairs::{NearField, NearPairs};
+use near_pairs::{NearField, NearPairs, Pairs};
+use pair_lubrication::PairLubrication;
 use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
 use screw::{Screw, Screws};
 pub use springs::{ContactSprings, Springs};
 use std::f64::consts::PI;
-use stiffness::Stiffness;
 
 /// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added. As
 /// with those, results have the same digits in any units.
@@ -132,13 +133,10 @@ impl Hydrodynamics {
         let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
         let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
         let force = short_range.lubrication.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
-        let lubrication = force.map(|force| {
-            let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
-            let stiffness = Stiffness::new(&force, &single);
-            (force, stiffness)
-        });
+        let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
+        let lubrication = force.map(|force| PairLubrication::new(force, &single));
         let reaches =
-            [lubrication.as_ref().map(|(force, _)| force.reach()), short_range.springs.map(|r| r / units.length)];
+            [lubrication.as_ref().map(|pairs| pairs.force.reach()), short_range.springs.map(|r| r / units.length)];
         let at_walls = short_range.lubrication.filter(|_| plan.boundaries.walls() > 0);
         let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
         let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
@@ -283,7 +281,7 @@ fn lubricated(
     let viscosity = plan.viscosity / mobility.units.viscosity;
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let (single, strain_resistance) = alone(viscosity, radii);
-    let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &[near.stiff()], &single, ROUGH));
+    let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &single, ROUGH));
     let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
     let is_rigid = plan.multipoles == Multipoles::Dipole;
@@ -351,7 +349,7 @@ fn start<'a>(
         let mut loads = known.clone();
         let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
         loads.add_resisted(1.0, single, &induced);
-        motions = matrix.solve_with(near.soft(), motions, &loads, tolerance);
+        motions = matrix.solve_with_all(motions, &loads, tolerance);
     }
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
     moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
@@ -361,7 +359,7 @@ fn start<'a>(
 /// The unknowns that go with motions of the particles. Collective.
 fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
     let against = motions.negative();
-    let [stiff, soft] = [near.stiff(), near.soft()].map(|pairs| resisted(near, pairs, &against));
+    let [stiff, soft] = [Pairs::Stiff, Pairs::Soft].map(|pairs| resisted(near, pairs, &against));
     Unknowns { stiff, soft, moments }
 }
 

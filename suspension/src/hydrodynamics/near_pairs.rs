@@ -2,19 +2,20 @@
 
 use super::assembly::{Arrangement, Assembled, Assembly};
 use super::at_walls::{self, AtWall};
-use super::pair_matrix::{Own, Padded, PairMatrix, ROWS};
+use super::own::Own;
+use super::pair_lubrication::PairLubrication;
+use super::pair_matrix::{Padded, PairMatrix, ROWS};
 use super::screw::Screws;
 use super::springs::Springs;
-use super::stiffness::Stiffness;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Linear;
-use lubrication::{PairForce, WallForce};
+use lubrication::WallForce;
 use rayon::prelude::*;
 use solver::Real;
 
 /// Forces between near particles, and the lists of who is near.
 pub struct NearField {
-    pub lubrication: Option<(PairForce, Stiffness)>,
+    pub lubrication: Option<PairLubrication>,
     /// Lubrication at walls, if there are any.
     pub at_walls: Option<WallForce>,
     pub lists: VerletList,
@@ -50,12 +51,21 @@ impl NearField {
     }
 }
 
+/// Which pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pairs {
+    /// Stiff ones, and spheres at walls and in traps.
+    Stiff,
+    /// The others.
+    Soft,
+}
+
 /// The resistance of the near pairs of the particles that a rank owns, with what is needed of ghosts.
 pub struct NearPairs {
     halo: Halo,
-    /// With what walls resist.
-    stiff: PairMatrix,
-    soft: PairMatrix,
+    /// With what walls resist. In double precision: near contact, the resistances of both spheres all but cancel.
+    stiff: PairMatrix<f64>,
+    soft: PairMatrix<f32>,
     at_walls: Vec<AtWall>,
     /// Loads and moments in the ambient flow of particles that do not move relative to it.
     loads: Screws,
@@ -77,7 +87,7 @@ impl NearPairs {
         let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
         let NearField { lubrication, at_walls, lists, radii, .. } = field;
         let neighbours = lists.neighbours();
-        let lubrication = lubrication.as_ref().map(|(force, stiffness)| (force, stiffness));
+        let lubrication = lubrication.as_ref();
         let (positions, species) = (&positions, &species);
         let ids = &ids;
         let arrangement =
@@ -118,8 +128,8 @@ impl NearPairs {
         let (loads, moments) = (Screws::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
         Self {
             halo,
-            stiff: PairMatrix::default(),
-            soft: PairMatrix::default(),
+            stiff: PairMatrix::new(Vec::new()),
+            soft: PairMatrix::new(Vec::new()),
             at_walls: Vec::new(),
             loads,
             moments,
@@ -132,22 +142,23 @@ impl NearPairs {
         self.stiff.is_empty() && self.soft.is_empty() && self.at_walls.is_empty() && !self.has_traps
     }
 
-    /// What resists motions of stiff pairs, and of spheres at walls.
-    pub fn stiff(&self) -> &PairMatrix {
+    /// What resists motions of stiff pairs, and of spheres at walls and in traps.
+    pub fn stiff(&self) -> &PairMatrix<f64> {
         &self.stiff
     }
 
-    /// What resists those of the others.
-    pub fn soft(&self) -> &PairMatrix {
-        &self.soft
-    }
-
-    /// Some of them times the motions of the particles that this rank owns. Collective.
-    pub fn times(&self, pairs: &[&PairMatrix], motions: &Screws) -> Screws {
+    /// What some pairs resist to the motions of the particles that this rank owns. Collective.
+    pub fn times(&self, pairs: &[Pairs], motions: &Screws) -> Screws {
         let present = self.present(motions);
         let mut loads = Screws::zero(motions.0.len());
-        for matrix in pairs {
-            loads.add(1.0, &Screws(matrix.times(&present)));
+        for pairs in pairs {
+            loads.add(
+                1.0,
+                &Screws(match pairs {
+                    Pairs::Stiff => self.stiff.times(&present),
+                    Pairs::Soft => self.soft.times(&present),
+                }),
+            );
         }
         loads
     }

@@ -1,7 +1,8 @@
 //! The lubrication resistance of many pairs as a sparse matrix.
 
 use super::block::Block;
-use super::lanes::{LANES, Lanes, turn};
+use super::lanes::{LANES, Lanes, Stored, turn};
+use super::own::{Inverses, Own};
 use super::screw::Screw;
 use bytemuck::Zeroable;
 use domain::Traceless;
@@ -18,20 +19,19 @@ pub const ROWS: usize = 64;
 /// pair stands in the rows of both.
 ///
 /// Rows are worked out several at once, a lane each, pair by pair: the rows with the most pairs of a part together, so
-/// that few lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352).
-#[derive(Default)]
-pub struct PairMatrix {
-    parts: Vec<Part>,
+/// that few lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352). The numbers of pairs are stored in
+/// single or double precision, their sums and what is on the diagonal always in double.
+pub struct PairMatrix<T> {
+    parts: Vec<Part<T>>,
 }
 
 /// The rows of some particles.
-#[derive(Default)]
-pub struct Part {
+pub struct Part<T> {
     /// What is on the diagonal.
-    own: Vec<Own>,
+    own: Vec<Own<f64>>,
     slices: Vec<Slice>,
-    groups: Vec<Group>,
-    moments: Vec<MomentGroup>,
+    groups: Vec<Group<T>>,
+    moments: Vec<MomentGroup<T>>,
 }
 
 /// Rows that are worked out at once; those without pairs are in none.
@@ -44,28 +44,19 @@ pub struct Slice {
     end: usize,
 }
 
-/// The block on the diagonal: forces by velocities, torques by angular velocities, each a symmetric matrix by its
-/// components xx, xy, xz, yy, yz, zz; and the vector `c` of `F = Omega x c` and `L = c x U`.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Own {
-    pub force: [f64; 6],
-    pub torque: [f64; 6],
-    pub coupling: [f64; 3],
-}
-
 /// A pair of each row of a slice, by what the motion of the other particle makes of loads; empty lanes have zeros.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
-pub struct Group {
-    pub axis: [[f64; LANES]; 3],
-    pub across: [f64; LANES],
+pub struct Group<T> {
+    pub axis: [[T; LANES]; 3],
+    pub across: [T; LANES],
     /// `along - across`
-    pub along: [f64; LANES],
-    pub roll: [f64; LANES],
+    pub along: [T; LANES],
+    pub roll: [T; LANES],
     /// `spin - roll`
-    pub spin: [f64; LANES],
+    pub spin: [T; LANES],
     /// Force by the angular velocity of the other, and torque by its velocity.
-    pub coupling: [[f64; LANES]; 2],
+    pub coupling: [[T; LANES]; 2],
     /// Rows of the others.
     pub others: [u32; LANES],
 }
@@ -73,10 +64,10 @@ pub struct Group {
 /// First moments of the rows' particles by motions, of themselves and of the others.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
-pub struct MomentGroup {
-    pub pull: [[f64; LANES]; 2],
-    pub drag: [[f64; LANES]; 2],
-    pub turn: [[f64; LANES]; 2],
+pub struct MomentGroup<T> {
+    pub pull: [[T; LANES]; 2],
+    pub drag: [[T; LANES]; 2],
+    pub turn: [[T; LANES]; 2],
 }
 
 impl Slice {
@@ -93,7 +84,7 @@ impl Slice {
     }
 }
 
-impl Part {
+impl<T: Stored> Part<T> {
     /// So many rows without pairs, and room for so many groups.
     pub fn with_room(rows: usize, groups: usize) -> Self {
         let (groups, moments) = (Vec::with_capacity(groups), Vec::with_capacity(groups));
@@ -102,7 +93,7 @@ impl Part {
 
     /// Appends an empty group to the slice that is being made.
     #[inline(always)]
-    pub fn group(&mut self) -> (&mut Group, &mut MomentGroup) {
+    pub fn group(&mut self) -> (&mut Group<T>, &mut MomentGroup<T>) {
         self.groups.push(Group::zeroed());
         self.moments.push(MomentGroup::zeroed());
         let last = self.groups.len() - 1;
@@ -110,7 +101,7 @@ impl Part {
     }
 
     /// Ends a slice, whose rows have these blocks on the diagonal, lane by lane.
-    pub fn end_slice(&mut self, slice: Slice, own: &[Own; LANES]) {
+    pub fn end_slice(&mut self, slice: Slice, own: &[Own<f64>; LANES]) {
         for (&row, own) in slice.rows().iter().zip(own) {
             self.own[row as usize] = *own;
         }
@@ -124,9 +115,9 @@ impl Part {
     }
 }
 
-impl PairMatrix {
+impl<T: Stored> PairMatrix<T> {
     /// Of parts of [`ROWS`] rows each, but for the last.
-    pub fn new(parts: Vec<Part>) -> Self {
+    pub fn new(parts: Vec<Part<T>>) -> Self {
         Self { parts }
     }
 
@@ -136,16 +127,15 @@ impl PairMatrix {
     }
 
     /// Adds to the block on the diagonal of a row.
-    pub fn add_own(&mut self, row: usize, own: &Own) {
-        let sum = &mut self.parts[row / ROWS].own[row % ROWS];
-        sum.force.iter_mut().zip(own.force).for_each(|(sum, value)| *sum += value);
-        sum.torque.iter_mut().zip(own.torque).for_each(|(sum, value)| *sum += value);
-        sum.coupling.iter_mut().zip(own.coupling).for_each(|(sum, value)| *sum += value);
+    pub fn add_own(&mut self, row: usize, own: &Own<f64>) {
+        self.parts[row / ROWS].own[row % ROWS].add(own);
     }
 
-    /// The block on the diagonal of a row.
-    pub fn block(&self, row: usize) -> Block {
-        self.parts[row / ROWS].own[row % ROWS].block()
+    /// The inverses of the blocks on the diagonal with what particles resist alone.
+    pub fn inverses(&self, single: &[Screw]) -> Vec<Block> {
+        let of_part = |(part, single): (&Part<T>, &[Screw])| f64::dispatch(Inverses { own: &part.own, single });
+        let parts: Vec<Vec<Block>> = self.parts.par_iter().zip(single.par_chunks(ROWS)).map(of_part).collect();
+        parts.concat()
     }
 
     /// The matrix times the motions of all particles present: the loads of those that the rank owns.
@@ -162,46 +152,6 @@ impl PairMatrix {
         moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (moments, part))| {
             f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
         });
-    }
-}
-
-impl Own {
-    /// What resists to all velocities alike.
-    pub fn against_velocity(resistance: f64) -> Self {
-        Self { force: [resistance, 0.0, 0.0, resistance, 0.0, resistance], ..Self::default() }
-    }
-
-    /// All of its numbers.
-    fn block(&self) -> Block {
-        let mut rows = [[0.0; 6]; 6];
-        for (corner, [xx, xy, xz, yy, yz, zz]) in [(0, self.force), (3, self.torque)] {
-            for (i, row) in [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].into_iter().enumerate() {
-                rows[corner + i][corner..corner + 3].copy_from_slice(&row);
-            }
-        }
-        for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
-            // Omega x c, and c x U.
-            rows[i][3 + j] = self.coupling[k];
-            rows[j][3 + i] = -self.coupling[k];
-            rows[3 + i][j] = -self.coupling[k];
-            rows[3 + j][i] = self.coupling[k];
-        }
-        Block(rows)
-    }
-
-    #[inline(always)]
-    pub fn times(&self, motion: &Padded) -> [f64; 6] {
-        let [ux, uy, uz, ox, oy, oz, ..] = motion.0;
-        let ([a, b, c, d, e, f], [p, q, r, s, t, u]) = (self.force, self.torque);
-        let [x, y, z] = self.coupling;
-        [
-            a * ux + b * uy + c * uz + oy * z - oz * y,
-            b * ux + d * uy + e * uz + oz * x - ox * z,
-            c * ux + e * uy + f * uz + ox * y - oy * x,
-            p * ox + q * oy + r * oz + y * uz - z * uy,
-            q * ox + s * oy + t * oz + z * ux - x * uz,
-            r * ox + t * oy + u * oz + x * uy - y * ux,
-        ]
     }
 }
 
@@ -257,25 +207,30 @@ fn cross<V: Width<f64>>(a: [Lanes<V>; 3], b: [Lanes<V>; 3]) -> [Lanes<V>; 3] {
 }
 
 #[inline(always)]
-fn axis<V: Width<f64>>(group: &Group) -> [Lanes<V>; 3] {
-    [Lanes::read(&group.axis[0]), Lanes::read(&group.axis[1]), Lanes::read(&group.axis[2])]
+fn axis<T: Stored, V: Width<f64>>(group: &Group<T>) -> [Lanes<V>; 3] {
+    [T::lanes(&group.axis[0]), T::lanes(&group.axis[1]), T::lanes(&group.axis[2])]
 }
 
 /// Some rows of the matrix times motions.
-struct Product<'a> {
-    part: &'a Part,
+struct Product<'a, T> {
+    part: &'a Part<T>,
     first: usize,
     present: &'a [Padded],
     loads: &'a mut [Screw],
 }
 
-impl Work<f64> for Product<'_> {
+impl<T: Stored> Work<f64> for Product<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
-        for row in 0..self.loads.len() {
-            self.loads[row] = Screw(self.part.own[row].times(&self.present[self.first + row]));
+        for (k, (own, loads)) in self.part.own.chunks(LANES).zip(self.loads.chunks_mut(LANES)).enumerate() {
+            let mut rows = [(self.first + k * LANES) as u32; LANES];
+            (0..own.len()).for_each(|lane| rows[lane] += lane as u32);
+            let records = scattered(&Own::<Lanes<V>>::of(own).times(gathered(self.present, &rows)));
+            for (load, record) in loads.iter_mut().zip(&records) {
+                load.0.copy_from_slice(&record[..6]);
+            }
         }
         for (slice, groups) in self.part.slices() {
             let mut sums = [Lanes::<V>::constant(0.0); 6];
@@ -293,16 +248,16 @@ impl Work<f64> for Product<'_> {
     }
 }
 
-impl Group {
+impl<T: Stored> Group<T> {
     /// Adds the loads by the motions of the others.
     #[inline(always)]
     fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [Lanes<V>; 6]) {
-        let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<V>(self));
-        let along = dot(z, u) * Lanes::read(&self.along);
-        let spin = dot(z, o) * Lanes::read(&self.spin);
+        let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<T, V>(self));
+        let along = dot(z, u) * T::lanes(&self.along);
+        let spin = dot(z, o) * T::lanes(&self.spin);
         let (turning, moving) = (cross(o, z), cross(z, u));
-        let (across, roll) = (Lanes::read(&self.across), Lanes::read(&self.roll));
-        let coupling = [Lanes::read(&self.coupling[0]), Lanes::read(&self.coupling[1])];
+        let (across, roll) = (T::lanes(&self.across), T::lanes(&self.roll));
+        let coupling = [T::lanes(&self.coupling[0]), T::lanes(&self.coupling[1])];
         for k in 0..3 {
             sums[k] = sums[k].plus(across, u[k]).plus(along, z[k]).plus(coupling[0], turning[k]);
             sums[3 + k] = sums[3 + k].plus(roll, o[k]).plus(spin, z[k]).plus(coupling[1], moving[k]);
@@ -311,14 +266,14 @@ impl Group {
 }
 
 /// First moments of some rows.
-struct MomentRows<'a> {
-    part: &'a Part,
+struct MomentRows<'a, T> {
+    part: &'a Part<T>,
     first: usize,
     present: &'a [Padded],
     sums: &'a mut [Traceless],
 }
 
-impl Work<f64> for MomentRows<'_> {
+impl<T: Stored> Work<f64> for MomentRows<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -344,23 +299,23 @@ impl Work<f64> for MomentRows<'_> {
     }
 }
 
-impl MomentGroup {
+impl<T: Stored> MomentGroup<T> {
     /// Adds the moments by the motions of the rows' particles and of the others.
     #[inline(always)]
     fn add<V: Width<f64>>(
         &self,
-        group: &Group,
+        group: &Group<T>,
         (present, of_own): (&[Padded], [[Lanes<V>; 3]; 2]),
         sums: &mut [Lanes<V>; 5],
     ) {
-        let z = axis::<V>(group);
+        let z = axis::<T, V>(group);
         let of_others = gathered::<V>(present, &group.others);
         let mut stretch = Lanes::constant(0.0);
         let mut shear = [Lanes::constant(0.0); 3];
         for (k, [u, o]) in [of_own, of_others].into_iter().enumerate() {
             let (along, turning) = (dot(z, u), cross(o, z));
-            let (drag, turn) = (Lanes::read(&self.drag[k]), Lanes::read(&self.turn[k]));
-            stretch = stretch.plus(along, Lanes::read(&self.pull[k]));
+            let (drag, turn) = (T::lanes(&self.drag[k]), T::lanes(&self.turn[k]));
+            stretch = stretch.plus(along, T::lanes(&self.pull[k]));
             for i in 0..3 {
                 shear[i] = shear[i].plus(drag, u[i] - along * z[i]).plus(turn, turning[i]);
             }

@@ -2,6 +2,7 @@
 
 use super::lanes::Lanes;
 use super::near_pairs::{NearField, Present};
+use super::pair_lubrication::PairLubrication;
 use domain::{Neighbours, Particles, Partition, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};
 use lubrication::{PairFactor, PairForce, WallFactor, WallForce};
@@ -28,7 +29,7 @@ pub fn loads(
     let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
     let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
     halo.extend(&mut steps);
-    let Some((force, _)) = &field.lubrication else { return Loads::default() };
+    let Some(PairLubrication { force, .. }) = &field.lubrication else { return Loads::default() };
     let (owned, neighbours) = (particles.len(), field.lists.neighbours());
     let (positions, ids, species, steps) = (&positions[..], &ids[..], &species[..], &steps[..]);
     let of_batch = |batch: usize| {

@@ -1,19 +1,19 @@
 //! The resistance of particles without far field, a sparse matrix, and what particles do by it alone.
 
-use super::block::Block;
-use super::near_pairs::NearPairs;
-use super::pair_matrix::PairMatrix;
+use super::block::{Block, Products};
+use super::near_pairs::{NearPairs, Pairs};
 use super::screw::{Screw, Screws};
 use domain::{Comm, Interrupt};
 use fcm::{Limits, Linear, System, conjugate_gradients};
 use rayon::prelude::*;
+use solver::Real;
 
-/// `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of some near pairs: what particles
+/// `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs: what particles
 /// resist to their rigid motions if they feel one another by the lubrication of these alone.
 pub struct ParticleMatrix<'a> {
     comm: Comm,
     near: &'a NearPairs,
-    pairs: Vec<&'a PairMatrix>,
+    pairs: &'static [Pairs],
     single: &'a [Screw],
     /// Inverse blocks of the diagonal.
     inverse: Vec<Block>,
@@ -25,27 +25,17 @@ pub struct ParticleMatrix<'a> {
 const LEAST_TOLERANCE: f64 = 1e-10;
 const SHARPER: f64 = 1e-2;
 
+/// Particles that one thread preconditions at a time.
+const BATCH: usize = 256;
+
 /// Most iterations of a solve.
 const MOST_ITERATIONS: usize = 2000;
 
 impl<'a> ParticleMatrix<'a> {
-    /// For some of the near pairs of particles with the given resistances alone.
-    pub fn new(
-        (comm, near): (&Comm, &'a NearPairs),
-        pairs: &[&'a PairMatrix],
-        single: &'a [Screw],
-        tolerance: f64,
-    ) -> Self {
-        let block = |row: usize| {
-            let mut block = Block::default();
-            for matrix in pairs {
-                block += matrix.block(row);
-            }
-            (0..6).for_each(|k| block.0[k][k] += single[row].0[k]);
-            block.inverse()
-        };
-        let inverse = (0..single.len()).into_par_iter().with_min_len(256).map(block).collect();
-        Self { comm: comm.clone(), near, pairs: pairs.to_vec(), single, inverse, tolerance }
+    /// For near pairs of particles with the given resistances alone.
+    pub fn new((comm, near): (&Comm, &'a NearPairs), single: &'a [Screw], tolerance: f64) -> Self {
+        let inverse = near.stiff().inverses(single);
+        Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, tolerance }
     }
 
     /// The motions under the given loads, nearly, and what the pairs resist to them. Collective.
@@ -60,21 +50,15 @@ impl<'a> ParticleMatrix<'a> {
         [motions, resisted]
     }
 
-    /// The motions under the given loads with these pairs and others, with an error of `tolerance`, sought from some motions
+    /// The motions under the given loads with all pairs, with an error of `tolerance`, sought from some motions
     /// on. Collective.
-    pub fn solve_with(
-        &mut self,
-        others: &'a PairMatrix,
-        mut motions: Screws,
-        loads: &Screws,
-        tolerance: f64,
-    ) -> Screws {
-        self.pairs.push(others);
+    pub fn solve_with_all(&mut self, mut motions: Screws, loads: &Screws, tolerance: f64) -> Screws {
+        self.pairs = &[Pairs::Stiff, Pairs::Soft];
         let mut residual = loads.clone();
         residual.add(-1.0, &self.apply(&motions));
         let (comm, limits) = (self.comm.clone(), Limits { tolerance, ..self.limits() });
         conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
-        self.pairs.pop();
+        self.pairs = &[Pairs::Stiff];
         motions
     }
 
@@ -108,7 +92,7 @@ impl System for ParticleMatrix<'_> {
     }
 
     fn apply(&mut self, direction: &Screws) -> Screws {
-        let mut loads = self.near.times(&self.pairs, direction);
+        let mut loads = self.near.times(self.pairs, direction);
         loads.add_resisted(1.0, self.single, direction);
         loads
     }
@@ -116,7 +100,11 @@ impl System for ParticleMatrix<'_> {
     fn stepped(&mut self, _: f64) {}
 
     fn precondition(&mut self, residual: &Screws) -> Screws {
-        Screws(self.inverse.par_iter().with_min_len(256).zip(&residual.0).map(|(block, r)| block.times(r)).collect())
+        let mut motions = Screws::zero(residual.0.len());
+        let chunks =
+            self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
+        chunks.for_each(|((blocks, screws), products)| f64::dispatch(Products { blocks, screws, products }));
+        motions
     }
 
     /// That of the motions of single spheres under the residual: the energy norm would see stiff pairs above all, and their

@@ -1,11 +1,11 @@
 //! What the pairs of several rows add up to, a lane each.
 
 use super::lanes::{LANES, Lanes};
-use super::pair_matrix::{Own, add_tensor, scattered};
-use super::row_view::RowView;
+use super::own::Own;
+use super::pair_matrix::{add_tensor, scattered};
 use super::screw::Screw;
 use domain::Traceless;
-use lubrication::{Arithmetic, Coefficients};
+use lubrication::{Arithmetic, Side};
 use solver::simd::Vector as Width;
 
 /// Blocks on the diagonal.
@@ -35,10 +35,9 @@ impl<V: Width<f64>> Sums<V> {
 
     /// Adds a pair of each row, along these axes.
     #[inline(always)]
-    pub fn add(&mut self, c: &Coefficients<Lanes<V>>, view: &RowView<V>, z: [Lanes<V>; 3]) {
-        let (across, roll) = (view.on_itself(c.across), view.on_itself(c.roll));
-        let (along, spin) = (view.on_itself(c.along) - across, view.on_itself(c.spin) - roll);
-        let coupling = view.on_itself(c.coupling);
+    pub fn add(&mut self, side: &Side<Lanes<V>>, z: [Lanes<V>; 3]) {
+        let (across, roll, coupling) = (side.across[0], side.roll[0], side.coupling[0]);
+        let (along, spin) = (side.along[0] - across, side.spin[0] - roll);
         for (k, (i, j)) in SYMMETRIC.into_iter().enumerate() {
             self.force[k] = self.force[k].plus(along * z[i], z[j]);
             self.torque[k] = self.torque[k].plus(spin * z[i], z[j]);
@@ -54,7 +53,7 @@ impl<V: Width<f64>> Sums<V> {
 
     /// The block of each row.
     #[inline(always)]
-    pub fn totals(&self) -> [Own; LANES] {
+    pub fn totals(&self) -> [Own<f64>; LANES] {
         let [force, torque, coupling] = [scattered(&self.force), scattered(&self.torque), scattered(&self.coupling)];
         let mut own = [Own::default(); LANES];
         for lane in 0..LANES {
@@ -76,13 +75,7 @@ impl<V: Width<f64>> InStrain<V> {
 
     /// Adds a pair of each row, along these axes, in an ambient rate of strain whose xz component is larger there.
     #[inline(always)]
-    pub fn add(
-        &mut self,
-        c: &Coefficients<Lanes<V>>,
-        view: &RowView<V>,
-        z: [Lanes<V>; 3],
-        (ambient, sloping): (Traceless, Lanes<V>),
-    ) {
+    pub fn add(&mut self, side: &Side<Lanes<V>>, z: [Lanes<V>; 3], (ambient, sloping): (Traceless, Lanes<V>)) {
         let [xx, xy, xz, yy, yz] = ambient.0;
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]];
         let mut across = [sloping * z[2], Lanes::<V>::constant(0.0), sloping * z[0]];
@@ -95,8 +88,7 @@ impl<V: Width<f64>> InStrain<V> {
         for i in 0..3 {
             across[i] = across[i] - along * z[i];
         }
-        let (push, slide, twist) = (view.own(c.push) * along, view.own(c.slide), view.own(c.twist));
-        let bend = view.own(c.bend);
+        let (push, slide, twist, bend) = (side.push * along, side.slide, side.twist, side.bend);
         let mut shear = across;
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -104,8 +96,8 @@ impl<V: Width<f64>> InStrain<V> {
             self.torque[i] = self.torque[i].plus(twist, z[j] * across[k] - z[k] * across[j]);
             shear[i] = bend * across[i];
         }
-        add_tensor(view.own(c.stretch) * along, shear, z, &mut self.moment);
-        let bulk = view.own(c.bulk);
+        add_tensor(side.stretch * along, shear, z, &mut self.moment);
+        let bulk = side.bulk;
         for (k, component) in ambient.0.into_iter().enumerate() {
             self.moment[k] = self.moment[k].plus(bulk, Lanes::constant(component));
         }

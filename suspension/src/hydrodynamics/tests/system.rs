@@ -45,9 +45,8 @@ impl Setting {
         let (cell, partition) = (plan.cell(), Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
         let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
         let alone: Vec<Screw> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
-        let stiffness = Stiffness::new(&force, &alone);
         let (reach, radii) = (force.reach(), plan.radii.clone());
-        let (lubrication, lists) = (Some((force, stiffness)), VerletList::new(reach, &partition));
+        let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));
         let mut field = NearField { lubrication, at_walls: None, lists, radii, reach };
         let near = NearPairs::find((&mut field, None), &particles, (&cell, (Traceless::ZERO, 0.0)), &partition);
         let mut mobility = Mobility::new(&plan, &partition);
@@ -74,8 +73,8 @@ impl Setting {
             moments[particle] = orthonormal()[component] * self.strain_resistance[particle].sqrt();
         }
         let [stiff, soft] = motions;
-        let stiff = resisted(&self.near, self.near.stiff(), &stiff);
-        Unknowns { stiff, soft: resisted(&self.near, self.near.soft(), &soft), moments }
+        let stiff = resisted(&self.near, Pairs::Stiff, &stiff);
+        Unknowns { stiff, soft: resisted(&self.near, Pairs::Soft, &soft), moments }
     }
 
     fn system(&mut self) -> Coupled<'_> {
@@ -83,7 +82,7 @@ impl Setting {
         let resisted = Resisted { motions: nothing.clone(), loads: nothing.clone() };
         let moments = vec![Traceless::ZERO; self.spheres()];
         let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
-        let matrix = Some(ParticleMatrix::new((&Comm::alone(), &self.near), &[self.near.stiff()], &self.single, 0.1));
+        let matrix = Some(ParticleMatrix::new((&Comm::alone(), &self.near), &self.single, 0.1));
         let mobility = Scaled { mobility: &mut self.mobility, units: Units::ONE };
         Coupled::new(mobility, &self.near, matrix, (&self.single, &self.strain_resistance), (&nothing, &STILL, &start))
     }
@@ -147,7 +146,7 @@ fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
 fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     let mut setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
-    let mut matrix = ParticleMatrix::new((&Comm::alone(), near), &[near.stiff()], single, 0.1);
+    let mut matrix = ParticleMatrix::new((&Comm::alone(), near), single, 0.1);
     let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
     let error = |matrix: &mut ParticleMatrix| {
         let [motions, _] = matrix.solve(&loads);
@@ -174,8 +173,8 @@ fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
     let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
-    let [motions, resisted] = ParticleMatrix::new((&Comm::alone(), near), &[near.stiff()], single, 0.1).solve(&loads);
-    let mut difference = near.times(&[near.stiff()], &motions);
+    let [motions, resisted] = ParticleMatrix::new((&Comm::alone(), near), single, 0.1).solve(&loads);
+    let mut difference = near.times(&[Pairs::Stiff], &motions);
     let size = difference.dot(&difference).sqrt();
     difference.add(-1.0, &resisted);
     let error = difference.dot(&difference).sqrt();

@@ -1,10 +1,34 @@
-//! Stiff pairs, which the preconditioner solves with the particles.
+//! Lubrication between spheres, of stiff pairs, which the preconditioner solves with the particles, and of the others.
 
 use super::screw::Screw;
-use lubrication::PairForce;
+use lubrication::{PairForce, SideTables};
+
+/// Lubrication between spheres.
+pub struct PairLubrication {
+    /// Of all pairs.
+    pub force: PairForce,
+    /// Of those that are not stiff, in tables of their own.
+    pub soft: SideTables,
+    stiffness: Stiffness,
+}
+
+impl PairLubrication {
+    /// Between species whose resistances alone are `single`.
+    pub fn new(force: PairForce, single: &[Screw]) -> Self {
+        let stiffness = Stiffness::new(&force, single);
+        let soft = SideTables::new(&force, |species| stiffness.gap(species));
+        Self { force, soft, stiffness }
+    }
+
+    /// Whether a pair of two species at a gap is stiff.
+    #[inline(always)]
+    pub fn is_stiff(&self, species: [u32; 2], gap: f64) -> bool {
+        gap < self.stiffness.gap(species)
+    }
+}
 
 /// Up to which gap the pairs of each two species are stiff.
-pub struct Stiffness {
+struct Stiffness {
     species: usize,
     gaps: Vec<f64>,
 }
@@ -17,15 +41,14 @@ const STIFF: f64 = 0.1;
 const HALVINGS: usize = 30;
 
 impl Stiffness {
-    /// For species whose resistances alone are `single`.
-    pub fn new(force: &PairForce, single: &[Screw]) -> Self {
+    fn new(force: &PairForce, single: &[Screw]) -> Self {
         let gap = |k: usize| largest_gap(force, [k / single.len(), k % single.len()], single);
         Self { species: single.len(), gaps: (0..single.len() * single.len()).map(gap).collect() }
     }
 
-    /// Whether a pair of two species at a gap is stiff.
-    pub fn holds(&self, species: [u32; 2], gap: f64) -> bool {
-        gap < self.gaps[species[0] as usize * self.species + species[1] as usize]
+    #[inline(always)]
+    fn gap(&self, species: [u32; 2]) -> f64 {
+        self.gaps[species[0] as usize * self.species + species[1] as usize]
     }
 }
 

@@ -1,0 +1,122 @@
+//! What one sphere of a pair feels.
+
+use crate::arithmetic::Arithmetic;
+use crate::coefficients::Coefficients;
+
+/// Numbers of a side, and one more for what they are multiplied by.
+pub const SIDE: usize = 24;
+
+/// The [`Coefficients`] of one sphere of a pair. Where there are two, the first is by its own motion and the second by that of
+/// the other sphere.
+#[derive(Debug, Clone, Copy)]
+pub struct Side<X> {
+    /// Force by velocity along the axis.
+    pub along: [X; 2],
+    /// Force by velocity across the axis.
+    pub across: [X; 2],
+    /// Torque by angular velocity along the axis.
+    pub spin: [X; 2],
+    /// Torque by angular velocity across the axis.
+    pub roll: [X; 2],
+    /// Force by angular velocity.
+    pub coupling: [X; 2],
+    /// Force on the other sphere by the angular velocity of this one, and so torque by the velocity of the other.
+    pub leverage: X,
+    /// First moment by velocity along the axis.
+    pub pull: [X; 2],
+    /// First moment by velocity across the axis.
+    pub drag: [X; 2],
+    /// First moment by angular velocity.
+    pub turn: [X; 2],
+    /// Force along the axis by strain.
+    pub push: X,
+    /// Force across the axis by strain.
+    pub slide: X,
+    /// Torque by strain.
+    pub twist: X,
+    /// First moment along the axis by strain, besides `bulk`.
+    pub stretch: X,
+    /// First moment across the axis by strain, besides `bulk`.
+    pub bend: X,
+    /// First moment by strain in any direction.
+    pub bulk: X,
+}
+
+impl<X: Arithmetic> Side<X> {
+    /// That of the larger sphere where `is_larger` is 1, and of the smaller one where it is 0.
+    #[inline(always)]
+    pub fn of(c: &Coefficients<X>, is_larger: X) -> Self {
+        let is_smaller = X::constant(1.0) - is_larger;
+        let own = |[smaller, larger]: [X; 2]| is_smaller * smaller + is_larger * larger;
+        let both = |c: [[X; 2]; 2]| [own([c[0][0], c[1][1]]), own([c[0][1], c[1][0]])];
+        // What is symmetric is the same to the bit on both sides.
+        let symmetric = |c: [[X; 2]; 2]| [own([c[0][0], c[1][1]]), c[0][1]];
+        Self {
+            along: symmetric(c.along),
+            across: symmetric(c.across),
+            spin: symmetric(c.spin),
+            roll: symmetric(c.roll),
+            coupling: both(c.coupling),
+            leverage: own([c.coupling[1][0], c.coupling[0][1]]),
+            pull: both(c.pull),
+            drag: both(c.drag),
+            turn: both(c.turn),
+            push: own(c.push),
+            slide: own(c.slide),
+            twist: own(c.twist),
+            stretch: own(c.stretch),
+            bend: own(c.bend),
+            bulk: own(c.bulk),
+        }
+    }
+
+    /// Its numbers, and zero.
+    pub(crate) fn numbers(&self) -> [X; SIDE] {
+        let [[a, b], [c, d], [e, f], [g, h], [i, j]] = [self.along, self.across, self.spin, self.roll, self.coupling];
+        let [[k, l], [m, n], [o, p]] = [self.pull, self.drag, self.turn];
+        let [push, slide, twist, stretch, bend, bulk] =
+            [self.push, self.slide, self.twist, self.stretch, self.bend, self.bulk];
+        let zero = X::constant(0.0);
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, self.leverage, push, slide, twist, stretch, bend, bulk, zero]
+    }
+
+    /// From its numbers, and what they are multiplied by.
+    #[inline(always)]
+    pub fn from_numbers(numbers: &[X; SIDE]) -> Self {
+        let n = |k: usize| numbers[k] * numbers[SIDE - 1];
+        let two = |k: usize| [n(k), n(k + 1)];
+        Self {
+            along: two(0),
+            across: two(2),
+            spin: two(4),
+            roll: two(6),
+            coupling: two(8),
+            pull: two(10),
+            drag: two(12),
+            turn: two(14),
+            leverage: n(16),
+            push: n(17),
+            slide: n(18),
+            twist: n(19),
+            stretch: n(20),
+            bend: n(21),
+            bulk: n(22),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_those_of_the_same_side() {
+        let mut numbers: [f64; SIDE] = std::array::from_fn(|k| 1.0 + k as f64);
+        numbers[SIDE - 1] = 1.0;
+        let back = Side::from_numbers(&numbers).numbers();
+        assert_eq!(back[..SIDE - 1], numbers[..SIDE - 1]);
+        numbers[SIDE - 1] = 0.5;
+        let half = Side::from_numbers(&numbers);
+        assert_eq!((half.along, half.bulk), ([0.5, 1.0], 11.5));
+    }
+}

@@ -1,0 +1,110 @@
+//! Tables of what the spheres of pairs feel that are not close.
+
+use crate::arithmetic::Arithmetic;
+use crate::chebyshev::Powers;
+use crate::coefficients::{Coefficients, RECORD};
+use crate::pair_force::PairForce;
+use crate::range::Range;
+use crate::root_table::{NODES, mean_of, of_gaps, piece_of, relative};
+use crate::side::{SIDE, Side};
+
+/// What each sphere of a pair feels by the correction of a [`PairForce`], interpolated between the same gaps as the roots of
+/// which it is made, for pairs beyond some gap. There it takes half the numbers, and none to be multiplied with each other:
+/// near contact, where resistances are large and all but cancel, only products of roots are positive semi-definite whatever
+/// the rounding.
+#[derive(Debug)]
+pub struct SideTables {
+    species: usize,
+    range: Range,
+    /// By species, that of the sphere first.
+    tables: Vec<SideTable>,
+}
+
+#[derive(Debug)]
+struct SideTable {
+    sum: f64,
+    over_small: f64,
+    over_large: f64,
+    /// Its first piece among those of the roots.
+    first: usize,
+    pieces: Vec<(f64, Powers<SIDE, NODES>)>,
+}
+
+impl SideTables {
+    /// For gaps of pairs of species from `least` on.
+    pub fn new(force: &PairForce, least: impl Fn([u32; 2]) -> f64) -> Self {
+        let species = force.radii().len();
+        let table = |k: usize| {
+            let pair = [(k / species) as u32, (k % species) as u32];
+            SideTable::new(force, pair, least(pair))
+        };
+        Self { species, range: force.range(), tables: (0..species * species).map(table).collect() }
+    }
+
+    /// Writes the numbers of a [`Side`], that of the first of two spheres of these species at a distance of the centres within
+    /// the cutoff, by numbers of any width.
+    #[inline(always)]
+    pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; SIDE]) {
+        let table = &self.tables[species[0] as usize * self.species + species[1] as usize];
+        let gap = distance - table.sum;
+        let scaled = gap * table.over_small;
+        let piece = piece_of(scaled).saturating_sub(table.first).min(table.pieces.len() - 1);
+        let (mean, powers) = &table.pieces[piece];
+        powers.write::<X, 3>(relative(scaled, *mean), record);
+        record[SIDE - 1] = self.range.share(gap * table.over_large);
+    }
+}
+
+impl SideTable {
+    fn new(force: &PairForce, pair: [u32; 2], least: f64) -> Self {
+        let [own, other] = pair.map(|s| force.radii()[s as usize]);
+        let (small, large) = (own.min(other), own.max(other));
+        let is_larger = f64::from(u8::from(own > other));
+        let side = |gap: f64| {
+            let mut record = [0.0; RECORD];
+            force.whole_record(own + other + gap * small, pair, &mut record);
+            Side::of(&Coefficients::of(&record), is_larger).numbers()
+        };
+        let of_piece = |piece: usize| (mean_of(piece), of_gaps(mean_of(piece), side));
+        let (first, last) = (piece_of(least / small), piece_of(force.range().cutoff() * large / small));
+        Self {
+            sum: own + other,
+            over_small: 1.0 / small,
+            over_large: 1.0 / large,
+            first,
+            pieces: (first..=last.max(first)).map(of_piece).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both spheres of pairs of unequal and of equal ones, against the coefficients themselves.
+    #[test]
+    fn sides_are_those_of_the_coefficients() {
+        let force = PairForce::new(&[1.0, 1.7], 0.8, Range::default()).unwrap();
+        let least = 0.3;
+        let sides = SideTables::new(&force, |_| least);
+        for pair in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+            let [own, other] = pair.map(|s: u32| force.radii()[s as usize]);
+            let (mut worst, mut gap) = (0.0_f64, least);
+            while gap < 2.5 * own.max(other) {
+                let distance = own + other + gap;
+                let coefficients = force.coefficients(distance, pair).unwrap();
+                let expected = Side::of(&coefficients, f64::from(u8::from(own > other))).numbers();
+                let mut record = [0.0; SIDE];
+                sides.record::<f64>(distance, pair, &mut record);
+                let found = Side::from_numbers(&record).numbers();
+                let scale = 6.0 * std::f64::consts::PI * 0.8 * own.max(other).powi(3);
+                let off = found.iter().zip(expected).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+                worst = worst.max(off / scale);
+                gap *= 1.003;
+            }
+            println!("{pair:?} {worst:e}");
+            // Where an eigenvalue is cut off at zero the roots bend, and the series of their products ends later.
+            assert!(worst < 1e-6, "{pair:?}: {worst:e} of the drag");
+        }
+    }
+}
