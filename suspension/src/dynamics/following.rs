@@ -60,6 +60,7 @@ impl Dynamics {
         self.partition = planned.partition(self.partition.comm());
         let done = self.hydrodynamics.mobility().work().evaluations;
         self.following.iter_mut().for_each(|following| following.evaluations += done);
+        self.forces.divide(&self.partition);
         self.hydrodynamics.replan(&planned.plan, &self.partition);
     }
 
