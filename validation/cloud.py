@@ -109,7 +109,7 @@ def main():
         *course(SMALL, "cloud.png", "The first of them in the course of time, its radius and semi-axes those of the ellipsoid that has its gyration tensor:"),
     ]
     if FULL:
-        title = f"{LARGE['count']} forces in a ball of {LARGE['radius']:g} radii of their spheres:"
+        title = f"{LARGE['count']} forces in a ball of {LARGE['radius']:g} radii of their spheres, which become a torus and break up; means count those left behind too:"
         lines += course(LARGE, "cloud-torus.png", title)
     write_section("walls.md", "cloud", "A cloud", lines)
     print("\n".join(lines))
