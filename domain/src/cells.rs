@@ -152,7 +152,7 @@ impl Cells {
 }
 
 fn coordinates(cell: &PeriodicBox, counts: [usize; 3], position: Vector) -> [usize; 3] {
-    let fractions = (cell.lattice_coordinates(position) / cell.edges()).to_array();
+    let fractions = cell.parts(position).to_array();
     std::array::from_fn(|d| ((fractions[d] * counts[d] as f64).max(0.0) as usize).min(counts[d] - 1))
 }
 

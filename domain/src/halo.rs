@@ -97,7 +97,7 @@ impl<'a> Pencil<'a> {
     }
 
     pub fn is_within(&self, reach: Reach, position: Vector) -> bool {
-        let (coordinates, slant) = (self.cell.lattice_coordinates(position), self.cell.slant());
+        let (coordinates, slant) = (self.cell.lattice_coordinates(position) - self.cell.origin(), self.cell.slant());
         let is_near = |d: usize| {
             let repeats = self.cell.is_periodic(d + 1);
             let (coordinate, period) = (coordinates[d + 1], if repeats { self.cell.edges()[d + 1] } else { 0.0 });

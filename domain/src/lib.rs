@@ -60,7 +60,7 @@ pub use memory::packing_bytes;
 pub use neighbour::Neighbour;
 pub use neighbours::Neighbours;
 pub use number::Number;
-pub use packing::{PackingError, random_packing, shared_random_packing};
+pub use packing::{PackingError, random_cloud, random_packing, shared_random_packing};
 pub use pairs::{Pair, Pairs, fold_pairs};
 pub use parameter::ParameterError;
 pub use particles::{Column, ColumnError, Particles};

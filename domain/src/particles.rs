@@ -140,7 +140,7 @@ impl Particles {
         }
         let lines = partition.lines();
         let place = |row: &usize| {
-            let p = cell.lattice_coordinates(self.positions[*row]) / cell.edges();
+            let p = cell.parts(self.positions[*row]);
             ((p.z * lines[1] as f64) as i64, (p.y * lines[0] as f64) as i64, self.ids[*row])
         };
         if !(0..self.len()).map(|r| place(&r)).is_sorted() {

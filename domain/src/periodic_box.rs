@@ -40,7 +40,8 @@ pub enum BoxError {
 /// `Ly (s, 1, 0)` and `Lz (t, r, 1)`, and `y = eta + r zeta`, `x = xi + s eta + t zeta`.
 ///
 /// A box with other [`Boundaries`] does not repeat along some axes: there positions are never wrapped, may lie outside
-/// where the fluid is open, and have no images.
+/// where the fluid is open, and have no images. Where the fluid is open the box may be anywhere: it begins at an origin, which
+/// is zero along axes that repeat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PeriodicBox {
     edges: Vector,
@@ -50,6 +51,7 @@ pub struct PeriodicBox {
     /// The axes as columns, where they are not x, y and z.
     axes: Option<Tensor>,
     boundaries: Boundaries,
+    origin: Vector,
 }
 
 impl PeriodicBox {
@@ -70,7 +72,14 @@ impl PeriodicBox {
         }
         let (period, boundaries) = (edges.x / edges.y, Boundaries::Periodic);
         let turns = (strain / period + 0.5).floor();
-        Ok(Self { edges, strain: strain - turns * period, tilts: [0.0; 2], axes: None, boundaries })
+        Ok(Self {
+            edges,
+            strain: strain - turns * period,
+            tilts: [0.0; 2],
+            axes: None,
+            boundaries,
+            origin: Vector::ZERO,
+        })
     }
 
     /// The box of any three lattice vectors in right-handed order, which are kept as they are.
@@ -86,7 +95,7 @@ impl PeriodicBox {
         let edges = Vector::new(a.length(), b.dot(y), c.dot(z));
         let tilts = [c.dot(x) / edges.z, c.dot(y) / edges.z];
         let (axes, boundaries) = (Some(Tensor::from_cols(x, y, z)), Boundaries::Periodic);
-        Ok(Self { edges, strain: b.dot(x) / edges.y, tilts, axes, boundaries })
+        Ok(Self { edges, strain: b.dot(x) / edges.y, tilts, axes, boundaries, origin: Vector::ZERO })
     }
 
     /// The same box with other boundaries, which only a box that is not sheared and along x, y and z can have.
@@ -96,6 +105,23 @@ impl PeriodicBox {
             return Err(BoxError::Bounded(boundaries));
         }
         Ok(Self { boundaries, ..*self })
+    }
+
+    /// A box of the same boundaries with other edges that begins elsewhere, along axes that do not repeat.
+    pub fn spanning(&self, origin: Vector, edges: Vector) -> Result<Self, BoxError> {
+        let plain = Self::new(edges)?.with_boundaries(self.boundaries)?;
+        Ok(Self { origin, ..plain })
+    }
+
+    /// Where the box begins along axes that do not repeat.
+    pub fn origin(&self) -> Vector {
+        self.origin
+    }
+
+    /// Where a position is in the box, in parts of its edges.
+    #[inline]
+    pub fn parts(&self, position: Vector) -> Vector {
+        (self.lattice_coordinates(position) - self.origin) / self.edges
     }
 
     /// What lies at its faces.
@@ -112,7 +138,7 @@ impl PeriodicBox {
     /// The same box in other units of length: all lengths times `factor`, a power of two, so that nothing is rounded.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        Self { edges: self.edges * factor, ..*self }
+        Self { edges: self.edges * factor, origin: self.origin * factor, ..*self }
     }
 
     /// Edge lengths: the periods of the lattice coordinates.
@@ -355,6 +381,19 @@ mod tests {
         let cell = periodic.with_boundaries(Boundaries::Wall).unwrap();
         let (wrapped, steps) = cell.wrap(Vector::new(-1e-18, 0.0, 11.0));
         assert!(wrapped.x < 3.0 && (wrapped.z - 11.0).abs() < 1e-15 && steps[2] == 0, "{wrapped}");
+    }
+
+    #[test]
+    fn a_box_may_begin_elsewhere_where_it_does_not_repeat() {
+        let open = PeriodicBox::new(Vector::splat(3.0)).unwrap().with_boundaries(Boundaries::Open).unwrap();
+        let cell = open.spanning(Vector::new(-5.0, 1.0, 40.0), Vector::new(2.0, 4.0, 8.0)).unwrap();
+        assert_eq!(
+            (cell.boundaries(), cell.edges(), cell.scaled(0.5).origin()),
+            (Boundaries::Open, Vector::new(2.0, 4.0, 8.0), Vector::new(-2.5, 0.5, 20.0))
+        );
+        assert_eq!(cell.parts(Vector::new(-4.0, 1.0, 48.0)), Vector::new(0.5, 0.0, 1.0));
+        assert_eq!(cell.scaled(0.5).parts(Vector::new(-2.0, 0.5, 24.0)), Vector::new(0.5, 0.0, 1.0));
+        assert!(open.spanning(Vector::ZERO, Vector::new(1.0, -1.0, 1.0)).is_err());
     }
 
     #[test]

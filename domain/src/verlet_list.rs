@@ -166,7 +166,8 @@ impl Found {
     /// The present state of the listed particles; `None` if a pair within the cutoff may be missing in the lists.
     ///
     /// A deformation of the box moves no particle in fractions of the lattice vectors. It reduces distances at most by its
-    /// least stretch, which in simple shear is `sqrt(1 + g^2/4) - g/2` at the strain `g` since the rebuild.
+    /// least stretch, which in simple shear is `sqrt(1 + g^2/4) - g/2` at the strain `g` since the rebuild. A box that follows
+    /// the particles moves none either: all are seen from where it begins.
     fn follow<'a>(&self, cell: &'a PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now<'a>> {
         let edges = cell.edges();
         let least_stretch = match (cell.axes(), self.cell.axes()) {
@@ -185,8 +186,8 @@ impl Found {
             let Some(&now) = present.positions.get(row) else {
                 return Some((Vector::NAN, [0; 3]));
             };
-            let past = self.cell.lattice_coordinates(self.positions[before]) * before_to_now;
-            let moved = cell.lattice_coordinates(now) - past;
+            let past = (self.cell.lattice_coordinates(self.positions[before]) - self.cell.origin()) * before_to_now;
+            let moved = cell.lattice_coordinates(now) - cell.origin() - past;
             let steps = cell.whole_steps(moved);
             let moved = cell.at(moved - steps * edges);
             // Both of a pair may have come nearer. Images are looked after by their owners.

@@ -146,9 +146,9 @@ impl<T: Real> Far<T> {
     ///
     /// # Panics
     /// If a window goes around the grid along such an axis: what comes out would not be a small error but nonsense.
-    fn arrange_bounded(&mut self, positions: &[Vector]) {
+    fn arrange_bounded(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
         let (plan, extent) = (&self.plan, self.stencils.extent(&self.plan));
-        let first = plan.first_point();
+        let first = cell.origin() + plan.first_point();
         let positions: Vec<Vector> = positions.iter().map(|&position| position - first).collect();
         self.places = places(&self.grid, extent, &positions);
         for axis in (0..3).filter(|&axis| !plan.boundaries.is_periodic(axis)) {
@@ -339,7 +339,7 @@ impl<T: Real> Stencils<T> {
 impl<T: Real> FarField for Far<T> {
     fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
         if cell.boundaries() != Boundaries::Periodic {
-            self.arrange_bounded(positions);
+            self.arrange_bounded(cell, positions);
             return;
         }
         if cell != self.grid.cell() {

@@ -114,7 +114,7 @@ impl TrajectoryReader {
             .try_into()
             .map_err(|edges: Vec<f64>| format!("its box/edges have {} numbers a frame instead of 9", edges.len()))?;
         let strain = *strains.get(frame).ok_or_else(|| format!("its box/strain has {} frames", strains.len()))?;
-        let cell = cell(&vectors, strain);
+        let cell = cell(&vectors, strain).map_err(|e| e.to_string())?;
         let mut particles = self.fixed.clone();
         let positions: Vec<f64> = self.value("position", frame)?;
         particles.positions = positions.chunks_exact(3).map(Vector::from_slice).collect();
@@ -127,8 +127,9 @@ impl TrajectoryReader {
             }
         }
         particles.check().map_err(|e| e.to_string())?;
+        let cell = around(cell, &particles, periodic(&self.group)?);
         numbers(&particles).map_err(|reason| format!("frame {frame}: {reason}"))?;
-        Ok((cell.map_err(|e| e.to_string())?, particles))
+        Ok((cell, particles))
     }
 
     fn value<T: H5Type + Clone>(&self, name: &str, frame: usize) -> hdf5::Result<Vec<T>> {
@@ -144,6 +145,20 @@ fn cell(vectors: &[f64; 9], strain: f64) -> Result<PeriodicBox, BoxError> {
         [xx, 0.0, 0.0, _, yy, 0.0, 0.0, 0.0, zz] => PeriodicBox::sheared(Vector::new(xx, yy, zz), strain),
         _ => PeriodicBox::of_lattice([0, 3, 6].map(|first| Vector::from_slice(&vectors[first..]))),
     }
+}
+
+/// The box where it follows particles, which files do not say: in open fluid, and along an axis that is not periodic where
+/// centres are outside otherwise, they are in its middle.
+fn around(cell: PeriodicBox, particles: &Particles, periodic: [bool; 3]) -> PeriodicBox {
+    let mut origin = Vector::ZERO;
+    for axis in (0..3).filter(|&axis| !periodic[axis] && !particles.is_empty()) {
+        let places = || particles.positions.iter().map(|x| x[axis]);
+        let (lowest, highest) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
+        if periodic == [false; 3] || lowest < 0.0 || highest > cell.edges()[axis] {
+            origin[axis] = 0.5 * (lowest + highest - cell.edges()[axis]);
+        }
+    }
+    if origin == Vector::ZERO { cell } else { cell.spanning(origin, cell.edges()).unwrap_or(cell) }
 }
 
 /// Along which axes the box is periodic.
@@ -206,6 +221,22 @@ mod tests {
         };
         assert_ne!(changed(|file| short(file, "particles/all/box/edges/value")), "");
         assert_ne!(changed(|file| file.dataset("particles/all/box/strain/value")?.resize((0,))), "");
+    }
+
+    /// In open fluid the box is around the particles, wherever they are; along an open axis where they are outside of it.
+    #[test]
+    fn boxes_that_follow_particles_are_around_them() {
+        let mut particles = Particles::default();
+        particles.push(0, Vector::new(-7.0, 2.0, 103.0), 1.0, 0);
+        particles.push(1, Vector::new(-3.0, 1.0, 100.0), 1.0, 0);
+        let cell = PeriodicBox::new(Vector::new(6.0, 3.0, 4.0)).unwrap();
+        let origin = |periodic| around(cell, &particles, periodic).origin();
+        assert_eq!(origin([false; 3]), Vector::new(-8.0, 0.0, 99.5));
+        assert_eq!(origin([true, true, false]), Vector::new(0.0, 0.0, 99.5));
+        assert_eq!(origin([true, false, true]), Vector::ZERO);
+        assert_eq!(around(cell, &Particles::default(), [false; 3]), cell);
+        let parts = particles.positions.iter().map(|&x| around(cell, &particles, [false; 3]).parts(x));
+        assert!(parts.into_iter().all(|part| part.min_element() > 0.0 && part.max_element() < 1.0));
     }
 
     #[test]

@@ -35,6 +35,11 @@ pub fn transpose<const M: usize, const N: usize>(a: &[[f64; N]; M]) -> [[f64; M]
     std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
+/// Eigenvalues of a symmetric matrix, in no order.
+pub fn eigenvalues<const N: usize>(matrix: [[f64; N]; N]) -> [f64; N] {
+    eigen(matrix).0
+}
+
 /// Eigenvalues of a symmetric matrix, and its eigenvectors as columns, by Jacobi's rotations.
 pub fn eigen<const N: usize>(mut matrix: Square<N>) -> ([f64; N], Square<N>) {
     let mut vectors = identity();

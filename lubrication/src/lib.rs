@@ -46,6 +46,7 @@ pub use arithmetic::Arithmetic;
 pub use barrier::{Barrier, BarrierError};
 pub use coefficients::{Coefficients, RECORD};
 pub use contact::{Contact, Elasticity};
+pub use dense::eigenvalues;
 pub use opening::{Detail, opening_mobility};
 pub use pair_factor::PairFactor;
 pub use pair_force::{PairForce, PairForceError};

@@ -2,6 +2,7 @@
 
 mod drive;
 mod fluctuating;
+mod following;
 mod tethered;
 
 use crate::applied::{self, AppliedForces};
@@ -23,6 +24,7 @@ use crate::tethers::{TetherResistance, Tethers};
 use crate::warm_start::WarmStart;
 use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
+use following::Following;
 use lubrication::{Range, Surfaces};
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -84,6 +86,8 @@ pub struct Dynamics {
     tolerance: f64,
     /// The largest weight of negative eigenvalues in the near field of random motions.
     clipped: f64,
+    /// Where the box follows the particles.
+    following: Option<Following>,
 }
 
 impl Dynamics {
@@ -116,6 +120,7 @@ impl Dynamics {
             tolerance: model.hydrodynamics.tolerance,
             clipped: 0.0,
             smallest_radius: setup.radii.smallest(),
+            following: Following::of(model, &setup.radii),
             partition: setup.partition,
             moving: setup.moving,
         };
@@ -186,6 +191,7 @@ impl Dynamics {
     /// Goes back to a box of the past.
     pub fn go_back(&mut self, moving: MovingBox) {
         self.moving = moving;
+        self.refit();
     }
 
     /// Brings the particles into the box and to their ranks, and computes their velocities, angular velocities and
@@ -283,6 +289,7 @@ impl Dynamics {
     pub fn place(&mut self, particles: &mut Particles, moment: &Moment) -> Result<(), StepError> {
         self.check_positions(particles, &moment.clock)?;
         self.moving.go_to(moment.clock.time_at(moment.fraction), particles);
+        self.follow(particles, &moment.clock)?;
         particles.migrate(&self.partition, self.moving.cell());
         Ok(())
     }
@@ -445,12 +452,15 @@ impl Dynamics {
 
     /// Evaluations of the mobility since the start.
     pub fn evaluations(&mut self) -> u64 {
-        self.hydrodynamics.mobility().work().evaluations
+        let before = self.following.as_ref().map_or(0, Following::evaluations);
+        before + self.hydrodynamics.mobility().work().evaluations
     }
 
-    /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last. Collective.
-    pub fn divergence(&mut self) -> f64 {
-        self.hydrodynamics.mobility().divergence()
+    /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last, if the box repeats along all axes.
+    /// Collective.
+    pub fn divergence(&mut self) -> Option<f64> {
+        let is_periodic = self.cell().boundaries() == Boundaries::Periodic;
+        is_periodic.then(|| self.hydrodynamics.mobility().divergence())
     }
 
     /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in

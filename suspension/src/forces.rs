@@ -104,6 +104,11 @@ impl Forces {
         Ok(Self { species: model.species.clone(), gravity: model.gravity, surface, near, range })
     }
 
+    /// Goes on with ranks that share out space in another way.
+    pub fn divide(&mut self, partition: &Partition) {
+        self.near.iter_mut().for_each(|near| near.divide(partition));
+    }
+
     /// Forces and torques on the particles that this rank owns. Where they are to be those at the end of some time, repulsion
     /// has what [`SurfaceForces::resistance`] takes off it for the velocities expected: so the sum of both is right for these, and
     /// nearly for others. Collective.

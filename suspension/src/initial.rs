@@ -3,7 +3,8 @@
 use crate::error::PlacingError;
 use crate::model::{Lattice, Model, Species, Start};
 use domain::{
-    Comm, GivenPositions, Particles, Partition, PeriodicBox, Random, Vector, random_packing, shared_random_packing,
+    Comm, GivenPositions, Particles, Partition, PeriodicBox, Random, Vector, random_cloud, random_packing,
+    shared_random_packing,
 };
 
 /// The spheres of a model that start at random and not too near each other, each on the rank that owns it; nothing where
@@ -43,6 +44,7 @@ pub fn particles(model: &Model, placed: Option<GivenPositions>) -> Result<Partic
     let radii: Vec<f64> = species.iter().map(|&s| model.species[s as usize].radius).collect();
     let positions = match &model.start {
         Start::Random { minimum_gap } => &random_packing(&model.cell, &radii, *minimum_gap, model.seed)?,
+        Start::Cloud { radius, minimum_gap } => &random_cloud(*radius, &radii, *minimum_gap, model.seed)?,
         Start::Lattice(lattice) => &on_lattice(&model.cell, *lattice, (species.len(), model.seed)),
         Start::Positions(positions) => positions,
         Start::Given => unreachable!("taken above"),

@@ -11,6 +11,7 @@ use crate::forces::SurfaceForces;
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
 use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
 use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
+use crate::open_box;
 use crate::plan::{Radii, largest_strain};
 use crate::random_motion::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use crate::sampling;
@@ -91,6 +92,7 @@ fn placing_bytes(model: &Model, count: f64) -> Bytes {
     let listed = Bytes::list::<(u32, f64)>(count);
     let places = match model.start {
         Start::Random { minimum_gap } => packing_bytes(count, filled(model, minimum_gap) > DENSE),
+        Start::Cloud { .. } => packing_bytes(count, false),
         // A lattice may have more sites than there are spheres.
         _ => Bytes::list::<(Vector, usize)>(2.0 * count),
     };
@@ -150,7 +152,10 @@ impl Share<'_> {
 
     fn fluid(&self) -> Bytes {
         let tables = if self.range().is_some() { table_bytes(self.far.radii()) } else { Bytes::default() };
-        self.far.mobility().then(tables)
+        let far = self.far.mobility();
+        // Where the grid follows the spheres, the one before is there until the next is made.
+        let again = if open_box::follows(self.model.cell.boundaries()) { far.freed() } else { Bytes::default() };
+        far.then(again).then(tables)
     }
 
     fn range(&self) -> Option<Range> {
@@ -302,7 +307,7 @@ impl Share<'_> {
     /// Columns for the time series, on each rank, and those of statistics.
     fn segregation(&self) -> Bytes {
         let columns = sampling::column_bytes(self.model);
-        let series = if self.model.species.len() > 1 { columns } else { Bytes::default() };
+        let series = if sampling::has_columns(self.model) { columns } else { Bytes::default() };
         let sampled = if self.samples().is_some() && self.is_first { columns } else { Bytes::default() };
         series.then(sampled)
     }

@@ -218,6 +218,11 @@ impl MovingBox {
         &self.cell
     }
 
+    /// Goes on with a box that follows the particles.
+    pub fn follow(&mut self, cell: PeriodicBox) {
+        (self.start, self.cell) = (cell, cell);
+    }
+
     /// The largest strain that the lattice ever has.
     pub fn largest_strain(&self) -> f64 {
         let edges = self.start.edges();

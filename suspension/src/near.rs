@@ -28,6 +28,11 @@ impl NearLists {
         Self { cutoff, lists: RefCell::new(VerletList::new(cutoff, partition)) }
     }
 
+    /// Of ranks that share out space in another way.
+    pub fn divide(&mut self, partition: &Partition) {
+        self.lists = RefCell::new(VerletList::new(self.cutoff, partition));
+    }
+
     /// The same as [`Near::find`], by lists that are made anew now and then. Collective.
     pub fn find(&self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Near {
         let mut lists = self.lists.borrow_mut();

@@ -1,12 +1,13 @@
 //! What is observed of a suspension in the course of time.
 
+use crate::cloud;
 use crate::gap::Gap;
 use crate::model::Model;
 use crate::rheology::Rheology;
-use crate::sampling::{columns, counted};
+use crate::sampling::{columns, counted, has_columns};
 use crate::stress::ParticleStress;
 use crate::suspension::{StepReport, Suspension};
-use domain::{Number, Vector};
+use domain::{Boundaries, Number, Vector};
 use simulation::Quantity;
 use statistics::SpeciesColumns;
 use std::time::Instant;
@@ -22,6 +23,10 @@ pub struct Observer {
     repels: bool,
     /// How many walls there are.
     walls: usize,
+    /// Whether the box repeats along all axes.
+    is_periodic: bool,
+    /// Whether the fluid is open, and the spheres of each species a cloud.
+    is_open: bool,
     /// Thermal energy over the volume of the box, if there is heat.
     heat: Option<f64>,
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts; and the largest seen.
@@ -59,7 +64,7 @@ impl Observer {
     /// An observer of a scene's species from step `step` on.
     pub fn new(model: &Model, step: u64, smallest_radius: f64) -> Self {
         let species = model.species.iter().map(|s| s.name.clone()).collect();
-        let columns = (model.species.len() > 1).then(|| (columns(model), model.cell.edges()));
+        let columns = has_columns(model).then(|| (columns(model), model.cell.edges()));
         let (last, repels) = ((step, Instant::now()), model.repulsion.is_some());
         Self {
             species,
@@ -69,6 +74,8 @@ impl Observer {
             overlaps: Overlaps::default(),
             repels,
             walls: model.cell.boundaries().walls(),
+            is_periodic: model.cell.boundaries() == Boundaries::Periodic,
+            is_open: model.cell.boundaries() == Boundaries::Open,
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| contacts.overlap),
             deepest: 0.0,
@@ -118,6 +125,7 @@ impl Observer {
             let table = Some((rows.iter().map(|&row| row.to_owned()).collect(), columns.map(String::from).to_vec()));
             quantities.push(Quantity { name: "wall_shear_stress", unit: "force/length^2", table });
         }
+        quantities.extend(self.is_open.then(|| cloud::quantity(&self.species)));
         quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
         if self.aim.is_some() {
@@ -135,9 +143,9 @@ impl Observer {
             Quantity::number("iterations", ""),
             Quantity::number("residual", ""),
             Quantity::number("evaluations", ""),
-            Quantity::number("divergence", ""),
-            Quantity::number("seconds_per_step", "s"),
         ]);
+        quantities.extend(self.is_periodic.then(|| Quantity::number("divergence", "")));
+        quantities.push(Quantity::number("seconds_per_step", "s"));
         quantities
     }
 
@@ -157,6 +165,9 @@ impl Observer {
         if let Some(stress) = stress.as_ref().filter(|_| self.walls > 0) {
             row.push(suspension.wall_stress(&ParticleStress::sum(stress)).into_flattened());
         }
+        if self.is_open {
+            row.push(cloud::row(suspension.particles(), self.species.len(), suspension.comm()));
+        }
         if let (Some(heat), Some(stress)) = (self.heat, &stress) {
             row.push(vec![heat * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
         }
@@ -172,7 +183,8 @@ impl Observer {
         row.extend(suspension.bond_numbers().into_iter().flatten().map(|number| vec![number]));
         row.extend(suspension.trap_energy().map(|energy| vec![energy]));
         let (iterations, evaluations) = (iterations as f64, evaluations as f64);
-        row.extend([smallest_gap, iterations, residual, evaluations, divergence, seconds].map(|number| vec![number]));
+        row.extend([smallest_gap, iterations, residual, evaluations].map(|number| vec![number]));
+        row.extend(divergence.into_iter().chain([seconds]).map(|number| vec![number]));
         row
     }
 

@@ -10,7 +10,7 @@ use crate::observe::Observer;
 use crate::plan::Radii;
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
-use domain::{Comm, GivenPositions, Interrupt};
+use domain::{Comm, GivenPositions, Interrupt, Particles};
 use fcm::Drawn;
 use simulation::{
     Clock, ContactForces, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField,
@@ -51,6 +51,11 @@ impl Observed {
         Self { suspension, observer, averages, cautions }
     }
 
+    fn frame_of(&self, particles: Particles) -> Frame {
+        let cell = *self.suspension.cell();
+        Frame { particles, cell, periodic: [0, 1, 2].map(|axis| cell.is_periodic(axis)) }
+    }
+
     /// The suspension that is observed.
     pub fn suspension(&self) -> &Suspension {
         &self.suspension
@@ -86,14 +91,11 @@ impl Simulation for Observed {
     }
 
     fn frame(&self) -> Frame {
-        let particles = self.suspension.gathered(Some(&FRAME));
-        let periodic = [0, 1, 2].map(|axis| self.suspension.cell().is_periodic(axis));
-        Frame { particles, cell: *self.suspension.cell(), periodic }
+        self.frame_of(self.suspension.gathered(Some(&FRAME)))
     }
 
     fn frame_share(&self) -> Frame {
-        let particles = self.suspension.particles().with_columns(|name| FRAME.contains(&name));
-        Frame { particles, cell: *self.suspension.cell(), periodic: [true; 3] }
+        self.frame_of(self.suspension.particles().with_columns(|name| FRAME.contains(&name)))
     }
 
     fn quantities(&self) -> Vec<Quantity> {

@@ -5,10 +5,11 @@ use crate::error::StartError;
 use crate::gap::Gap;
 use crate::memory::{self, Ranks};
 use crate::model::Model;
-use crate::plan::{Radii, problem};
+use crate::open_box::follows;
+use crate::plan::{Radii, problem_in};
 use crate::setup::{Planned, Setup};
-use domain::{Comm, GivenPositions, Need, Number, readable_bytes};
-use fcm::{Method, Plan, Precision, Support};
+use domain::{Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, readable_bytes};
+use fcm::{Method, Plan, Precision, Problem, Support};
 use serde_json::{Value, json};
 use simulation::Outline;
 
@@ -47,7 +48,8 @@ pub fn outline(
             (Planned { radii: setup.radii, plan: setup.plan }, Some(gap), relaxed)
         }
     };
-    let mut others = Plan::ranked(&problem(model, &planned.radii))?;
+    let cell = if follows(model.cell.boundaries()) { planned.plan.cell() } else { model.cell };
+    let mut others = Plan::ranked(&problem_in(&cell, model, &planned.radii))?;
     others.retain(|plan| *plan != planned.plan);
     let outline = with_particles(Outline::default(), model, &planned.radii, gap.as_ref());
     let outline = outline.lines(&planned.plan.describe()).value("plan", plan_values(&planned.plan));
@@ -63,22 +65,56 @@ pub fn outline(
     };
     let memory = Memory::of(model, &planned, asked);
     let outline = with_cost(memory.add_to(outline), &planned.plan, &others);
+    let outline = beside_periodic(outline, (model, &cell), &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
 
 /// The particles, and their smallest gap if there is memory to place them: infinite for a sphere alone.
 fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&Gap>) -> Outline {
-    let fraction = radii.volume() / model.cell.volume();
+    let fraction = fraction(model, radii);
+    let filled = fraction.map_or_else(String::new, |part| format!(", {:.4}% by volume", Number(100.0 * part)));
     let place = match gap {
         None => ", not placed for want of memory".to_owned(),
         Some(gap) if gap.length.is_finite() => format!(", smallest gap {gap}"),
         Some(_) => String::new(),
     };
     let outline = outline
-        .line("particles", format_args!("{}, {:.4}% by volume{place}", radii.count(), Number(100.0 * fraction)))
+        .line("particles", format_args!("{}{filled}{place}", radii.count()))
         .value("particles", radii.count())
         .value("volume_fraction", fraction);
     outline.value("smallest_gap", gap.map(|gap| gap.length))
+}
+
+/// What the boundaries of a box cost, that is not periodic, beside one of the same edges that is.
+fn beside_periodic(
+    outline: Outline,
+    (model, cell): (&Model, &PeriodicBox),
+    planned: &Planned,
+    ranks: Ranks,
+) -> Outline {
+    let boundaries = model.cell.boundaries();
+    let periodic = Problem { boundaries: Boundaries::Periodic, ..problem_in(cell, model, &planned.radii) };
+    let (Ok(periodic), true) = (Plan::choose(&periodic), boundaries != Boundaries::Periodic) else { return outline };
+    let memory = |plan: &Plan| memory::need(model, (&planned.radii, plan), ranks, 0).resident;
+    let times = planned.plan.predicted_seconds / periodic.predicted_seconds;
+    let room = memory(&planned.plan) / memory(&periodic);
+    let edges = cell.edges().to_array().map(|edge| Number(edge).to_string()).join(" x ");
+    let text = format!(
+        "{times:.1} times the time of an evaluation, and {room:.1} times the memory, of a periodic box of {edges}"
+    );
+    let outline = outline.line(if boundaries.walls() > 0 { "walls" } else { "open fluid" }, text);
+    let outline = outline.value("time_over_periodic", times).value("memory_over_periodic", room);
+    let near = "spheres nearer to one than a tenth of their radius may err by more than the tolerance, in stresslets above all";
+    let outline = if boundaries.walls() > 0 { outline.line("", near) } else { outline };
+    let follows_them = "the box follows the spheres: time and memory go with the room that they take";
+    if follows(boundaries) { outline.line("", follows_them) } else { outline }
+}
+
+/// The part that the spheres fill of the box, or of the ball in which they start; none of open fluid.
+fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
+    let ball = model.start.ball().map(|radius| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3));
+    let is_open = model.cell.boundaries() == Boundaries::Open;
+    ball.or((!is_open).then(|| model.cell.volume())).map(|volume| radii.volume() / volume)
 }
 
 /// What an evaluation takes, and the fastest of the other plans.

@@ -1,7 +1,7 @@
 //! How the fluid of a scene is to be computed.
 
 use crate::model::{Evaluation, Flow, Model, Multipoles, Start};
-use domain::{Comm, Particles, Vector};
+use domain::{Comm, Particles, PeriodicBox, Vector};
 use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Problem};
 
 /// The radii that occur, smallest first, and how many particles have each.
@@ -72,9 +72,19 @@ pub fn plan(model: &Model, radii: &Radii) -> Result<Plan, PlanError> {
     Plan::choose(&problem(model, radii))
 }
 
+/// The same in another box, as where a box follows the spheres.
+pub fn plan_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Result<Plan, PlanError> {
+    Plan::choose(&problem_in(cell, model, radii))
+}
+
 /// What [`plan`] plans.
 pub fn problem(model: &Model, radii: &Radii) -> Problem {
-    let (edges, contraction) = edges(model);
+    problem_in(&model.cell, model, radii)
+}
+
+/// What [`plan_in`] plans.
+pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
+    let (edges, contraction) = edges(cell, model);
     let costs = model.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
     Problem {
         edges,
@@ -98,8 +108,8 @@ pub fn problem(model: &Model, radii: &Radii) -> Problem {
 }
 
 /// The longest edges that the box of a scene will have, and the least part of them that it will.
-fn edges(model: &Model) -> (Vector, f64) {
-    let edges = model.cell.edges();
+fn edges(cell: &PeriodicBox, model: &Model) -> (Vector, f64) {
+    let edges = cell.edges();
     model.flow.extension().map_or((edges, 1.0), |extension| {
         let extremes = extension.extremes();
         (edges * extremes.longest, extremes.contraction)

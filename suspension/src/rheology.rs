@@ -2,7 +2,7 @@
 
 use crate::model::{BrownianScheme, Flow, Integrator, Model, Multipoles};
 use crate::stress::ParticleStress;
-use domain::Tensor;
+use domain::{Boundaries, Tensor};
 use simulation::Quantity;
 
 /// The rows of the time series that tell of stress, in a shear flow `u = rate y e_x`, or `u = rate z e_x` between walls, or in an
@@ -24,10 +24,10 @@ type Origin = (&'static str, fn(&ParticleStress) -> Tensor);
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 
 impl Rheology {
-    /// What a scene has of it; nothing without a flow.
+    /// What a scene has of it; nothing without a flow, nor in open fluid, which has no volume over which to average.
     pub fn of(model: &Model) -> Option<Self> {
         let rates = model.shear_rates();
-        if rates.largest() == 0.0 {
+        if rates.largest() == 0.0 || model.cell.boundaries() == Boundaries::Open {
             return None;
         }
         let is_rigid = model.hydrodynamics.multipoles == Multipoles::Dipole;

@@ -7,11 +7,12 @@ use crate::memory::{self, Ranks};
 use crate::model::{Flow, Model};
 use crate::moving_box::MovingBox;
 use crate::near::smallest_gap;
-use crate::plan::{Radii, plan};
+use crate::open_box;
+use crate::plan::{Radii, plan, plan_in};
 use crate::poiseuille::Poiseuille;
 use crate::relative_motion::RelativeMotion;
 use crate::tethers;
-use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition};
+use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition, PeriodicBox};
 use fcm::{Plan, PlanError};
 use simulation::Clock;
 
@@ -94,22 +95,26 @@ impl Setup {
 
     /// A scene after `step` steps, with its particles on any ranks, if there is memory to run it. Collective.
     pub fn at(model: &Model, particles: Particles, (comm, step): (&Comm, u64)) -> Result<Self, StartError> {
-        let planned = comm.agree(Planned::new(model, Radii::shared(&particles, comm)))?;
-        planned.check_memory(model, comm)?;
+        let radii = Radii::shared(&particles, comm);
+        let cell = open_box::of(model, &particles, (&radii, comm));
+        let planned = Planned::within(&cell, model, radii, comm)?;
         Self::of(model, (planned, particles), (comm, step))
     }
 
     fn of(
         model: &Model,
-        (Planned { radii, plan }, mut particles): (Planned, Particles),
+        (planned, mut particles): (Planned, Particles),
         (comm, step): (&Comm, u64),
     ) -> Result<Self, StartError> {
+        let cell = open_box::of(model, &particles, (&planned.radii, comm));
+        let fits = cell == model.cell || planned.plan.edges == cell.edges();
+        let Planned { radii, plan } = if fits { planned } else { Planned::within(&cell, model, planned.radii, comm)? };
         let partition = partition(&plan, comm);
         let is_straight = matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
         let shears = model.cell.boundaries() == Boundaries::Periodic && !is_straight;
         let rates = model.shear_rates();
         let stress = rates.stress();
-        let moving = MovingBox::at(&Clock::at(step, model.time_step), model.cell, rates, shears);
+        let moving = MovingBox::at(&Clock::at(step, model.time_step), cell, rates, shears);
         let moving = moving.with_profile(profile(model));
         let moving = match model.flow.extension() {
             Some(extension) => moving.stretched_by(extension),
@@ -163,12 +168,20 @@ fn partition(plan: &Plan, comm: &Comm) -> Partition {
 }
 
 impl Planned {
-    fn partition(&self, comm: &Comm) -> Partition {
+    /// Which rank owns what.
+    pub fn partition(&self, comm: &Comm) -> Partition {
         partition(&self.plan, comm)
     }
 
     fn new(model: &Model, radii: Radii) -> Result<Self, PlanError> {
         Ok(Self { plan: plan(model, &radii)?, radii })
+    }
+
+    /// A scene in a box that may be another than its own, if there is memory to run it there. Collective.
+    pub fn within(cell: &PeriodicBox, model: &Model, radii: Radii, comm: &Comm) -> Result<Self, Failure> {
+        let planned = Self { plan: comm.agree(plan_in(cell, model, &radii))?, radii };
+        planned.check_memory(model, comm)?;
+        Ok(planned)
     }
 
     /// What a scene says of itself before any particle is placed; nothing where a file has the particles.

@@ -13,6 +13,16 @@ pub enum StepError {
     /// A sphere that has sunk into a wall.
     #[error("{0}")]
     IntoWall(Failure),
+    /// No grid for where the spheres have gone.
+    #[error("step {step}: the box that follows the spheres has edges of {edges} now; {source}")]
+    Box {
+        /// Steps taken before.
+        step: u64,
+        /// Its edges.
+        edges: String,
+        /// Why there is no grid for it.
+        source: Failure,
+    },
     /// Near pairs come together faster than steps can follow.
     #[error(
         "step {step}: two spheres {gap} apart come together faster than any time step can follow; give the scene a \

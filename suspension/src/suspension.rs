@@ -45,8 +45,9 @@ pub struct StepReport {
     pub residual: f64,
     /// Evaluations of the mobility in the last step, in all of its solves.
     pub evaluations: u64,
-    /// Divergence of the flow of the last evaluation relative to what it could be: near round-off.
-    pub divergence: f64,
+    /// Divergence of the flow of the last evaluation relative to what it could be: near round-off. Nothing where the box does not
+    /// repeat along all axes, since what is on the grid then is that flow in a part of it alone.
+    pub divergence: Option<f64>,
     /// Smallest gap between the surfaces of two particles.
     pub smallest_gap: f64,
 }

@@ -74,3 +74,22 @@ class ManyRanks(unittest.TestCase):
             alone, together = statistics(one, name), statistics(many, name)
             self.assertTrue(len(alone) > 20 and len(together) == len(alone), name)
             self.assertLess(np.abs(together - alone).max(), STATISTICS * np.abs(alone).max(), name)
+
+    def test_a_cloud_whose_box_grows(self):
+        """In open fluid: the box and its grid follow the spheres, on any ranks and after other numbers of them."""
+        sets = {"species[0].count": 12, "particles.radius": 6.0, "flow": '{kind="shear", rate=1.0}', "time.step": 0.1, "output.checkpoint_every": 3, "output.trajectory_every": 3, "hydrodynamics.tolerance": TIGHT}
+        words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+        frames = []
+        for ranks in (None, 2, 3, 7):
+            folder = self.folder / f"{ranks}"
+            run(["run", ROOT / "scenes/cloud.toml", "--out", folder, *words, "--set", "time.duration=0.6"], ranks)
+            run(["resume", folder, "--steps", 9], 3 if ranks == 7 else ranks)
+            with h5py.File(folder / "trajectory.h5") as file:
+                particles = file["particles/all"]
+                frames.append([particles[name]["value"][-1] for name in ("position", "velocity", "box/edges")])
+                edges = particles["box/edges/value"][:]
+        self.assertFalse(np.array_equal(edges[0], edges[-1]))
+        for frame in frames[1:]:
+            np.testing.assert_array_equal(frame[2], frames[0][2])
+            for alone, together in zip(frames[0][:2], frame):
+                self.assertLess(relative_difference(alone, together), DIFFERENCE["f64"])

@@ -24,6 +24,7 @@ SMALLER = {
     "couette": {"box.edges": "[10.0, 10.0, 12.0]", "time.duration": 0.06},
     "poiseuille": {"box.edges": "[10.0, 10.0, 10.0]", "time.duration": 0.3},
     "sediment": {"species[0].count": 20, "time.duration": 0.2},
+    "cloud": {"species[0].count": 20, "time.duration": 0.2},
     "extension": {"time.duration": 1.0},
     "colloid": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "brownian-shear": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},

@@ -1,11 +1,13 @@
 //! Random packings: positions for spheres that do not overlap.
 
+mod cloud;
 mod occupied;
 mod relax;
 mod sequential;
 mod shake;
 
 use crate::{Comm, Partition, PeriodicBox, Vector};
+pub use cloud::random_cloud;
 use occupied::Occupied;
 use relax::relax;
 
@@ -34,6 +36,19 @@ pub enum PackingError {
         /// Volume fraction of the spheres with half the gap added to their radii.
         fraction: f64,
         /// The largest that is tried.
+        limit: f64,
+    },
+    /// A cloud in which there is no room.
+    #[error(
+        "spheres with the gap would fill {fraction:.3} of the ball of radius {radius}; a cloud at random has up to {limit}: take a \
+         larger ball, fewer or smaller spheres, or a smaller gap"
+    )]
+    DenseCloud {
+        /// Volume of the spheres with half the gap added to their radii over that of the ball.
+        fraction: f64,
+        /// Radius of the ball.
+        radius: f64,
+        /// The most that is tried.
         limit: f64,
     },
     /// Overlaps were left after the largest number of iterations.

@@ -1,7 +1,7 @@
 //! Extended XYZ: for each frame the number of particles, a line of keys, and a line for each particle.
 
 use crate::trajectory_reader::Snapshot;
-use domain::{Column, Particles};
+use domain::{Column, Particles, PeriodicBox, Vector};
 use simulation::Frame;
 use std::io::{Result, Write};
 
@@ -19,9 +19,15 @@ fn frame(out: &mut impl Write, Snapshot { step, time, frame }: &Snapshot) -> Res
     let lattice = lattice.as_flattened().iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ");
     let [x, y, z] = periodic.map(|yes| if yes { 'T' } else { 'F' });
     writeln!(out, "{}", particles.len())?;
-    write!(out, "Lattice=\"{lattice}\" Properties={} ", properties(particles))?;
+    write!(out, "Lattice=\"{lattice}\" {}Properties={} ", origin(cell), properties(particles))?;
     writeln!(out, "pbc=\"{x} {y} {z}\" Time={time:?} Step={step}")?;
     (0..particles.len()).try_for_each(|row| line(out, particles, row))
+}
+
+/// Where the box begins, if that is not the origin, as OVITO reads it.
+fn origin(cell: &PeriodicBox) -> String {
+    let Vector { x, y, z } = cell.origin();
+    if cell.origin() == Vector::ZERO { String::new() } else { format!("Origin=\"{x:?} {y:?} {z:?}\" ") }
 }
 
 /// OVITO knows velocities as `velo`.
@@ -39,4 +45,23 @@ fn line(out: &mut impl Write, particles: &Particles, row: usize) -> Result<()> {
     let mut numbers = columns.flat_map(|column| &column.values[row * column.width..][..column.width]);
     numbers.try_for_each(|number| write!(out, " {number:?}"))?;
     writeln!(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_that_follows_particles_says_where_it_begins() {
+        let cell = PeriodicBox::new(Vector::splat(2.0)).unwrap();
+        let moved = cell.spanning(Vector::new(-4.0, 0.0, 0.5), Vector::splat(2.0)).unwrap();
+        let line = |cell: PeriodicBox| {
+            let frame = Frame { particles: Particles::default(), cell, periodic: [false; 3] };
+            let mut out = Vec::new();
+            super::frame(&mut out, &Snapshot { step: 3, time: 0.5, frame }).unwrap();
+            String::from_utf8(out).unwrap().lines().nth(1).unwrap().to_owned()
+        };
+        assert!(line(moved).contains("2.0\" Origin=\"-4.0 0.0 0.5\" Properties="), "{}", line(moved));
+        assert!(line(cell).contains("2.0\" Properties=") && line(cell).contains("pbc=\"F F F\""));
+    }
 }

@@ -153,6 +153,17 @@ impl Hydrodynamics {
         Self { preconditioned, ..self }
     }
 
+    /// Goes on with another plan for the same radii and fluid, on ranks that share out its grid.
+    pub fn replan(&mut self, plan: &Plan, partition: &Partition) {
+        let interrupt = self.far.interrupt().clone();
+        self.far = fcm::Hydrodynamics::new(plan, partition);
+        self.far.listen(interrupt);
+        if let Some(near) = &mut self.near {
+            near.lists = VerletList::new(near.reach, partition);
+        }
+        self.partition = partition.clone();
+    }
+
     /// The mobility of the far field.
     pub fn mobility(&mut self) -> &mut Mobility {
         self.far.mobility()

@@ -1,7 +1,9 @@
 //! The ranges that parameters have to be in.
 
 use super::spheres::check_species;
-use super::{Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, bonds, traps};
+use super::{
+    Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps,
+};
 use domain::{Boundaries, Number, ParameterError};
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
@@ -18,7 +20,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     check_heat(p)?;
     ParameterError::unless_finite_vector("gravity.acceleration", p.gravity)?;
     p.start.check(&p.species, &p.cell)?;
-    check_walls(p)?;
+    check_boundaries(p)?;
     check_flow(p)?;
     p.repulsion.as_ref().map_or(Ok(()), check_repulsion)?;
     p.attraction.as_ref().map_or(Ok(()), |attraction| attraction.check(p))?;
@@ -60,42 +62,59 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 /// What a run in a box that does not repeat along all axes can't have.
-fn check_walls(p: &Parameters) -> Result<(), ParameterError> {
+fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
     let refused = |key: &str, message: &str| Err(ParameterError::new(key, message));
-    match p.cell.boundaries() {
-        Boundaries::Periodic => {
-            let has_profile = matches!(p.flow, Flow::Poiseuille { .. });
-            let message = "is \"poiseuille\", which needs two walls: \"walls\" in box.boundaries";
-            return if has_profile { refused("flow.kind", message) } else { Ok(()) };
-        }
-        Boundaries::Walls | Boundaries::Wall => {}
-        Boundaries::OpenAlongZ | Boundaries::Open => {
-            let message = "has open axes without a wall, of which runs know nothing; possible are \"periodic\" along all \
-                           axes, and \"walls\" or \"wall\" along the third";
-            return refused("box.boundaries", message);
-        }
-    }
-    if let Flow::Shear { lees_edwards: true, .. } = p.flow {
-        let message = "is true, but between walls the box stays as it is; leave it out";
-        return refused("flow.lees_edwards", message);
-    }
-    if let (Flow::Poiseuille { .. }, Boundaries::Wall) = (p.flow, p.cell.boundaries()) {
+    let boundaries = p.cell.boundaries();
+    if matches!(p.flow, Flow::Poiseuille { .. }) && boundaries != Boundaries::Walls {
         return refused("flow.kind", "is \"poiseuille\", which needs two walls: \"walls\" in box.boundaries");
     }
+    if boundaries == Boundaries::Periodic {
+        return Ok(());
+    }
+    if let Flow::Shear { lees_edwards: true, .. } = p.flow {
+        let message = "is true, but only a box that repeats along all axes shears with the flow; leave it out";
+        return refused("flow.lees_edwards", message);
+    }
     if let Protocol::Stress(_) = p.protocol {
-        let message = "is \"stress\", which only a periodic box can follow; give flow.rate, the speed of the upper wall over \
-                       its height";
+        let message = "is \"stress\", which only a periodic box can follow; give flow.rate, between walls the speed of the \
+                       upper one over its height";
         return refused("flow.control", message);
     }
     if p.thermal_energy.is_some() {
-        let message = "can't be between walls; leave it out, or make box.boundaries periodic";
+        let message = "needs a box that repeats along all axes; leave it out, or make box.boundaries periodic";
         return refused("fluid.thermal_energy", message);
     }
     if p.statistics.is_some() {
-        let message = "are those of a box that repeats along all axes; leave them out where box.boundaries has walls";
+        let message = "are those of a box that repeats along all axes; leave them out with other box.boundaries";
         return refused("statistics", message);
     }
-    Ok(())
+    if boundaries == Boundaries::OpenAlongZ { check_layer(p) } else { Ok(()) }
+}
+
+/// A layer in fluid that is open on both sides: what is far away has no velocity to which a flow, or the motion that forces
+/// along the layer cause, could be relative.
+fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
+    if !matches!(p.flow, Flow::None) {
+        let message = "is a flow, but a layer in fluid that is open on both sides has none; leave it out";
+        return Err(ParameterError::new("flow.kind", message));
+    }
+    if !p.traps.is_empty() {
+        let message = "hold spheres of a layer in fluid that is open on both sides, all of which forces along it move; leave \
+                       them out";
+        return Err(ParameterError::new("traps", message));
+    }
+    let is_along = |s: &Species| {
+        let force = s.force_on(s.radius, p.gravity);
+        force.x != 0.0 || force.y != 0.0
+    };
+    match p.species.iter().position(is_along) {
+        Some(index) => {
+            let message = "has a force along a layer in fluid that is open on both sides, all of which it would move; only \
+                           forces across the layer, along its open axis, are possible";
+            Err(ParameterError::new(format!("species[{index}]"), message))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which

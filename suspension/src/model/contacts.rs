@@ -159,7 +159,11 @@ impl Parameters {
     #[must_use]
     pub fn apart_by_roughness(mut self) -> Self {
         let largest = self.species.iter().map(|s| s.radius).fold(0.0, f64::max);
-        if let (Start::Random { minimum_gap }, Some(contacts)) = (&mut self.start, &self.contacts) {
+        let gap = match &mut self.start {
+            Start::Random { minimum_gap } | Start::Cloud { minimum_gap, .. } => Some(minimum_gap),
+            Start::Lattice(_) | Start::Positions(_) | Start::Given => None,
+        };
+        if let (Some(minimum_gap), Some(contacts)) = (gap, &self.contacts) {
             *minimum_gap = minimum_gap.max(contacts.minimum_gap(largest));
         }
         self

@@ -23,11 +23,14 @@ impl Model {
             return Some(self.clone());
         }
         let mut parameters = self.0.clone();
-        parameters.cell = match self.cell.axes() {
+        let cell = match self.cell.axes() {
             None => PeriodicBox::new(self.cell.edges() * scale),
             Some(_) => PeriodicBox::of_lattice(self.cell.lattice_vectors().map(|vector| vector * scale)),
+        };
+        parameters.cell = cell.and_then(|cell| cell.with_boundaries(self.cell.boundaries())).ok()?;
+        if let Start::Cloud { radius, .. } = &mut parameters.start {
+            *radius *= scale;
         }
-        .ok()?;
         parameters.bonds.clear();
         parameters.traps.clear();
         for species in &mut parameters.species {

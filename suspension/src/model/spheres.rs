@@ -1,6 +1,6 @@
 //! The spheres: their species and where they start.
 
-use domain::{Number, ParameterError, PeriodicBox, Vector};
+use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector};
 
 /// The largest volume fraction that spheres may have together.
 pub const MAX_FRACTION: f64 = 0.64;
@@ -30,6 +30,13 @@ pub struct Species {
 pub enum Start {
     /// At random without overlap.
     Random {
+        /// Smallest gap between surfaces.
+        minimum_gap: f64,
+    },
+    /// At random without overlap, with their centres in a ball around the origin, in open fluid.
+    Cloud {
+        /// Radius of the ball.
+        radius: f64,
         /// Smallest gap between surfaces.
         minimum_gap: f64,
     },
@@ -109,7 +116,8 @@ fn check_filling(species: &[Species], cell: &PeriodicBox) -> Result<(), Paramete
         return Err(ParameterError::new("species", format!("is a list of several: {}", too_many(total))));
     }
     let fraction = species.iter().map(|s| count(s) * volume(s.radius)).sum::<f64>() / cell.volume();
-    if fraction >= MAX_FRACTION {
+    // In open fluid spheres need not be in the box, and where they are placed in it that is refused there.
+    if fraction >= MAX_FRACTION && cell.boundaries() != Boundaries::Open {
         let filled = Number(fraction);
         let message = format!("fill {filled:.3} of the box together; spheres need less than {MAX_FRACTION}");
         return Err(ParameterError::new("species", message));
@@ -132,8 +140,18 @@ impl Start {
                 Err(ParameterError::new("particles.minimum_gap", message))
             }
             Self::Positions(places) => check_places(places, species, cell),
+            Self::Cloud { radius, minimum_gap } => {
+                ParameterError::unless_positive("particles.radius", *radius)?;
+                Self::Random { minimum_gap: *minimum_gap }.check(species, cell)?;
+                check_open(cell)
+            }
             _ => self.check_counts(species),
         }
+    }
+
+    /// The radius of the ball in which spheres start, if it is one.
+    pub fn ball(&self) -> Option<f64> {
+        if let Self::Cloud { radius, .. } = *self { Some(radius) } else { None }
     }
 
     /// Only whoever brings positions may leave out how many spheres there are.
@@ -143,6 +161,16 @@ impl Start {
             Err(ParameterError::new(format!("species[{index}].count"), "is missing; say how many spheres there are"))
         })
     }
+}
+
+/// A cloud is in open fluid.
+fn check_open(cell: &PeriodicBox) -> Result<(), ParameterError> {
+    if cell.boundaries() == Boundaries::Open {
+        return Ok(());
+    }
+    let message =
+        "is \"cloud\", which is in open fluid; set box.boundaries = [\"open\", \"open\", \"open\"], or take \"random\"";
+    Err(ParameterError::new("particles.initial", message))
 }
 
 fn check_places(places: &[Vector], species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {

@@ -7,7 +7,7 @@ mod tables;
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
 use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
-use domain::{Bytes, Particles, PeriodicBox, Vector, power_of_two};
+use domain::{Boundaries, Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
 use solver::BackgroundFlow;
@@ -177,6 +177,12 @@ impl About {
             wanted,
         }
     }
+}
+
+/// Whether a scene has species that may separate, in a box that stays where it is.
+pub fn has_columns(model: &Model) -> bool {
+    let stays = !matches!(model.cell.boundaries(), Boundaries::Open | Boundaries::OpenAlongZ);
+    model.species.len() > 1 && stays
 }
 
 /// Columns in which to look for the segregation of a scene's species: along the axis of its statistics.

@@ -19,7 +19,7 @@ impl Centred {
 
 fn centred(cell: &PeriodicBox, position: Vector, mut steps: [i32; 3]) -> ([f64; 3], [i32; 3]) {
     let edges = cell.edges();
-    let mut coordinates = (cell.lattice_coordinates(position) - 0.5 * edges).to_array();
+    let mut coordinates = (cell.lattice_coordinates(position) - cell.origin() - 0.5 * edges).to_array();
     for axis in 0..3 {
         // Rounding to single precision can reach the far face.
         if coordinates[axis] as f32 >= (0.5 * edges[axis]) as f32 {
@@ -43,6 +43,13 @@ mod tests {
         assert_eq!(centred(&cell, middle, [3, 0, 0]), ([0.0; 3], [3, 0, 0]));
         assert_eq!(centred(&cell, Vector::ZERO, [0; 3]), ([-5.0, -2.0, -1.0], [0; 3]));
         assert_eq!(centred(&cell, middle + Vector::Y, [0; 3]), ([0.0, 1.0, 0.0], [0; 3]));
+    }
+
+    #[test]
+    fn a_box_that_begins_elsewhere_is_centred_too() {
+        let cell = PeriodicBox::new(Vector::splat(8.0)).unwrap().with_boundaries(domain::Boundaries::Open).unwrap();
+        let cell = cell.spanning(Vector::new(-100.0, 4.0, 0.0), Vector::splat(16.0)).unwrap();
+        assert_eq!(centred(&cell, Vector::new(-93.0, 5.0, 8.0), [0; 3]), ([-1.0, -7.0, 0.0], [0; 3]));
     }
 
     #[test]

@@ -94,7 +94,9 @@ impl Playback {
         let edges: Vec<String> = edges[..axes].iter().map(|&edge| format!("{:.4}", Number(edge))).collect();
         let periodic: Vec<&str> =
             ["x", "y", "z"].into_iter().zip(self.periodic).filter(|axis| axis.1).map(|axis| axis.0).collect();
-        Some(format!("{}, periodic along {}", edges.join(" \u{d7} "), periodic.join(", ")))
+        let repeats =
+            if periodic.is_empty() { "open".to_owned() } else { format!("periodic along {}", periodic.join(", ")) };
+        Some(format!("{}, {repeats}", edges.join(" \u{d7} ")))
     }
 
     /// Whether there are forces of contacts to show.
@@ -135,7 +137,7 @@ fn edges(cell: &PeriodicBox) -> Vec<f64> {
 
 /// Box coordinates in 65536ths, two bytes each. What is outside of a box, as beyond a wall, is put on its face.
 fn in_box(cell: &PeriodicBox, position: Vector) -> [u8; 6] {
-    let parts = cell.lattice_coordinates(position) / cell.edges() * 65536.0;
+    let parts = cell.parts(position) * 65536.0;
     let [x, y, z] = parts.to_array().map(|part| (part.floor().clamp(0.0, 65535.0) as u16).to_le_bytes());
     [x[0], x[1], y[0], y[1], z[0], z[1]]
 }

@@ -1,16 +1,17 @@
 //! Scenes of spheres in Stokes flow.
 
+mod cell;
 mod flow;
 mod raw;
 mod species;
 mod tethers;
 
-use super::checks::positive;
 use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
 use domain::{Boundaries, PeriodicBox, Vector};
 pub(super) use raw::Raw;
 use simulation::Schedule;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use suspension::{
     Adaptive, Attraction, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion,
@@ -35,9 +36,9 @@ pub struct SuspensionScene {
 
 impl SuspensionScene {
     pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, Fault> {
-        let cell = cell(&raw.cell, raw.flow.as_ref())?;
+        let cell = cell::cell(&raw)?;
         let usual_integrator = usual_integrator(&raw);
-        let species = species::species(&raw, &cell)?;
+        let species = species::species(&raw, room(&raw, &cell))?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
         check_contacts(&raw)?;
         let output = output(raw.output, time.steps);
@@ -91,46 +92,18 @@ fn check_contacts(raw: &Raw) -> Result<(), Fault> {
     }
 }
 
-/// The box, which in an extension is another one of the same volume.
-fn cell(raw: &raw::Box, flow: Option<&raw::Flow>) -> Result<PeriodicBox, Fault> {
-    for (axis, length) in raw.edges.iter().enumerate() {
-        positive(&format!("box.edges[{axis}]"), *length)?;
-    }
-    let edges = Vector::from_array(raw.edges);
-    let boundaries = boundaries(raw.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
-    if let Some(extension) = flow.and_then(|flow| flow::extension(flow.kind)) {
-        if boundaries != Boundaries::Periodic {
-            let message =
-                "has walls or open axes, but an extension stretches a box that repeats along all axes; leave it out";
-            return Err(Fault::new("box.boundaries", message));
-        }
-        return Ok(extension.cell(edges)?);
-    }
-    let cell = PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))?;
-    cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))
-}
-
-fn boundaries(axes: [raw::Boundary; 3]) -> Result<Boundaries, Fault> {
-    use raw::Boundary::{Open, Periodic, Wall, Walls};
-    match axes {
-        [Periodic, Periodic, Periodic] => Ok(Boundaries::Periodic),
-        [Periodic, Periodic, Walls] => Ok(Boundaries::Walls),
-        [Periodic, Periodic, Wall] => Ok(Boundaries::Wall),
-        [Periodic, Periodic, Open] => Ok(Boundaries::OpenAlongZ),
-        [Open, Open, Open] => Ok(Boundaries::Open),
-        _ => {
-            let message = "is none that is possible: all \"periodic\"; or \"periodic\", \"periodic\" and along the third axis \
-                           \"walls\", one at 0 and one at the edge, or \"wall\", one at 0 with open fluid above";
-            Err(Fault::new("box.boundaries", message))
-        }
-    }
+/// The volume that fractions are of: the box's, or that of the ball in which spheres start.
+fn room(raw: &Raw, cell: &PeriodicBox) -> f64 {
+    raw.particles.radius.map_or_else(|| cell.volume(), |radius| 4.0 / 3.0 * PI * radius.powi(3))
 }
 
 /// Where the spheres start, and the file that says so.
 fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
-    use raw::Initial::{File, Lattice, Positions, Random};
+    use raw::Initial::{Cloud, File, Lattice, Positions, Random};
+    let of_gap = if raw.initial == Cloud { Cloud } else { Random };
     let belongs = [
-        ("minimum_gap", raw.minimum_gap.is_some(), Random, "random"),
+        ("minimum_gap", raw.minimum_gap.is_some(), of_gap, "random"),
+        ("radius", raw.radius.is_some(), Cloud, "cloud"),
         ("lattice", raw.lattice.is_some(), Lattice, "lattice"),
         ("path", raw.path.is_some(), File, "file"),
         ("positions", raw.positions.is_some(), Positions, "positions"),
@@ -144,6 +117,11 @@ fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
     let missing = |name: &str, what: &str| Fault::new(format!("particles.{name}"), format!("is missing; {what}"));
     match raw.initial {
         Random => Ok((Start::Random { minimum_gap: raw.minimum_gap.unwrap_or(0.0) }, None)),
+        Cloud => {
+            let radius =
+                raw.radius.ok_or_else(|| missing("radius", "say how large the ball is in which the centres are"))?;
+            Ok((Start::Cloud { radius, minimum_gap: raw.minimum_gap.unwrap_or(0.0) }, None))
+        }
         Lattice => Ok((Start::Lattice(raw.lattice.map_or(self::Lattice::SimpleCubic, Into::into)), None)),
         File => {
             let path = raw.path.clone().ok_or_else(|| missing("path", "name a file or the folder of a former run"))?;

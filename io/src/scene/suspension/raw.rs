@@ -56,8 +56,9 @@ pub(in crate::scene) struct Raw {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Box {
-    /// Edges along x, y and z; between walls their distance.
-    pub(super) edges: [f64; 3],
+    /// Edges along x, y and z; between walls their distance. In open fluid, in which the box follows the spheres, where they start
+    /// if they are at random or on a lattice in it, else none.
+    pub(super) edges: Option<[f64; 3]>,
     /// What each axis is; "periodic" by default.
     pub(super) boundaries: Option<[Boundary; 3]>,
 }
@@ -149,7 +150,9 @@ pub(super) struct Particles {
     /// How the spheres are placed.
     #[serde(default)]
     pub(super) initial: Initial,
-    /// Least gap between surfaces at the start, for "random".
+    /// Radius of the ball in which the centres are, for "cloud".
+    pub(super) radius: Option<f64>,
+    /// Least gap between surfaces at the start, for "random" and "cloud".
     pub(super) minimum_gap: Option<f64>,
     /// Which lattice, for "lattice".
     pub(super) lattice: Option<Lattice>,
@@ -164,6 +167,7 @@ pub(super) struct Particles {
 pub(super) enum Initial {
     #[default]
     Random,
+    Cloud,
     Lattice,
     File,
     Positions,

@@ -2,26 +2,27 @@
 
 use super::super::checks::{few_enough, positive};
 use super::{Fault, raw};
-use domain::{Number, PeriodicBox, Vector};
+use domain::{Number, Vector};
 use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
 
 /// Classes that stand for a distribution of radii, usually.
 const CLASSES: usize = 4;
 
-pub(super) fn species(raw: &raw::Raw, cell: &PeriodicBox) -> Result<Vec<Species>, Fault> {
-    let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, cell)).collect();
+/// The species in a box, or a ball, of a volume.
+pub(super) fn species(raw: &raw::Raw, volume: f64) -> Result<Vec<Species>, Fault> {
+    let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, volume)).collect();
     Ok(lists?.into_iter().flatten().collect())
 }
 
 /// A section's species: one, or the classes of a distribution.
-fn of_section(raw: &raw::Raw, index: usize, cell: &PeriodicBox) -> Result<Vec<Species>, Fault> {
+fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>, Fault> {
     let one = &raw.species[index];
     if one.density_difference.is_some() && raw.gravity.is_none() {
         let message = "is set, but there is no [gravity]; write [gravity] acceleration = [x, y, z], or a force instead";
         return Err(Fault::new(format!("species[{index}].density_difference"), message));
     }
     let classes = classes(one, index)?;
-    let total = count(raw, index, (cell, &classes))?;
+    let total = count(raw, index, (volume, &classes))?;
     let name = one.name.clone().unwrap_or_else(|| format!("{}", index + 1));
     let species = |(k, class): (usize, &SizeClass)| Species {
         name: if one.distribution.is_some() { format!("{name} {}", k + 1) } else { name.clone() },
@@ -82,7 +83,7 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
 }
 
 /// How many spheres of all classes.
-fn count(raw: &raw::Raw, index: usize, (cell, classes): (&PeriodicBox, &[SizeClass])) -> Result<Option<u64>, Fault> {
+fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -> Result<Option<u64>, Fault> {
     let one = &raw.species[index];
     let fault = |name: &str, message: &str| Err(Fault::new(format!("species[{index}]{name}"), message));
     let from_file = raw.particles.initial == raw::Initial::File;
@@ -98,19 +99,19 @@ fn count(raw: &raw::Raw, index: usize, (cell, classes): (&PeriodicBox, &[SizeCla
             let key = format!("species[{index}].volume_fraction");
             let cube: f64 = classes.iter().map(|class| class.share * class.radius.powi(3)).sum();
             let radius = if let [class] = classes { class.radius } else { cube.cbrt() };
-            counted(&key, (fraction, radius), (index, cell)).map(Some)
+            counted(&key, (fraction, radius), (index, volume)).map(Some)
         }
     }
 }
 
 /// How many spheres of a radius fill a fraction of the box.
-fn counted(key: &str, (fraction, radius): (f64, f64), (index, cell): (usize, &PeriodicBox)) -> Result<u64, Fault> {
+fn counted(key: &str, (fraction, radius): (f64, f64), (index, room): (usize, f64)) -> Result<u64, Fault> {
     if !(fraction > 0.0 && fraction < MAX_FRACTION) {
         let message = format!("is {}; spheres need 0 < volume_fraction < {MAX_FRACTION}", Number(fraction));
         return Err(Fault::new(key, message));
     }
     let volume = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-    let count = (fraction * cell.volume() / volume).round();
+    let count = (fraction * room / volume).round();
     few_enough(key, &format!("{fraction}, with species[{index}].radius = {radius}"), (count, "spheres"))?;
     if count < 1.0 {
         let found = Number(fraction);

@@ -1,0 +1,90 @@
+//! The box of a scene.
+
+use super::raw::{self, Raw};
+use super::{Fault, flow};
+use crate::scene::checks::positive;
+use domain::{Boundaries, PeriodicBox, Vector};
+
+/// Radii of the largest sphere around those that a scene says nothing of the places of.
+const SOMEWHERE: f64 = 10.0;
+
+/// The box, which in an extension is another one of the same volume. Where the fluid is open along all axes it is about what is in
+/// it at the start.
+pub fn cell(raw: &Raw) -> Result<PeriodicBox, Fault> {
+    let boundaries = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
+    let edges = Vector::from_array(edges(raw, boundaries)?);
+    if let Some(extension) = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind)) {
+        if boundaries != Boundaries::Periodic {
+            let message =
+                "has walls or open axes, but an extension stretches a box that repeats along all axes; leave it out";
+            return Err(Fault::new("box.boundaries", message));
+        }
+        return Ok(extension.cell(edges)?);
+    }
+    let cell = PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))?;
+    cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))
+}
+
+fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
+    let starts_in_box = matches!(raw.particles.initial, raw::Initial::Random | raw::Initial::Lattice);
+    match raw.cell.edges {
+        Some(_) if boundaries == Boundaries::Open && !starts_in_box => {
+            let message = "are given, but in open fluid only particles.initial = \"random\" and \"lattice\" start in a box; leave \
+                           them out";
+            Err(Fault::new("box.edges", message))
+        }
+        Some(edges) => {
+            for (axis, length) in edges.iter().enumerate() {
+                positive(&format!("box.edges[{axis}]"), *length)?;
+            }
+            Ok(edges)
+        }
+        None if boundaries == Boundaries::Open && !starts_in_box => Ok(around(raw)),
+        None => {
+            let message =
+                "are missing; only spheres in open fluid that start as a cloud, at positions or from a file need none";
+            Err(Fault::new("box.edges", message))
+        }
+    }
+}
+
+/// About the edges of a box around spheres in open fluid.
+fn around(raw: &Raw) -> [f64; 3] {
+    let room = SOMEWHERE * raw.species.iter().map(largest).fold(0.0, f64::max);
+    if let Some(radius) = raw.particles.radius {
+        return [2.0 * radius.abs() + room; 3];
+    }
+    let places = raw.particles.positions.as_deref().unwrap_or_default();
+    std::array::from_fn(|axis| {
+        let coordinates = || places.iter().map(|place| place[axis]).filter(|x| x.is_finite());
+        let extent = coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min);
+        extent.max(0.0) + room
+    })
+}
+
+/// About the largest radius of a species.
+fn largest(species: &raw::Species) -> f64 {
+    let of_list = |raw: &raw::Distribution| {
+        let table = raw.table.iter().flatten().map(|row| row[0]).fold(0.0, f64::max);
+        let spread = raw.mean.unwrap_or(0.0) + SOMEWHERE * raw.deviation.unwrap_or(0.0);
+        table.max(spread).max(raw.largest.unwrap_or(0.0))
+    };
+    species.radius.or(species.distribution.as_ref().map(of_list)).unwrap_or(0.0)
+}
+
+fn boundaries(axes: [raw::Boundary; 3]) -> Result<Boundaries, Fault> {
+    use raw::Boundary::{Open, Periodic, Wall, Walls};
+    match axes {
+        [Periodic, Periodic, Periodic] => Ok(Boundaries::Periodic),
+        [Periodic, Periodic, Walls] => Ok(Boundaries::Walls),
+        [Periodic, Periodic, Wall] => Ok(Boundaries::Wall),
+        [Periodic, Periodic, Open] => Ok(Boundaries::OpenAlongZ),
+        [Open, Open, Open] => Ok(Boundaries::Open),
+        _ => {
+            let message = "is none that is possible: \"periodic\" along all axes; \"open\" along all axes; or \"periodic\", \
+                           \"periodic\" and along the third axis \"walls\", one at 0 and one at the edge, \"wall\", one at 0 with \
+                           open fluid above, or \"open\"";
+            Err(Fault::new("box.boundaries", message))
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! A box that follows spheres in open fluid, and a grid that follows the box.
+
+use super::Dynamics;
+use crate::model::Model;
+use crate::open_box::{around, follows};
+use crate::plan::Radii;
+use crate::setup::Planned;
+use crate::step_error::StepError;
+use domain::{Failure, Number, Particles, PeriodicBox};
+use simulation::Clock;
+
+/// What it takes to plan again where edges of the box change.
+pub(super) struct Following {
+    model: Model,
+    radii: Radii,
+    /// Evaluations of the mobility on the grids before.
+    evaluations: u64,
+}
+
+impl Following {
+    /// That of a scene whose box follows the spheres.
+    pub fn of(model: &Model, radii: &Radii) -> Option<Self> {
+        follows(model.cell.boundaries()).then(|| Self { model: model.clone(), radii: radii.clone(), evaluations: 0 })
+    }
+
+    /// Evaluations of the mobility on the grids before.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+}
+
+impl Dynamics {
+    /// Puts the box around the particles, and makes another grid where its edges are others. Collective.
+    pub(super) fn follow(&mut self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
+        let Some(following) = &self.following else { return Ok(()) };
+        let comm = self.partition.comm();
+        let cell = around(&following.model.cell, particles, (following.radii.largest(), comm));
+        if !self.fits(&cell) {
+            let edges = cell.edges().to_array().map(|edge| Number(edge).to_string()).join(" x ");
+            let planned = self.planned(&cell);
+            let planned = planned.map_err(|source| StepError::Box { step: clock.step(), edges, source })?;
+            self.adopt(&planned);
+        }
+        self.moving.follow(cell);
+        Ok(())
+    }
+
+    /// Whether the grid is that of a box.
+    fn fits(&mut self, cell: &PeriodicBox) -> bool {
+        self.hydrodynamics.mobility().plan().edges == cell.edges()
+    }
+
+    /// The plan in a box, if there is memory for it. Collective.
+    fn planned(&self, cell: &PeriodicBox) -> Result<Planned, Failure> {
+        let Some(Following { model, radii, .. }) = &self.following else { unreachable!("only a box that follows") };
+        Planned::within(cell, model, radii.clone(), self.partition.comm())
+    }
+
+    fn adopt(&mut self, planned: &Planned) {
+        self.partition = planned.partition(self.partition.comm());
+        let done = self.hydrodynamics.mobility().work().evaluations;
+        self.following.iter_mut().for_each(|following| following.evaluations += done);
+        self.forces.divide(&self.partition);
+        self.hydrodynamics.replan(&planned.plan, &self.partition);
+    }
+
+    /// Makes the grid that of the box again, after the box went back to what it was. Collective.
+    pub(super) fn refit(&mut self) {
+        let cell = *self.moving.cell();
+        if self.following.is_some() && !self.fits(&cell) {
+            let planned = self.planned(&cell).expect("it was planned before");
+            self.adopt(&planned);
+        }
+    }
+}
