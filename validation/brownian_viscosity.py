@@ -18,7 +18,7 @@ EDGE = (COUNT * 4 / 3 * np.pi / FRACTION) ** (1 / 3)
 # The time in which a sphere diffuses over its radius, with kT, mu and a of 1.
 DIFFUSIVE = 6 * np.pi
 NUMBERS = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0) if FULL else (1.0, 10.0, 100.0)
-STEP = 2e-3
+STEP, LONGEST = 2e-3, 5e-3
 LENGTH, SETTLED = (150.0, 10.0) if FULL else (8.0, 2.0)
 # Configurations at rest on which the viscosity at high frequency is computed.
 FRAMES = 40 if FULL else 8
@@ -70,7 +70,8 @@ def mean_and_error(samples):
 
 def sheared(number):
     """Viscosity by parts at a Peclet number; runs are as long in strain as at a number of 1 above it."""
-    step = STEP / max(1.0, number / 10)
+    # No more than half a percent of strain, in which pairs would fall on each other.
+    step = min(STEP, LONGEST / number)
     rate = number / DIFFUSIVE
     series, _ = rows(rate, step, LENGTH * step / STEP)
     parts = [mean_and_error(component(series, part, "xy") / rate) for part in PARTS]

@@ -31,7 +31,7 @@ impl Default for Block {
 pub struct Products<'a> {
     pub blocks: &'a [Block],
     pub screws: &'a [Screw],
-    pub products: &'a mut [Screw],
+    pub results: &'a mut [Screw],
 }
 
 impl Work<f64> for Products<'_> {
@@ -39,7 +39,7 @@ impl Work<f64> for Products<'_> {
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
-        for ((block, screw), product) in self.blocks.iter().zip(self.screws).zip(self.products) {
+        for ((block, screw), product) in self.blocks.iter().zip(self.screws).zip(self.results) {
             let mut sum = Lanes::<V>::constant(0.0);
             for k in 0..6 {
                 // A column is a row. What follows it is summed too, and left out.
@@ -65,7 +65,7 @@ mod tests {
         }));
         let screws = [Screw([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]), Screw([0.0, 1.0, 0.0, 0.0, 0.0, -1.0])];
         let mut products = [Screw::default(); 2];
-        f64::dispatch(Products { blocks: &[block; 2], screws: &screws, products: &mut products });
+        f64::dispatch(Products { blocks: &[block; 2], screws: &screws, results: &mut products });
         for (product, screw) in products.iter().zip(&screws) {
             assert!(product.0.iter().zip(block.times(screw).0).all(|(a, b)| (a - b).abs() < 1e-14), "{product:?}");
         }

@@ -173,7 +173,7 @@ mod tests {
     fn inverses_undo_the_blocks_and_what_particles_resist_alone() {
         let own: Vec<Own<f64>> = (0..11)
             .map(|row| {
-                let size = 1.0 + row as f64;
+                let size = 1.0 + f64::from(row);
                 Own {
                     force: [3.0, 0.1, -0.2, 2.0, 0.3, size],
                     torque: [1.0, 0.0, 0.1, size, -0.2, 2.0],

@@ -103,7 +103,7 @@ impl System for ParticleMatrix<'_> {
         let mut motions = Screws::zero(residual.0.len());
         let chunks =
             self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
-        chunks.for_each(|((blocks, screws), products)| f64::dispatch(Products { blocks, screws, products }));
+        chunks.for_each(|((blocks, screws), results)| f64::dispatch(Products { blocks, screws, results }));
         motions
     }
 
