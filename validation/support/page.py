@@ -8,14 +8,14 @@ BOOK = pathlib.Path(__file__).resolve().parents[2] / "docs" / "src"
 FIGURES = BOOK / "figures"
 
 
-def write_section(page, name, title, lines):
-    """Puts a title, the command and lines between the marks `<!-- name -->` and `<!-- /name -->` of a page."""
+def write_section(page, name, title, lines, command=None):
+    """Puts a title, the command, which is that of `scripts/validate` unless it is given, and lines between the marks `<!-- name -->` and `<!-- /name -->` of a page."""
     path = BOOK / page
     text = path.read_text()
     pattern = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- /{re.escape(name)} -->)", re.S)
     if not pattern.search(text):
         raise SystemExit(f"{path} has no section <!-- {name} -->")
-    command = " ".join(["scripts/validate", name, *sys.argv[1:]])
+    command = command or " ".join(["scripts/validate", name, *sys.argv[1:]])
     body = f"\n## {title}: `{command}`\n\n" + "\n".join(lines).strip() + "\n\n"
     path.write_text(pattern.sub(lambda match: match[1] + body + match[2], text))
 

@@ -1,0 +1,183 @@
+"""Times other programs that a user has built beside this one, in turns, and writes the page about them: scripts/benchmark --peers.
+
+Environment variables say where they are: LF_DEM its program; JFSD its checkout and JFSD_PYTHON a Python with what it needs. Those that are not
+set are left out, and their sections of the page stay as they are."""
+
+import argparse
+import os
+import pathlib
+import platform
+import subprocess
+import sys
+import tempfile
+from statistics import median
+
+import h5py
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(TOP / "validation"))
+from support.page import table, write_section
+
+ROUNDS = 3
+# Spheres of two radii, half the volume each, and the strains over which a run is timed.
+COUNTS, FRACTION, FRICTIONS, STRAINS = {1.0: 147, 1.4: 53}, 0.45, (0.0, 0.5), (1.0, 2.0)
+# Spheres and steps beside JFSD.
+EQUAL, EQUAL_FRACTION, STEPS = 500, 0.2, 2
+
+
+def cpu_seconds(command, **options):
+    """CPU seconds of a command and all that it starts."""
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **options)
+    message = child.stderr.read()
+    _, status, used = os.wait4(child.pid, 0)
+    if status:
+        raise SystemExit(f"{' '.join(map(str, command))} failed:\n{message.decode()[-2000:]}")
+    return used.ru_utime + used.ru_stime
+
+
+def edge(counts, fraction):
+    return (sum(4 / 3 * 3.141592653589793 * a**3 * n for a, n in counts.items()) / fraction) ** (1 / 3)
+
+
+def scene(counts, fraction, keys):
+    side = edge(counts, fraction)
+    species = "".join(f"[[species]]\nradius = {a}\ncount = {n}\n" for a, n in counts.items())
+    return f"seed = 1\nbox.edges = [{side}, {side}, {side}]\nfluid.viscosity = 1.0\n{keys}\n{species}"
+
+
+class Ours:
+    """This program, on one thread."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder = program, pathlib.Path(folder)
+
+    def run(self, text, name):
+        path = self.folder / f"{name}.toml"
+        path.write_text(text)
+        return cpu_seconds([self.program, "run", path, "--out", self.folder / name, "--force", "--threads", "1"])
+
+    def rough(self, friction, strain):
+        """CPU seconds of a run of rough spheres in shear."""
+        keys = f"""flow = {{ kind = "shear", rate = 1.0 }}
+contacts = {{ friction = {friction}, roughness = 0.005 }}
+hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
+time = {{ step = 0.005, duration = {strain} }}
+output = {{ trajectory_every = {round(strain / 0.005)}, observables_every = 20, checkpoint_every = 0 }}"""
+        return self.run(scene(COUNTS, FRACTION, keys), f"rough-{friction}")
+
+    def start(self, friction):
+        """Radii and places of its first frame, in a box that begins at the origin."""
+        with h5py.File(self.folder / f"rough-{friction}" / "trajectory.h5") as file:
+            group = file["particles/all"]
+            return group["radius"][:], group["position/value"][0]
+
+    def lubricated(self, steps):
+        """CPU seconds of so many steps of equal spheres in shear."""
+        keys = f"""particles = {{ initial = "random", minimum_gap = 0.01 }}
+flow = {{ kind = "shear", rate = 1.0 }}
+repulsion.strength = 60.0
+hydrodynamics = {{ lubrication = true, tolerance = 1e-3 }}
+time = {{ step = 0.001, steps = {steps} }}
+output = {{ trajectory_every = 0, checkpoint_every = 0, observables_every = {steps} }}"""
+        return self.run(scene({1.0: EQUAL}, EQUAL_FRACTION, keys), "lubricated")
+
+
+class LfDem:
+    """LF_DEM: pairs' lubrication and contacts, without a far field. Shear is along x, its gradient along z."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder = pathlib.Path(program).resolve(), pathlib.Path(folder)
+
+    def rough(self, friction, strain, start):
+        """CPU seconds of a run of these spheres, with stiffnesses and displacements of its own example in three dimensions."""
+        radii, places = start
+        side = edge(COUNTS, FRACTION)
+        rows = [f"{x!r} {z!r} {y!r} {a!r}" for a, (x, y, z) in zip(radii.tolist(), places.tolist())]
+        head = ["# np1 np2 vf lx ly lz vf1 vf2 dispx dispy", f"# {COUNTS[1.0]} {COUNTS[1.4]} {FRACTION} {side} {side} {side} 0.5 0.5 0 0"]
+        (self.folder / "start.dat").write_text("\n".join(head + rows) + "\n")
+        (self.folder / "parameters.txt").write_text(f"""dt = 1e-4;
+disp_max = 2e-3;
+integration_method = 1;
+time_end = {strain}h;
+friction_model = {1 if friction else 0};
+mu_static = {friction};
+kn = 10000h;
+kt = 6000h;
+lubrication_model = tangential;
+lub_max_gap = 0.5;
+lub_reduce_parameter = 5e-3;
+contact_relaxation_time = 1e-3h;
+contact_relaxation_time_tan = 0h;
+time_interval_output_config = 10h;
+time_interval_output_data = 1e-1h;
+out_data_particle = false;
+out_data_interaction = false;
+origin_zero_flow = true;
+""")
+        command = [self.program, "-f", "-r", "1h", "start.dat", "parameters.txt"]
+        return cpu_seconds(command, cwd=self.folder, env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"})
+
+
+def beside_lf_dem(program, folder):
+    """Rows of CPU seconds for a unit of strain: of the strains of a run less those of a shorter one."""
+    ours, theirs = Ours(program, folder), LfDem(os.environ["LF_DEM"], folder)
+    for friction in FRICTIONS:
+        rounds = []
+        for _ in range(ROUNDS):
+            mine = [ours.rough(friction, strain) for strain in STRAINS]
+            start = ours.start(friction)
+            other = [theirs.rough(friction, strain, start) for strain in STRAINS]
+            rounds.append([(long - short) / (STRAINS[1] - STRAINS[0]) for short, long in (mine, other)])
+        yield row(f"friction {friction:g}", rounds)
+
+
+def beside_jfsd(program, folder):
+    """Rows of CPU seconds for a step."""
+    ours, place = Ours(program, folder), pathlib.Path(os.environ["JFSD"])
+    script = TOP / "scripts" / "peers" / "jfsd_viscosity.py"
+    command = [os.environ.get("JFSD_PYTHON", "python3"), script, str(EQUAL), str(EQUAL_FRACTION), "--time", str(STEPS)]
+    rounds = []
+    for _ in range(ROUNDS):
+        few, many = (ours.lubricated(steps) for steps in (10, 30))
+        said = subprocess.run(command, cwd=place, env={**os.environ, "JAX_PLATFORMS": "cpu"}, check=True, capture_output=True, text=True)
+        rounds.append([(many - few) / 20, float(said.stdout.split()[0])])
+    yield row(f"{EQUAL} spheres at {EQUAL_FRACTION:.0%}", rounds)
+
+
+def row(name, rounds):
+    """Medians, and the ratio with its range."""
+    ratios = sorted(other / mine for mine, other in rounds)
+    mine, other = (median(column) for column in zip(*rounds))
+    return [name, f"{mine:.3g}", f"{other:.3g}", f"{median(ratios):.1f} ({ratios[0]:.1f} to {ratios[-1]:.1f})"]
+
+
+PEERS = {
+    "LF_DEM": ("lf-dem", "Rough spheres beside LF_DEM", beside_lf_dem, [
+        "CPU seconds for a unit of strain, after the first, of 200 spheres of radii 1 and 1.4 at 45%, of the same start: here with far field and",
+        "steps of 0.005, there without, with its predictor-corrector steps and contacts that are soft as in its example.",
+    ]),
+    "JFSD": ("jfsd", "A lubricated step beside JFSD", beside_jfsd, [
+        "CPU seconds for a step in shear, tolerance 1e-3, there in single precision, compilation left out.",
+    ]),
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/benchmark --peers", description=__doc__)
+    parser.add_argument("--program", required=True, help="this program")
+    arguments = parser.parse_args()
+    chosen = [peer for peer in PEERS if os.environ.get(peer)]
+    if not chosen:
+        raise SystemExit(f"set {' or '.join(PEERS)} to where that program is, see docs/src/peers.md")
+    for peer in chosen:
+        name, title, compare, about = PEERS[peer]
+        with tempfile.TemporaryDirectory() as folder:
+            rows = list(compare(arguments.program, folder))
+        lines = [*about, f"One thread, medians and ranges of {ROUNDS} rounds in turns, on {platform.machine()}.", ""]
+        lines += table(["", "fcm-solve", peer, "times as long"], rows)
+        print(title, *lines, sep="\n")
+        write_section("peers.md", name, title, lines, "scripts/benchmark --peers")
+
+
+if __name__ == "__main__":
+    main()
