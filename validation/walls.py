@@ -126,7 +126,7 @@ def far():
 def main():
     spheres = eight("slit-8.csv", [14.0, 14.0, 12.0], ["periodic", "periodic", "walls"])
     failed = missed(spheres)
-    verdict = "Every error is below its tolerance." if not failed else f"Not below the tolerance at {failed}."
+    verdict = "Every error is below its tolerance." if not failed else f"Not below the tolerance at {', '.join(f'{tolerance:.0e}' for tolerance in failed)}."
     lines = [
         "Eight rigid spheres of radii 1 and 2 between walls, forces and torques on all, against sums without a grid:",
         "",
