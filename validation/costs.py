@@ -15,7 +15,8 @@ from support.program import PROGRAM
 FULL = "--full" in sys.argv
 COUNTS = (100, 1000, 10_000, 100_000) if FULL else (100, 1000)
 TOLERANCES = (1e-2, 1e-3, 1e-6) if FULL else (1e-2, 1e-3)
-STEPS = 12
+# Steps of the shorter run, and those more of the longer one, of all spheres: enough that they take longer than starts differ.
+STEPS, MORE = 12, 200_000
 SCENE = """
 title = "What a step costs"
 [box]
@@ -54,13 +55,13 @@ def seconds(scene, folder):
 
 def measured(folder, **values):
     """Seconds a step, from two runs that differ in their length, and predicted memory in MB."""
-    times = []
+    times, more = [], max(STEPS, MORE // values["count"])
     scene = folder / "scene.toml"
-    for steps in (STEPS, 2 * STEPS):
+    for steps in (STEPS, STEPS + more):
         scene.write_text(SCENE.format(steps=steps, **values))
         times.append(min(seconds(scene, folder / "out") for _ in range(2)))
     outline = subprocess.run([PROGRAM, "check", str(scene), "--json", "--no-trial"], check=True, capture_output=True, text=True)
-    return (times[1] - times[0]) / STEPS, json.loads(outline.stdout)["memory_bytes"][0] / 1e6
+    return (times[1] - times[0]) / more, json.loads(outline.stdout)["memory_bytes"][0] / 1e6
 
 
 def rows():
