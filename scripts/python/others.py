@@ -4,6 +4,7 @@ Environment variables say where they are: LF_DEM its program; JFSD its checkout 
 set are left out, and their sections of the page stay as they are."""
 
 import argparse
+import math
 import os
 import pathlib
 import platform
@@ -36,7 +37,7 @@ def cpu_seconds(command, **options):
 
 
 def edge(counts, fraction):
-    return (sum(4 / 3 * 3.141592653589793 * a**3 * n for a, n in counts.items()) / fraction) ** (1 / 3)
+    return (sum(4 / 3 * math.pi * a**3 * n for a, n in counts.items()) / fraction) ** (1 / 3)
 
 
 def scene(counts, fraction, keys):
@@ -89,7 +90,8 @@ class LfDem:
         self.program, self.folder = pathlib.Path(program).resolve(), pathlib.Path(folder)
 
     def rough(self, friction, strain, start):
-        """CPU seconds of a run of these spheres, with stiffnesses and displacements of its own example in three dimensions."""
+        """CPU seconds of a run of these spheres. Displacements, range of lubrication and relaxation are those of its example; springs are
+        twice and three times as stiff as there, and the cut-off of lubrication is our roughness."""
         radii, places = start
         side = edge(COUNTS, FRACTION)
         rows = [f"{x!r} {z!r} {y!r} {a!r}" for a, (x, y, z) in zip(radii.tolist(), places.tolist())]
@@ -154,7 +156,8 @@ def row(name, rounds):
 PEERS = {
     "LF_DEM": ("lf-dem", "Rough spheres beside LF_DEM", beside_lf_dem, [
         "CPU seconds for a unit of strain, after the first, of 200 spheres of radii 1 and 1.4 at 45%, of the same start: here with far field and",
-        "steps of 0.005, there without, with its predictor-corrector steps and contacts that are soft as in its example.",
+        "steps of 0.005 in strain, there without, with predictor-corrector steps of at most 0.002 radii, springs of 10,000 and 6,000 in units of",
+        "6 pi mu a and the rate, and lubrication cut off at a gap of 0.005.",
     ]),
     "JFSD": ("jfsd", "A lubricated step beside JFSD", beside_jfsd, [
         "CPU seconds for a step in shear, tolerance 1e-3, there in single precision, compilation left out.",
