@@ -1,5 +1,5 @@
-"""What the runs of the figures cost: what the quick ones took of a core, and by the same rate for a sphere and a step what the full
-ones would need."""
+"""What the runs of the figures cost: what the quick ones took of a core, and what full ones took or, by the same rate for a sphere
+and a step, would need."""
 
 import json
 
@@ -61,12 +61,17 @@ def estimate(run, known):
     return like.seconds() * sphere_steps(run) / sphere_steps(like)
 
 
+def taken(run, known):
+    """Seconds of a core that a run took or, where it has not been made, would take."""
+    return run.seconds() if run.is_finished() and run.seconds() > 0 else estimate(run, known)
+
+
 def row(name, quick, full):
     """Of the table, by those quick runs that have been made."""
     known = [run for run in quick if run.is_finished() and run.seconds() > 0]
     if not known:
         raise SystemExit(f"no quick run of figure {name} has been made: scripts/reproduce makes them")
-    quick_seconds, full_seconds = (sum(estimate(run, known) for run in runs) for runs in (quick, full))
+    quick_seconds, full_seconds = (sum(taken(run, known) for run in runs) for runs in (quick, full))
     rate = f"{1e6 * quick_seconds / sum(map(sphere_steps, quick)):.1f}"
     counts = [str(len(quick)), size(quick), f"{quick_seconds / 60:.1f}", rate, str(len(full)), size(full)]
     return [name, *counts, f"{full_seconds / 3600:.1f}"]
