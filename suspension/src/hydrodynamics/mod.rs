@@ -21,7 +21,7 @@ mod springs;
 mod touching;
 
 pub use change::Found;
-use coupled::{Coupled, Unknowns, resisted};
+use coupled::{Coupled, Unknowns};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{
     Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
@@ -344,23 +344,20 @@ fn start<'a>(
     (guess, is_rigid): (&Guess, bool),
 ) -> Unknowns {
     let count = known.0.len();
-    let mut motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
-    if let Some(matrix) = matrix {
-        let mut loads = known.clone();
-        let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
-        loads.add_resisted(1.0, single, &induced);
-        motions = matrix.solve_with_all(motions, &loads, tolerance);
-    }
+    let motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
     moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
-    unknowns(near, &motions, moments)
+    let Some(matrix) = matrix else { return unknowns(near, &motions, moments) };
+    let mut loads = known.clone();
+    let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
+    loads.add_resisted(1.0, single, &induced);
+    let [motions, resisted] = matrix.solve_with_all(motions, &loads, tolerance);
+    Unknowns::of(&motions, &resisted, moments)
 }
 
 /// The unknowns that go with motions of the particles. Collective.
 fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
-    let against = motions.negative();
-    let [stiff, soft] = [Pairs::Stiff, Pairs::Soft].map(|pairs| resisted(near, pairs, &against));
-    Unknowns { stiff, soft, moments }
+    Unknowns::of(motions, &near.times(&[Pairs::Stiff, Pairs::Soft], motions), moments)
 }
 
 #[cfg(test)]
