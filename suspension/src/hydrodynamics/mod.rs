@@ -122,9 +122,10 @@ const MOST_ITERATIONS: usize = 1000;
 /// steps if they are ten times more exact.
 const ROUGH: f64 = 0.1;
 
-/// Error left in the near field of the start, over that allowed in the end: small enough that where the far field was
-/// guessed well, nothing is left to iterate on.
-const START: f64 = 0.3;
+/// Errors left in the near field of the start and of the end, over that allowed: small enough that where the far field was
+/// guessed well, nothing is left to iterate on, and that the next guess is as good.
+const START: f64 = 0.6;
+const END: f64 = 0.2;
 
 impl Hydrodynamics {
     /// Prepares what `plan` decided, with what acts between near particles. Not to be called from a rayon task.
@@ -290,7 +291,7 @@ fn lubricated(
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
     ended(&outcome, limits)?;
-    let (motion, x) = system.finish(x, &residual, START * limits.tolerance, comm);
+    let (motion, x) = system.finish(x, &residual, END * limits.tolerance, comm);
     if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
         return Err(SolveError::NotFinite);
     }
