@@ -232,7 +232,7 @@ impl Coupled<'_> {
 }
 
 /// Motions and what some pairs resist to them. Collective.
-fn resisted(near: &NearPairs, pairs: Pairs, motions: &Screws) -> Resisted {
+pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &Screws) -> Resisted {
     Resisted { loads: near.times(&[pairs], motions), motions: motions.clone() }
 }
 
