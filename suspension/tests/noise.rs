@@ -169,7 +169,7 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
 #[test]
 fn whitened_draws_are_the_same_on_any_ranks() {
     let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
-    let draws = 24;
+    let draws = 8;
     for (tolerance, precision, allowed) in [(1e-3, Precision::Single, 1e-4), (1e-7, Precision::Double, 1e-6)] {
         let trimer = MobilityParameters { lubrication, ..parameters(9.0, tolerance) };
         let mut alone = mobility(trimer.clone(), &Comm::alone());
