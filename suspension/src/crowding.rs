@@ -83,7 +83,7 @@ impl CrowdedSteps {
     }
 
     /// What to say of them in a scene, if there is something.
-    pub fn warning(&self, remedies: &Remedies, smallest_radius: f64) -> Option<String> {
+    pub fn warning(&self, remedies: Remedies, smallest_radius: f64) -> Option<String> {
         let Self { steps, with_overlap, at_floor, most } = self;
         let overlapped = (*with_overlap > 0).then(|| {
             format!(
@@ -180,10 +180,10 @@ mod tests {
         let remedies = Remedies { repels: true, is_midpoint: true };
         let mut steps = CrowdedSteps::default();
         steps.see(Crowded::default());
-        assert_eq!(steps.warning(&remedies, 1.0), None);
+        assert_eq!(steps.warning(remedies, 1.0), None);
         steps.see(Crowded { overlapping: 0, at_floor: 1, depth: 0.0 });
         steps.see(Crowded { overlapping: 2, at_floor: 3, depth: 0.01 });
-        let said = steps.warning(&remedies, 0.5).unwrap();
+        let said = steps.warning(remedies, 0.5).unwrap();
         assert_eq!(
             said,
             "spheres overlapped in 1 of 3 steps where their motions were solved for, up to 2 pairs at a time and by 0.01 (0.02 \
@@ -192,6 +192,6 @@ mod tests {
              repulsion.strength or repulsion.range, or time.brownian = \"two-evaluations\""
         );
         let without = Remedies { repels: false, is_midpoint: false };
-        assert!(steps.warning(&without, 0.5).unwrap().ends_with("try a shorter time.step, a [repulsion]"));
+        assert!(steps.warning(without, 0.5).unwrap().ends_with("try a shorter time.step, a [repulsion]"));
     }
 }

@@ -95,13 +95,13 @@ impl Observer {
 
     /// What to say of the rows so far.
     pub fn warnings(&self) -> Vec<String> {
-        let crowded = self.crowded.warning(&self.remedies, self.smallest_radius);
+        let crowded = self.crowded.warning(self.remedies, self.smallest_radius);
         [self.overlapped(), crowded, self.soft()].into_iter().flatten().collect()
     }
 
     /// What keeps spheres apart.
-    pub fn remedies(&self) -> &Remedies {
-        &self.remedies
+    pub fn remedies(&self) -> Remedies {
+        self.remedies
     }
 
     /// Counts a step that was taken.

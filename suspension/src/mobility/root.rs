@@ -36,7 +36,9 @@ impl Mobility {
         let scales: Vec<[f64; 2]> = self.parameters.radii[..spheres].iter().map(|&a| self.scales(a)).collect();
         let mut start = numbers[..spheres].to_vec();
         if self.parameters.multipoles == fcm::Multipoles::Monopole {
-            start.iter_mut().for_each(|numbers| numbers[3..].fill(0.0));
+            for numbers in &mut start {
+                numbers[3..].fill(0.0);
+            }
         }
         if transposed {
             start = times(&start, &scales, |number, scale| number * scale);
