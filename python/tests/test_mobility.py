@@ -85,7 +85,9 @@ def test_noise_is_that_of_the_program_and_has_the_covariance_of_the_mobility(pro
         made.noise(0, 1)
 
 
-@pytest.mark.parametrize("more", [{"lubrication": True}, {"multipoles": "monopole"}, {"boundaries": ("periodic", "periodic", "walls")}])
+@pytest.mark.parametrize(
+    "more", [{"lubrication": True}, {"multipoles": "monopole"}, {"boundaries": ("periodic", "periodic", "walls")}]
+)
 def test_the_square_root_times_its_transpose_is_the_mobility(more):
     made = mobility(tolerance=1e-3 if "boundaries" in more else 1e-5, **more)
     root = made.square_root()

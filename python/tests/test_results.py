@@ -106,7 +106,8 @@ def test_fields_are_those_of_their_steps(sheared):
 
 def test_contacts_are_those_of_their_steps(pair, tmp_path):
     """A heavy sphere pressed against one that is held, by a force along x across a side of the box."""
-    species = [{"name": name, "radius": 1.0, "count": 1, "force": [force, 0.0, 0.0]} for name, force in (("left", -2.0), ("right", 2.0))]
+    pressed = (("left", -2.0), ("right", 2.0))
+    species = [{"name": name, "radius": 1.0, "count": 1, "force": [force, 0.0, 0.0]} for name, force in pressed]
     scene = fcm.Scene.from_dict(
         pair
         | {
