@@ -31,6 +31,7 @@ mod channel_flow;
 mod cloud;
 mod columns;
 mod contacts;
+mod crowding;
 mod deformation;
 mod driven;
 mod dynamics;

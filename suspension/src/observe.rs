@@ -1,6 +1,7 @@
 //! What is observed of a suspension in the course of time.
 
 use crate::cloud;
+use crate::crowding::{Crowded, CrowdedSteps, Remedies};
 use crate::gap::Gap;
 use crate::model::Model;
 use crate::rheology::Rheology;
@@ -21,6 +22,8 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
+    crowded: CrowdedSteps,
+    remedies: Remedies,
     /// How many walls there are.
     walls: usize,
     /// Whether the box repeats along all axes.
@@ -49,6 +52,10 @@ const CONTACTS: [(&str, &str); 5] = [
     ("elastic_energy", "force*length"),
 ];
 
+/// What a row tells of pairs that were too near each other where motions by heat were solved for in the last step.
+const CROWDED: [(&str, &str); 3] =
+    [("overlapping_pairs", ""), ("pairs_at_least_gap", ""), ("deepest_overlap", "length")];
+
 /// What a row tells of bonds.
 const BONDS: [(&str, &str); 2] = [("bond_energy", "force*length"), ("broken_bonds", "")];
 
@@ -73,6 +80,8 @@ impl Observer {
             last,
             overlaps: Overlaps::default(),
             repels,
+            crowded: CrowdedSteps::default(),
+            remedies: Remedies::of(model),
             walls: model.cell.boundaries().walls(),
             is_periodic: model.cell.boundaries() == Boundaries::Periodic,
             is_open: model.cell.boundaries() == Boundaries::Open,
@@ -86,7 +95,18 @@ impl Observer {
 
     /// What to say of the rows so far.
     pub fn warnings(&self) -> Vec<String> {
-        [self.overlapped(), self.soft()].into_iter().flatten().collect()
+        let crowded = self.crowded.warning(self.remedies, self.smallest_radius);
+        [self.overlapped(), crowded, self.soft()].into_iter().flatten().collect()
+    }
+
+    /// What keeps spheres apart.
+    pub fn remedies(&self) -> Remedies {
+        self.remedies
+    }
+
+    /// Counts a step that was taken.
+    pub fn see_step(&mut self, suspension: &Suspension) {
+        suspension.crowded().into_iter().for_each(|crowded| self.crowded.see(crowded));
     }
 
     /// Contacts that were pressed together much more than was aimed at.
@@ -127,6 +147,9 @@ impl Observer {
         }
         quantities.extend(self.is_open.then(|| cloud::quantity(&self.species)));
         quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
+        if self.heat.is_some() {
+            quantities.extend(CROWDED.map(|(name, unit)| Quantity::number(name, unit)));
+        }
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
         if self.aim.is_some() {
             quantities.extend(CONTACTS.map(|(name, unit)| Quantity::number(name, unit)));
@@ -170,6 +193,9 @@ impl Observer {
         }
         if let (Some(heat), Some(stress)) = (self.heat, &stress) {
             row.push(vec![heat * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
+        }
+        if let Some(Crowded { overlapping, at_floor, depth }) = suspension.crowded() {
+            row.extend([overlapping as f64, at_floor as f64, depth].map(|number| vec![number]));
         }
         if let Some((columns, edges)) = &self.columns {
             let mut counted = counted((columns, *edges), (suspension.cell(), suspension.particles()));
