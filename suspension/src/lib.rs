@@ -48,6 +48,7 @@ mod initial;
 mod integrator;
 mod least_repulsion;
 mod memory;
+mod migration;
 mod mobility;
 mod model;
 mod moving_box;
