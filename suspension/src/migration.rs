@@ -110,7 +110,7 @@ mod tests {
             let expected = [4.0 * unit, -8.0 * unit, 27.0 / 16.0, 1.0 / 6.0];
             let found = flux.iter().chain(migration).zip(expected);
             assert!(found.clone().all(|(a, b)| (a - b).abs() < 1e-14), "{flux:?} {migration:?}");
-            assert_eq!(row(Boundaries::Wall, ranks), [heights.clone()]);
+            assert_eq!(row(Boundaries::Wall, ranks), std::slice::from_ref(heights));
         }
         assert!(row(Boundaries::Periodic, 2).is_empty());
     }

@@ -32,7 +32,9 @@ impl Channel {
         let mut heights: Vec<f64> = particles.positions.iter().map(|x| x.z).collect();
         if self.is_layer {
             let middle = heights.iter().sum::<f64>() / heights.len() as f64;
-            heights.iter_mut().for_each(|height| *height -= middle);
+            for height in &mut heights {
+                *height -= middle;
+            }
         }
         let of_name = |name: &str| particles.columns.iter().find(|column| column.name == name);
         let stresslets: &[Traceless] = of_name(STRESSLET).map_or(&[], |column| bytemuck::cast_slice(&column.values));
