@@ -152,14 +152,25 @@ impl RowById {
     }
 }
 
-/// The particles of the last rebuild now: the present row of each, its position without wrapping since then, and the
-/// lattice steps of that wrapping. Particles that have left this rank have no neighbours.
+/// The particles of the last rebuild now. Those that have left this rank have no neighbours.
 struct Now<'a> {
     cell: &'a PeriodicBox,
     owned: usize,
-    rows: Vec<u32>,
-    places: Vec<Vector>,
-    wrapped: Vec<[i8; 3]>,
+    at: Vec<At>,
+}
+
+/// A particle of the last rebuild now, in one line of the cache.
+#[derive(Clone, Copy)]
+#[repr(align(32))]
+struct At {
+    /// Its position without wrapping since then.
+    place: Vector,
+    /// Its present row.
+    row: u32,
+    /// The lattice steps of that wrapping.
+    wrapped: [i8; 3],
+    /// Whether its pairs are in the lists.
+    is_followed: bool,
 }
 
 impl Found {
@@ -182,9 +193,9 @@ impl Found {
         let spare = self.reach * least_stretch - cutoff;
         let before_to_now = edges / self.cell.edges();
         let follow = |before: usize| {
-            let row = rows[before] as usize;
-            let Some(&now) = present.positions.get(row) else {
-                return Some((Vector::NAN, [0; 3]));
+            let row = rows[before];
+            let Some(&now) = present.positions.get(row as usize) else {
+                return At { place: Vector::NAN, row, wrapped: [0; 3], is_followed: true };
             };
             let past = (self.cell.lattice_coordinates(self.positions[before]) - self.cell.origin()) * before_to_now;
             let moved = cell.lattice_coordinates(now) - cell.origin() - past;
@@ -192,14 +203,13 @@ impl Found {
             let moved = cell.at(moved - steps * edges);
             // Both of a pair may have come nearer. Images are looked after by their owners.
             let is_near = 4.0 * moved.length_squared() <= spare * spare && spare >= 0.0;
-            let is_followed = row >= present.owned || (is_near && self.listed[before]);
+            let is_followed = row as usize >= present.owned || (is_near && self.listed[before]);
             let place =
                 if steps == Vector::ZERO { now } else { now - cell.lattice(steps.to_array().map(|s| s as i32)) };
-            is_followed.then(|| (place, steps.to_array().map(|s| s as i8)))
+            At { place, row, wrapped: steps.to_array().map(|s| s as i8), is_followed }
         };
-        let followed: Option<Vec<_>> = (0..rows.len()).into_par_iter().map(follow).collect();
-        let (places, wrapped) = followed?.into_iter().unzip();
-        Some(Now { cell, owned: present.owned, rows, places, wrapped })
+        let at: Vec<At> = (0..rows.len()).into_par_iter().with_min_len(BATCH).map(follow).collect();
+        at.iter().all(|at| at.is_followed).then_some(Now { cell, owned: present.owned, at })
     }
 
     /// The present rows by those of the rebuild; `None` if the rank owns a particle that was not here then.
@@ -217,13 +227,13 @@ impl Found {
 
     /// The neighbours in the lists that are within a cutoff.
     fn within(&self, now: &Now, cutoff: f64) -> Neighbours {
-        let count = now.rows.len();
+        let count = now.at.len();
         let pick = |batch: usize| {
             let mut picked = Batch::default();
             for row in batch * BATCH..count.min((batch + 1) * BATCH) {
-                if (now.rows[row] as usize) < now.owned {
+                if (now.at[row].row as usize) < now.owned {
                     now.pick(row, self.lists.of(row), cutoff, &mut picked.list);
-                    picked.ends.push((now.rows[row], picked.list.len()));
+                    picked.ends.push((now.at[row].row, picked.list.len()));
                 }
             }
             picked
@@ -235,19 +245,18 @@ impl Found {
 impl Now<'_> {
     /// Appends the neighbours in a list that are within the cutoff.
     fn pick(&self, row: usize, list: &[Neighbour], cutoff: f64, picked: &mut Vec<Neighbour>) {
-        let (place, home) = (self.places[row], self.wrapped[row]);
+        let At { place, wrapped: home, .. } = self.at[row];
         let mut found = picked.len();
         picked.resize(found + list.len(), Neighbour { row: 0, steps: [0; 3] });
         for &Neighbour { row: other, steps } in list {
-            let other = other as usize;
-            let mut x = place - self.places[other];
+            let At { place: there, row: other, wrapped: away, .. } = self.at[other as usize];
+            let mut x = place - there;
             if steps != [0; 3] {
                 x -= self.cell.lattice(steps.map(i32::from));
             }
-            let away = self.wrapped[other];
             let steps = [steps[0] + home[0] - away[0], steps[1] + home[1] - away[1], steps[2] + home[2] - away[2]];
             // Without a branch, which would be mispredicted all the time.
-            picked[found] = Neighbour { row: self.rows[other], steps };
+            picked[found] = Neighbour { row: other, steps };
             found += usize::from(x.length_squared() < cutoff * cutoff);
         }
         picked.truncate(found);

@@ -114,7 +114,7 @@ fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
 
 /// Refuses samples of so many particles of a model that there is no memory for.
 fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
-    let kept = statistics_bytes(particles, samples, (model.species.len(), rayon::current_num_threads()));
+    let kept = statistics_bytes(model, particles, (samples, rayon::current_num_threads()));
     let peak = kept.then(column_bytes(model)).then(Particles::bytes(particles, 11)).then(sample_bytes(particles));
     let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
     Comm::check_memory_of(&[need]).with_context(|| {

@@ -80,7 +80,7 @@ pub use hydrodynamics::{Hydrodynamics, SolveError, Solved};
 pub use loads::{Loads, Motion};
 pub use memory::Footprint;
 pub use mobility::{Evaluation, Mobility};
-pub use noise::{Drawn, Stream};
+pub use noise::{Drawn, Stream, root_times};
 pub use plan::{Plan, PlanError};
 pub use problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 pub use stencil::Support;

@@ -13,7 +13,11 @@ use domain::{
 };
 use rayon::prelude::*;
 use solver::Real;
+use std::convert::Infallible;
 use std::f64::consts::PI;
+
+/// Iterations for the root of the near field at most: it is well conditioned, and takes ten or twenty.
+const MOST_ITERATIONS: usize = 60;
 
 /// Which motions are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -238,10 +242,10 @@ impl Mobility {
             }
             let mut motions = vec![(Vector::ZERO, Tensor::ZERO); ids.len()];
             near.add(&arrangement.loaded(&forces, &dipoles), neighbours, has_dipoles, &mut motions);
-            times(&motions.iter().map(components).collect::<Vec<_>>(), true)
+            Ok::<_, Infallible>(times(&motions.iter().map(components).collect::<Vec<_>>(), true))
         };
         let start: Vec<Components> = start.collect();
-        let (root, drawn) = root_times(self.partition.comm(), &start, tolerance, apply);
+        let Ok((root, drawn)) = root_times(self.partition.comm(), &start, (tolerance, MOST_ITERATIONS), apply);
         self.work.neighbours += (neighbours.count() * drawn.iterations) as u64;
         (times(&root, false), drawn)
     }

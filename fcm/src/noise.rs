@@ -58,6 +58,8 @@ pub struct Drawn {
     /// The weight of negative eigenvalues of the near field that were taken for zero, over the whole: none but where spheres
     /// overlap.
     pub clipped: f64,
+    /// The change of the root in the last iteration, over it.
+    pub change: f64,
 }
 
 impl Drawn {
@@ -82,32 +84,35 @@ pub(crate) fn tensor([axial, planar, xy, xz, yz]: [f64; 5]) -> Traceless {
     Traceless([mean + half * planar, half * xy, half * xz, mean - half * planar, half * yz])
 }
 
-/// Iterations at most: the near field is well conditioned, and takes ten or twenty.
-const MOST_ITERATIONS: usize = 60;
-
 /// `A^{1/2} z` of a symmetric operator that is positive, or nearly, to a tolerance relative to the length of the result
 /// (Lanczos; Chow & Saad, SIAM J. Sci. Comput. 36, A588, 2014): with `V` an orthonormal basis of the Krylov space of `z` and
-/// `T = V^T A V`, it is `|z| V T^{1/2} e_1`. Collective.
-pub(crate) fn root_times(
+/// `T = V^T A V`, it is `|z| V T^{1/2} e_1`. In `most` iterations at most. Each rank has some rows of all vectors. Collective.
+///
+/// # Errors
+/// Those of the operator, which have to be on every rank or on none.
+pub fn root_times<const N: usize, E>(
     comm: &Comm,
-    start: &[Components],
-    tolerance: f64,
-    mut apply: impl FnMut(&[Components]) -> Vec<Components>,
-) -> (Vec<Components>, Drawn) {
-    let dot = |a: &[Components], b: &[Components]| {
+    start: &[[f64; N]],
+    (tolerance, most): (f64, usize),
+    mut apply: impl FnMut(&[[f64; N]]) -> Result<Vec<[f64; N]>, E>,
+) -> Result<(Vec<[f64; N]>, Drawn), E> {
+    let dot = |a: &[[f64; N]], b: &[[f64; N]]| {
         let mut sum = [a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum::<f64>()];
         comm.sum(&mut sum);
         sum[0]
     };
     let length = dot(start, start).sqrt();
-    let scaled = |vector: &[Components], factor: f64| -> Vec<Components> {
+    if length == 0.0 {
+        return Ok((start.to_vec(), Drawn::default()));
+    }
+    let scaled = |vector: &[[f64; N]], factor: f64| -> Vec<[f64; N]> {
         vector.iter().map(|components| components.map(|c| c * factor)).collect()
     };
     let (mut basis, mut diagonal, mut beside) = (vec![scaled(start, 1.0 / length)], Vec::new(), Vec::<f64>::new());
     let mut before = Vec::new();
     loop {
         let last = basis.len() - 1;
-        let mut next = apply(&basis[last]);
+        let mut next = apply(&basis[last])?;
         diagonal.push(dot(&basis[last], &next));
         // Once more against all, for what rounding leaves.
         for _ in 0..2 {
@@ -122,12 +127,14 @@ pub(crate) fn root_times(
         let size: f64 = coordinates.iter().map(|c| c * c).sum();
         let rest = dot(&next, &next).sqrt();
         let is_near = last > 0 && change <= tolerance * tolerance * size;
-        if is_near || rest <= 1e-12 * diagonal[0].abs() || basis.len() == MOST_ITERATIONS {
-            let mut root = vec![[0.0; 11]; start.len()];
+        let is_whole = rest <= 1e-12 * diagonal[0].abs();
+        if is_near || is_whole || basis.len() == most {
+            let mut root = vec![[0.0; N]; start.len()];
             for (vector, coordinate) in basis.iter().zip(&coordinates) {
                 subtract(&mut root, -coordinate * length, vector);
             }
-            return (root, Drawn { iterations: basis.len(), clipped });
+            let change = if is_whole { 0.0 } else { (change / size).sqrt() };
+            return Ok((root, Drawn { iterations: basis.len(), clipped, change }));
         }
         before = coordinates;
         beside.push(rest);
@@ -135,7 +142,7 @@ pub(crate) fn root_times(
     }
 }
 
-fn subtract(from: &mut [Components], factor: f64, vector: &[Components]) {
+fn subtract<const N: usize>(from: &mut [[f64; N]], factor: f64, vector: &[[f64; N]]) {
     for (to, by) in from.as_flattened_mut().iter_mut().zip(vector.as_flattened()) {
         *to -= factor * by;
     }
@@ -217,6 +224,7 @@ pub(crate) fn motion(components: impl Iterator<Item = Components>) -> Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::convert::Infallible;
 
     #[test]
     fn the_basis_is_orthonormal() {
@@ -233,22 +241,27 @@ mod tests {
     /// Twice the root is the matrix.
     #[test]
     fn roots_are_roots() {
+        const LIMITS: (f64, usize) = (1e-12, 60);
         let count = 7;
         let entry = |i: usize, j: usize| if i == j { 2.0 + i as f64 } else { 0.8 / (1.0 + i.abs_diff(j) as f64) };
-        let apply = |x: &[Components]| -> Vec<Components> {
+        let apply = |x: &[Components]| -> Result<Vec<Components>, Infallible> {
             let flat = x.as_flattened();
             let product = |i: usize| (0..flat.len()).map(|j| entry(i, j) * flat[j]).sum::<f64>();
             let all: Vec<f64> = (0..flat.len()).map(product).collect();
-            all.as_chunks::<11>().0.to_vec()
+            Ok(all.as_chunks::<11>().0.to_vec())
         };
         let stream = Stream::new(3, 1);
         let start: Vec<Components> = (0..count).map(|id| stream.of_particle(id)).collect();
         let comm = Comm::alone();
-        let (once, drawn) = root_times(&comm, &start, 1e-12, apply);
-        let (twice, _) = root_times(&comm, &once, 1e-12, apply);
-        let exact = apply(&start);
+        let Ok((once, drawn)) = root_times(&comm, &start, LIMITS, apply);
+        let Ok((twice, _)) = root_times(&comm, &once, LIMITS, apply);
+        let Ok(exact) = apply(&start);
         let error =
             twice.as_flattened().iter().zip(exact.as_flattened()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(error < 1e-8 && drawn.clipped == 0.0, "{error} after {}", drawn.iterations);
+        let Ok((of_nothing, _)) = root_times(&comm, &vec![[0.0; 11]; 7], LIMITS, apply);
+        assert_eq!(of_nothing, vec![[0.0; 11]; 7]);
+        let Ok((_, cut)) = root_times(&comm, &start, (1e-12, 3), apply);
+        assert!(cut.iterations == 3 && cut.change > 1e-6 && drawn.change < 1e-11);
     }
 }

@@ -269,6 +269,26 @@ class Mobility:
 
         return operator(self, loads, motions)
 
+    def square_root(self) -> LinearOperator:
+        """A square root `B B^T = M` of the mobility as a scipy LinearOperator of 6N numbers, or 3N for point forces.
+
+        `B @ z` has the velocities, row after row, and behind them the angular velocities; of normal numbers `z` its covariance
+        is the mobility from forces and torques to these. It is that of the positions at each time, to the tolerance; each
+        product takes as many solves as Lanczos's iteration takes, 5 to 40.
+        """
+        from .operators import square_root
+
+        return square_root(self)
+
+    def _root(self, numbers, transposed):
+        """Six numbers a sphere, (N, 6), to six."""
+        if self._positions is None:
+            raise ValueError("the spheres have no positions yet: set .positions")
+        root, clipped = self._core.root(np.ascontiguousarray(numbers), transposed)
+        if clipped > 1e-3:
+            self._say(f"{clipped:.1e} of the mobility's weight is negative, as where spheres overlap, and left out")
+        return root
+
     def _say(self, text):
         if text:
             warn(text, Caution, stacklevel=3)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ._arrays import finite as _finite
 from ._extras import needed
 
 _LOADS = {"forces": 3, "torques": 3, "stresslets": 5}
@@ -34,6 +35,23 @@ def operator(mobility, loads, motions):
         motion = getattr(mobility(**{conjugate: load}), _CONJUGATE[loads])
         return sign * (motion @ _product(loads)).ravel()
 
+    return linalg.LinearOperator(shape, matvec=matvec, rmatvec=rmatvec, dtype=np.float64)
+
+
+def square_root(mobility):
+    """The operator `B` with `B B^T = M`, from normal numbers to velocities and angular velocities."""
+    linalg = needed("scipy.sparse.linalg", "square_root")
+    count, kinds = len(mobility.radii), 2 if mobility._dipoles else 1
+
+    def times(vector, transposed):
+        numbers = np.zeros((count, 6))
+        for kind in range(kinds):
+            numbers[:, 3 * kind : 3 * kind + 3] = np.reshape(vector, (kinds, count, 3))[kind]
+        found = mobility._root(_finite("numbers", numbers), transposed)
+        return np.concatenate([found[:, 3 * kind : 3 * kind + 3].ravel() for kind in range(kinds)])
+
+    shape = (3 * kinds * count, 3 * kinds * count)
+    matvec, rmatvec = (lambda z: times(z, False)), (lambda y: times(y, True))
     return linalg.LinearOperator(shape, matvec=matvec, rmatvec=rmatvec, dtype=np.float64)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ._errors import Error
 from ._extras import needed
+from .contacts import ContactSteps
 from .fields import Fields
 from .scene import Scene
 from .trajectory import Trajectory
@@ -53,6 +54,11 @@ class Run:
     def fields(self) -> Fields:
         """The velocity of the fluid on the grid, by step."""
         return Fields(self.folder / "fields")
+
+    @cached_property
+    def contacts(self) -> ContactSteps:
+        """The forces of contacts and bonds, by step; there are none without `output.contacts_every`."""
+        return ContactSteps(self.folder / "contacts")
 
     @cached_property
     def statistics(self) -> dict[str, pandas.DataFrame]:

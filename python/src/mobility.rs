@@ -141,6 +141,19 @@ impl Mobility {
         Ok((rows_of(py, velocities)?, rows_of(py, angular_velocities)?, rows_of(py, stresslets)?))
     }
 
+    /// A square root of the mobility, or its transpose, times six numbers a sphere, and the weight that was left out since it is
+    /// negative.
+    #[pyo3(signature = (numbers, transposed))]
+    fn root<'py>(&self, py: Python<'py>, numbers: Rows<'py>, transposed: bool) -> PyResult<(Matrix<'py>, f64)> {
+        let numbers: Vec<[f64; 6]> = list_of(Some(numbers))?;
+        let found = self.planned.with(py, |mobility| mobility.root(&numbers, transposed))?;
+        if let Some(raised) = self.signals.take() {
+            return Err(raised);
+        }
+        let (root, drawn) = found.map_err(|cause| failed(&cause))?;
+        Ok((rows_of(py, root)?, drawn.clipped))
+    }
+
     /// Whether this is the first rank, which has all arrays.
     #[getter]
     fn is_first(&self) -> bool {

@@ -85,6 +85,26 @@ def test_noise_is_that_of_the_program_and_has_the_covariance_of_the_mobility(pro
         made.noise(0, 1)
 
 
+@pytest.mark.parametrize(
+    "more", [{"lubrication": True}, {"multipoles": "monopole"}, {"boundaries": ("periodic", "periodic", "walls")}]
+)
+def test_the_square_root_times_its_transpose_is_the_mobility(more):
+    made = mobility(tolerance=1e-3 if "boundaries" in more else 1e-5, **more)
+    root = made.square_root()
+    found, transposed = matrix(root), matrix(root.T)
+    kinds = [("forces", "velocities"), ("torques", "angular_velocities")][: len(found) // 15]
+    dense = np.block([[matrix(made.linear_operator(loads, motions)) for loads, _ in kinds] for _, motions in kinds])
+    assert np.abs(found @ found.T - dense).max() < 4 * made.plan.tolerance * np.abs(dense).max()
+    assert np.abs(found.T - transposed).max() < 4 * made.plan.tolerance * np.abs(found).max()
+
+
+def test_the_square_root_needs_numbers_and_places():
+    with pytest.raises(ValueError, match="numbers contains nan"):
+        mobility().square_root() @ np.full(30, np.nan)
+    with pytest.raises(ValueError, match="no positions yet"):
+        fcm.Mobility(box=BOX, radii=1.0, count=2, viscosity=1.0).square_root() @ np.zeros(12)
+
+
 def test_the_drift_is_that_of_the_program(program, tmp_path):
     answer = asked(program, tmp_path, 1e-3, noise={"draws": 2, "seed": 8, "drift": True}, lubrication=True)
     drift = mobility(lubrication=True).drift(2, 8)

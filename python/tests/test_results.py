@@ -104,6 +104,37 @@ def test_fields_are_those_of_their_steps(sheared):
         fields[5]
 
 
+def test_contacts_are_those_of_their_steps(pair, tmp_path):
+    """A heavy sphere pressed against one that is held, by a force along x across a side of the box."""
+    pressed = (("left", -2.0), ("right", 2.0))
+    species = [{"name": name, "radius": 1.0, "count": 1, "force": [force, 0.0, 0.0]} for name, force in pressed]
+    scene = fcm.Scene.from_dict(
+        pair
+        | {
+            "species": species,
+            "particles": {"initial": "positions", "positions": [[1.0, 8.0, 8.0], [14.996, 8.0, 8.0]]},
+            "hydrodynamics": {"tolerance": 1e-3, "lubrication": True},
+            "contacts": {"friction": 0.5, "stiffness": 20000.0},
+            "output": {"contacts_every": 4},
+        }
+    )
+    with fcm.Simulation(scene, out=tmp_path / "touching") as simulation:
+        simulation.run()
+    contacts = fcm.open(tmp_path / "touching").contacts
+    assert list(contacts) == [0, 4, 8] and len(contacts) == 3
+    found = contacts[8]
+    with h5py.File(tmp_path / "touching/contacts/contacts-0000000008.h5") as file:
+        assert np.array_equal(found.normal_forces, file["normal_force"])
+        assert np.array_equal(found.tangential_forces, file["tangential_force"])
+    assert (found.step, found.time, len(found), found.pairs.tolist()) == (8, 0.8, 1, [[0, 1]])
+    # Forces of 2 each are borne by the contact when the pair is at rest.
+    assert found.forces[0] == pytest.approx([2.0, 0.0, 0.0], abs=0.1) and not found.sliding[0]
+    assert found.normals[0] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-6)
+    assert found.lattice.tolist() == (16.0 * np.eye(3)).tolist()
+    with pytest.raises(KeyError):
+        contacts[5]
+
+
 def test_statistics_are_tables(sheared):
     tables = fcm.open(sheared).statistics
     assert {"summary", "lags"} <= set(tables) and "observables" not in tables

@@ -1,9 +1,10 @@
 """Times other programs that a user has built beside this one, in turns, and writes the page about them: scripts/benchmark --peers.
 
-Environment variables say where they are: LF_DEM its program; JFSD its checkout and JFSD_PYTHON a Python with what it needs. Those that are not
-set are left out, and their sections of the page stay as they are."""
+Environment variables say where they are: LF_DEM its program; JFSD its checkout and JFSD_PYTHON a Python with what it needs; DPSTOKES its checkout.
+Those that are not set are left out, and their sections of the page stay as they are."""
 
 import argparse
+import json
 import math
 import os
 import pathlib
@@ -14,16 +15,20 @@ import tempfile
 from statistics import median
 
 import h5py
+import numpy as np
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(TOP / "validation"))
 from support.page import table, write_section
+from support.program import mobility
 
 ROUNDS = 3
 # Spheres of two radii, half the volume each, and the strains over which a run is timed.
 COUNTS, FRACTION, FRICTIONS, STRAINS = {1.0: 147, 1.4: 53}, 0.45, (0.0, 0.5), (1.0, 2.0)
 # Spheres and steps beside JFSD.
 EQUAL, EQUAL_FRACTION, STEPS = 500, 0.2, 2
+# Spheres between walls and the distance of these beside DPStokes, and its points with the tolerance here whose error is about the same.
+BETWEEN, BETWEEN_FRACTION, HEIGHT, KERNELS = 1000, 0.2, 20.0, {4: 1e-2, 6: 3e-4}
 
 
 def cpu_seconds(command, **options):
@@ -81,6 +86,53 @@ hydrodynamics = {{ lubrication = true, tolerance = 1e-3 }}
 time = {{ step = 0.001, steps = {steps} }}
 output = {{ trajectory_every = 0, checkpoint_every = 0, observables_every = {steps} }}"""
         return self.run(scene({1.0: EQUAL}, EQUAL_FRACTION, keys), "lubricated")
+
+
+class Slit(Ours):
+    """This program, on one thread, with spheres between walls that forces alone act on."""
+
+    def drift(self, tolerance, steps):
+        """CPU seconds of so many steps of one evaluation each."""
+        side = math.sqrt(BETWEEN * 4 / 3 * math.pi / BETWEEN_FRACTION / HEIGHT)
+        text = f"""seed = 1
+box = {{ edges = [{side}, {side}, {HEIGHT}], boundaries = ["periodic", "periodic", "walls"] }}
+fluid.viscosity = 1.0
+gravity.acceleration = [1e-6, 0.0, 0.0]
+particles = {{ initial = "random", minimum_gap = 0.01 }}
+hydrodynamics = {{ multipoles = "monopole", tolerance = {tolerance} }}
+time = {{ integrator = "adams-bashforth", order = 2, step = 0.01, steps = {steps} }}
+output = {{ trajectory_every = {steps}, observables_every = {steps}, checkpoint_every = 0 }}
+[[species]]
+radius = 1.0
+count = {BETWEEN}
+density_difference = 1.0
+"""
+        return self.run(text, "slit")
+
+    def places(self):
+        """The box and the places of its first frame, as a file for DPStokes too."""
+        with h5py.File(self.folder / "slit" / "trajectory.h5") as file:
+            group = file["particles/all"]
+            edges, places = np.diagonal(group["box/edges/value"][0]), group["position/value"][0]
+        path = self.folder / "places.json"
+        path.write_text(json.dumps({"edges": edges.tolist(), "positions": places.tolist()}))
+        return path
+
+    def error(self, path, tolerance):
+        """That of velocities under random forces, against a tolerance of 1e-6."""
+        given = json.loads(path.read_text())
+        forces = np.random.default_rng(1).normal(size=(BETWEEN, 3))
+        case = {
+            "box": given["edges"],
+            "boundaries": ["periodic", "periodic", "walls"],
+            "viscosity": 1.0,
+            "positions": given["positions"],
+            "radii": 1.0,
+            "forces": forces,
+            "multipoles": "monopole",
+        }
+        found, exact = (np.array(mobility(case, one)["velocities"]) for one in (tolerance, 1e-6))
+        return np.linalg.norm(found - exact) / np.linalg.norm(exact)
 
 
 class LfDem:
@@ -146,6 +198,26 @@ def beside_jfsd(program, folder):
     yield row(f"{EQUAL} spheres at {EQUAL_FRACTION:.0%}", rounds)
 
 
+def beside_dpstokes(program, folder):
+    """Rows of CPU seconds for a product of the mobility with forces between walls."""
+    ours, checkout = Slit(program, folder), pathlib.Path(os.environ["DPSTOKES"]).resolve()
+    script = TOP / "scripts" / "peers" / "dpstokes_slit.py"
+    environment = {
+        **os.environ, "DPSTOKES": str(checkout), "LD_LIBRARY_PATH": str(checkout / "python_interface" / "lib"), "OMP_STACKSIZE": "256m",
+        "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
+    }
+    for points, tolerance in KERNELS.items():
+        rounds = []
+        for _ in range(ROUNDS):
+            few, many = (ours.drift(tolerance, steps) for steps in (50, 450))
+            places = ours.places()
+            command = ["bash", "-c", 'ulimit -s unlimited; exec "$@"', "bash", sys.executable, script, places, str(points)]
+            said = subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True, text=True)
+            seconds, error = map(float, said.stdout.split())
+            rounds.append([(many - few) / 400, seconds])
+        yield row(f"{points} points, error {error:.1e}; tolerance {tolerance:.0e} here, error {ours.error(places, tolerance):.1e}", rounds)
+
+
 def row(name, rounds):
     """Medians, and the ratio with its range."""
     ratios = sorted(other / mine for mine, other in rounds)
@@ -162,7 +234,13 @@ PEERS = {
     "JFSD": ("jfsd", "A lubricated step beside JFSD", beside_jfsd, [
         "CPU seconds for a step in shear, tolerance 1e-3, there in single precision, compilation left out.",
     ]),
+    "DPSTOKES": ("dpstokes", "Between walls beside DPStokes", beside_dpstokes, [
+        f"CPU seconds for forces to velocities of {BETWEEN:,} equal spheres at {BETWEEN_FRACTION:.0%} between walls {HEIGHT:g} radii apart: here a whole step without",
+        "stresslets, there a product alone. Errors are those of the grid, against a tolerance of 1e-6 here and a grid twice as fine there.",
+    ]),
 }
+
+NAMES = {"DPSTOKES": "DPStokes"}
 
 
 def main():
@@ -177,7 +255,7 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             rows = list(compare(arguments.program, folder))
         lines = [*about, f"One thread, medians and ranges of {ROUNDS} rounds in turns, on {platform.machine()}.", ""]
-        lines += table(["", "fcm-solve", peer, "times as long"], rows)
+        lines += table(["", "fcm-solve", NAMES.get(peer, peer), "times as long"], rows)
         print(title, *lines, sep="\n")
         write_section("peers.md", name, title, lines, "scripts/benchmark --peers")
 

@@ -69,6 +69,12 @@ impl Fluctuations {
         self.means.each_ref().map(Blocks::estimate)
     }
 
+    /// The mean over all vectors, whenever they were added, with the errors of the samples' own means; NaN if there are none.
+    pub fn pooled_mean(&self) -> [Estimate; 3] {
+        let mean = |i: usize| if self.count > 0.0 { self.mean[i] } else { f64::NAN };
+        std::array::from_fn(|i| Estimate { mean: mean(i), ..self.means[i].estimate() })
+    }
+
     /// The fluctuation tensor.
     pub fn tensor(&self) -> Tensor {
         let [xx, xy, xz, yy, yz, zz] = self.spread.map(|sum| sum / self.count);

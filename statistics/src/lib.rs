@@ -19,6 +19,7 @@
 //! ```
 
 mod blocks;
+mod channel;
 mod diffusion;
 mod fluctuations;
 mod histogram;
@@ -32,6 +33,7 @@ mod state;
 mod stretched_exponential;
 
 pub use blocks::{Blocks, Estimate};
+pub use channel::{ChannelProfile, ChannelRow, ChannelSample};
 pub use diffusion::{Diffusivity, global_coefficient, mean_coefficient, mean_radius};
 pub use fluctuations::Fluctuations;
 pub use histogram::Histogram;

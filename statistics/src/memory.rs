@@ -1,6 +1,6 @@
 //! Predicted memory of the estimators that store numbers of every particle or pair.
 
-use crate::{Lagrangian, PairDistribution};
+use crate::{Blocks, ChannelProfile, Lagrangian, PairDistribution};
 use domain::Bytes;
 
 impl Lagrangian {
@@ -17,5 +17,14 @@ impl PairDistribution {
         let bins = (species * (species + 1) / 2) as f64 * Self::BINS as f64;
         // Each thread's cells are counted in several parts.
         Bytes::list::<f64>(bins).then(Bytes::list::<u32>(4.0 * threads as f64 * bins).freed())
+    }
+}
+
+impl ChannelProfile {
+    /// For `species` species in `bins` bins after `samples` samples: every series has blocks of each power of two.
+    pub fn bytes(species: usize, bins: usize, samples: u64) -> Bytes {
+        let levels = f64::from(samples.checked_ilog2().map_or(1, |doubled| doubled + 1));
+        let series = ((species + 1) * bins * Self::SERIES) as f64;
+        Bytes::keep(series * levels.min(32.0) / 32.0 * Blocks::MOST_BYTES as f64)
     }
 }

@@ -51,7 +51,7 @@ impl Profile {
 }
 
 /// The volume of a sphere below a height above its centre.
-fn cap(height: f64, radius: f64) -> f64 {
+pub(crate) fn cap(height: f64, radius: f64) -> f64 {
     let z = height.clamp(-radius, radius);
     PI * (radius * radius * (z + radius) - (z.powi(3) + radius.powi(3)) / 3.0)
 }

@@ -2,7 +2,7 @@
 
 use crate::Suspension;
 use crate::model::{Flow, Model, Statistics as Wanted};
-use crate::sampling::{COLUMNS, Sample, Statistics};
+use crate::sampling::{Sample, Statistics, needed_columns};
 use crate::stress::ParticleStress;
 use domain::Particles;
 use simulation::{Schedule, TableSet};
@@ -15,6 +15,8 @@ pub struct Averages {
     /// Species and viscosity, where the stress is a part of the statistics.
     sheared: Option<(usize, f64)>,
     flow: Flow,
+    /// Columns that a sample needs.
+    columns: Vec<&'static str>,
     statistics: Statistics,
 }
 
@@ -23,14 +25,15 @@ impl Averages {
     pub fn new(model: &Model, wanted: Wanted, frame: &Particles) -> Self {
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
         let statistics = Statistics::new(model, wanted, frame);
-        Self { samples: wanted.samples, from: wanted.from, sheared, flow: model.flow, statistics }
+        let columns = needed_columns(model);
+        Self { samples: wanted.samples, from: wanted.from, sheared, flow: model.flow, columns, statistics }
     }
 
     /// Takes a sample if it is time for one. Collective.
     pub fn sample(&mut self, suspension: &Suspension) {
         let clock = suspension.clock();
         if self.samples.is_due(clock.step()) && clock.time() >= self.from {
-            let particles = suspension.gathered(Some(&COLUMNS));
+            let particles = suspension.gathered(Some(&self.columns));
             let [rate, _] = suspension.shear();
             let shear_stress = self.sheared.map(|(species, viscosity)| {
                 let total = ParticleStress::sum(&suspension.stress(species));

@@ -8,6 +8,7 @@ mod tethered;
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::contacts::{self, Contacts, Measured};
+use crate::crowding::Crowding;
 use crate::error::StartError;
 use crate::fluid;
 use crate::forces::{Ahead, Forces, Surface};
@@ -84,6 +85,8 @@ pub struct Dynamics {
     viscosity: f64,
     smallest_radius: f64,
     tolerance: f64,
+    /// Pairs that heat brings too near each other.
+    crowding: Option<Crowding>,
     /// The largest weight of negative eigenvalues in the near field of random motions.
     clipped: f64,
     /// Where the box follows the particles.
@@ -103,6 +106,7 @@ impl Dynamics {
             model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
         let tethers = Tethers::new(model, &setup.particles, setup.partition.comm());
         let reaches = [forces.reach_of_springs(setup.radii.largest()), tethers.reach(setup.radii.largest())];
+        let crowding = model.thermal_energy.map(|_| Crowding::new(model, setup.radii.largest(), &setup.partition));
         let springs = reaches.into_iter().flatten().reduce(f64::max).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
@@ -119,6 +123,7 @@ impl Dynamics {
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
             clipped: 0.0,
+            crowding,
             smallest_radius: setup.radii.smallest(),
             following: Following::of(model, &setup.radii),
             partition: setup.partition,

@@ -298,7 +298,7 @@ impl Share<'_> {
     fn estimators(&self) -> Bytes {
         match self.samples() {
             Some(samples) if self.is_first => {
-                sampling::bytes(self.expected.total(), samples, (self.model.species.len(), self.threads))
+                sampling::bytes(self.model, self.expected.total(), (samples, self.threads))
             }
             _ => Bytes::default(),
         }
@@ -317,11 +317,12 @@ impl Share<'_> {
             return Bytes::default();
         }
         let own = if self.is_first { sampling::sample_bytes(self.expected.total()) } else { Bytes::default() };
-        self.gathered(6).then(own).freed()
+        self.gathered(sampling::numbers(self.model)).then(own).freed()
     }
 
     fn checkpoint(&self) -> Bytes {
-        let state = self.samples().map_or(0.0, |samples| sampling::state_bytes(self.expected.total(), samples));
+        let state =
+            self.samples().map_or(0.0, |samples| sampling::state_bytes(self.model, self.expected.total(), samples));
         let statistics = Bytes::keep(if self.is_first { 2.0 * state } else { 0.0 });
         statistics.then(self.by_id(self.numbers())).freed()
     }

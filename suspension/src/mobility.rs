@@ -1,6 +1,7 @@
 //! The mobility of spheres at given positions: loads to motions.
 
 mod drift;
+mod root;
 
 pub use drift::Drift;
 
@@ -74,6 +75,19 @@ pub enum MobilityError {
     /// Random motions in a box that does not repeat along all axes.
     #[error("random motions are for boxes that repeat along all axes; leave out the noise")]
     Noise,
+    /// No square root to the tolerance.
+    #[error(
+        "the square root of the mobility still changed by {change:.1e} after {applications} applications, where {tolerance:e} was \
+         asked for: move spheres that nearly touch apart, or take a larger tolerance"
+    )]
+    Root {
+        /// How often the mobility was applied.
+        applications: usize,
+        /// The last change, over the root.
+        change: f64,
+        /// That which is allowed.
+        tolerance: f64,
+    },
     /// No solution.
     #[error(transparent)]
     Solve(#[from] SolveError),

@@ -1,10 +1,13 @@
 //! What is observed of a suspension in the course of time.
 
 use crate::cloud;
+use crate::columns::VELOCITY;
+use crate::crowding::{Crowded, CrowdedSteps, Remedies};
 use crate::gap::Gap;
+use crate::migration;
 use crate::model::Model;
 use crate::rheology::Rheology;
-use crate::sampling::{columns, counted, has_columns};
+use crate::sampling::{column, columns, counted, has_columns};
 use crate::stress::ParticleStress;
 use crate::suspension::{StepReport, Suspension};
 use domain::{Boundaries, Number, Vector};
@@ -21,12 +24,9 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
-    /// How many walls there are.
-    walls: usize,
-    /// Whether the box repeats along all axes.
-    is_periodic: bool,
-    /// Whether the fluid is open, and the spheres of each species a cloud.
-    is_open: bool,
+    crowded: CrowdedSteps,
+    remedies: Remedies,
+    boundaries: Boundaries,
     /// Thermal energy over the volume of the box, if there is heat.
     heat: Option<f64>,
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts; and the largest seen.
@@ -48,6 +48,10 @@ const CONTACTS: [(&str, &str); 5] = [
     ("largest_overlap", ""),
     ("elastic_energy", "force*length"),
 ];
+
+/// What a row tells of pairs that were too near each other where motions by heat were solved for in the last step.
+const CROWDED: [(&str, &str); 3] =
+    [("overlapping_pairs", ""), ("pairs_at_least_gap", ""), ("deepest_overlap", "length")];
 
 /// What a row tells of bonds.
 const BONDS: [(&str, &str); 2] = [("bond_energy", "force*length"), ("broken_bonds", "")];
@@ -73,9 +77,9 @@ impl Observer {
             last,
             overlaps: Overlaps::default(),
             repels,
-            walls: model.cell.boundaries().walls(),
-            is_periodic: model.cell.boundaries() == Boundaries::Periodic,
-            is_open: model.cell.boundaries() == Boundaries::Open,
+            crowded: CrowdedSteps::default(),
+            remedies: Remedies::of(model),
+            boundaries: model.cell.boundaries(),
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| contacts.overlap),
             deepest: 0.0,
@@ -84,9 +88,30 @@ impl Observer {
         }
     }
 
+    /// Whether the box repeats along all axes.
+    fn is_periodic(&self) -> bool {
+        self.boundaries == Boundaries::Periodic
+    }
+
+    /// Whether the fluid is open, and the spheres of each species a cloud.
+    fn is_open(&self) -> bool {
+        self.boundaries == Boundaries::Open
+    }
+
     /// What to say of the rows so far.
     pub fn warnings(&self) -> Vec<String> {
-        [self.overlapped(), self.soft()].into_iter().flatten().collect()
+        let crowded = self.crowded.warning(self.remedies, self.smallest_radius);
+        [self.overlapped(), crowded, self.soft()].into_iter().flatten().collect()
+    }
+
+    /// What keeps spheres apart.
+    pub fn remedies(&self) -> Remedies {
+        self.remedies
+    }
+
+    /// Counts a step that was taken.
+    pub fn see_step(&mut self, suspension: &Suspension) {
+        suspension.crowded().into_iter().for_each(|crowded| self.crowded.see(crowded));
     }
 
     /// Contacts that were pressed together much more than was aimed at.
@@ -120,13 +145,18 @@ impl Observer {
             Quantity::vectors("velocity_variance", "length^2/time^2", &self.species),
         ];
         quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
-        if self.walls > 0 {
-            let (rows, columns) = (&["lower", "upper"][..self.walls], ["x", "y"]);
+        let walls = self.boundaries.walls();
+        if walls > 0 {
+            let (rows, columns) = (&["lower", "upper"][..walls], ["x", "y"]);
             let table = Some((rows.iter().map(|&row| row.to_owned()).collect(), columns.map(String::from).to_vec()));
             quantities.push(Quantity { name: "wall_shear_stress", unit: "force/length^2", table });
         }
-        quantities.extend(self.is_open.then(|| cloud::quantity(&self.species)));
+        quantities.extend(migration::quantities(self.boundaries, &self.species));
+        quantities.extend(self.is_open().then(|| cloud::quantity(&self.species)));
         quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
+        if self.heat.is_some() {
+            quantities.extend(CROWDED.map(|(name, unit)| Quantity::number(name, unit)));
+        }
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
         if self.aim.is_some() {
             quantities.extend(CONTACTS.map(|(name, unit)| Quantity::number(name, unit)));
@@ -144,7 +174,7 @@ impl Observer {
             Quantity::number("residual", ""),
             Quantity::number("evaluations", ""),
         ]);
-        quantities.extend(self.is_periodic.then(|| Quantity::number("divergence", "")));
+        quantities.extend(self.is_periodic().then(|| Quantity::number("divergence", "")));
         quantities.push(Quantity::number("seconds_per_step", "s"));
         quantities
     }
@@ -157,19 +187,25 @@ impl Observer {
         let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
         self.overlaps.see(smallest_gap);
         let mut row = vec![components(&means), components(&variances)];
-        let is_wanted = self.rheology.is_some() || self.heat.is_some() || self.walls > 0;
+        let is_wanted = self.rheology.is_some() || self.heat.is_some() || self.boundaries.walls() > 0;
         let stress = is_wanted.then(|| suspension.stress(self.species.len()));
         if let (Some(rheology), Some(stress)) = (&self.rheology, &stress) {
             row.extend(rheology.row(stress, suspension.shear()));
         }
-        if let Some(stress) = stress.as_ref().filter(|_| self.walls > 0) {
+        if let Some(stress) = stress.as_ref().filter(|_| self.boundaries.walls() > 0) {
             row.push(suspension.wall_stress(&ParticleStress::sum(stress)).into_flattened());
         }
-        if self.is_open {
+        let particles = suspension.particles();
+        let moving = (particles, column(particles, VELOCITY));
+        row.extend(migration::rows(suspension.cell(), moving, self.species.len(), suspension.comm()));
+        if self.is_open() {
             row.push(cloud::row(suspension.particles(), self.species.len(), suspension.comm()));
         }
         if let (Some(heat), Some(stress)) = (self.heat, &stress) {
             row.push(vec![heat * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
+        }
+        if let Some(Crowded { overlapping, at_floor, depth }) = suspension.crowded() {
+            row.extend([overlapping as f64, at_floor as f64, depth].map(|number| vec![number]));
         }
         if let Some((columns, edges)) = &self.columns {
             let mut counted = counted((columns, *edges), (suspension.cell(), suspension.particles()));

@@ -85,9 +85,11 @@ impl Simulation for Observed {
 
     fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
         match self.suspension.step() {
-            Err(StepError::Interrupted(_)) => Ok(()),
-            taken => taken.map_err(SimulationError::new),
+            Err(StepError::Interrupted(_)) => return Ok(()),
+            taken => taken.map_err(SimulationError::new)?,
         }
+        self.observer.see_step(&self.suspension);
+        Ok(())
     }
 
     fn frame(&self) -> Frame {
@@ -131,8 +133,8 @@ impl Simulation for Observed {
         let clipped = self.suspension.clipped();
         if clipped > Drawn::NEGLIGIBLE {
             warnings.push(format!(
-                "up to {clipped:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try a \
-                 larger repulsion.strength or a shorter time.step"
+                "up to {clipped:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try {}",
+                self.observer.remedies()
             ));
         }
         warnings

@@ -149,7 +149,7 @@ impl Setup {
 }
 
 /// The flow that a pressure gradient drives, if one does.
-fn profile(model: &Model) -> Option<Poiseuille> {
+pub(crate) fn profile(model: &Model) -> Option<Poiseuille> {
     let Flow::Poiseuille { pressure_gradient } = model.flow else { return None };
     Some(Poiseuille { curvature: pressure_gradient / model.viscosity, height: model.cell.edges().z })
 }

@@ -4,6 +4,7 @@ use crate::applied;
 use crate::brownian::{self, Heat};
 use crate::columns::VELOCITY;
 use crate::contacts::{Measured, contact_force};
+use crate::crowding::Crowded;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
 use crate::forces::Surface;
@@ -270,6 +271,11 @@ impl Suspension {
     /// which it has where spheres overlap.
     pub fn clipped(&self) -> f64 {
         self.dynamics.clipped()
+    }
+
+    /// Pairs that overlapped, or nearly, where the random motions of the last step were solved for; nothing without heat.
+    pub(crate) fn crowded(&self) -> Option<Crowded> {
+        self.dynamics.crowded()
     }
 
     /// The shear stress, along x and y, on the wall at `z = 0` and, if there is one, on that at `z = Lz`, as the fluid and the

@@ -123,9 +123,9 @@ impl WarmStart {
         let names = self.columns();
         let curvature = particles.column(CURVATURE, names.len()).values.clone();
         let lists = names.iter().enumerate().map(|(k, &(name, width))| {
-            let [line, parabola] = [1, 2].map(|degree| extrapolated(particles, (name, width), degree, (ages, ahead)));
             let share = curvature.get(k).copied().unwrap_or_default();
-            line.iter().zip(parabola).map(|(line, parabola)| line + share * (parabola - line)).collect::<Vec<f64>>()
+            let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
+            Past::of(particles, (name, width), (ages, ahead)).extrapolated().map(mixed).collect()
         });
         Self::guessed(lists)
     }
@@ -159,8 +159,8 @@ impl WarmStart {
         }
         let mut sums = vec![[0.0; 2]; names.len()];
         for (sums, &(name, width)) in sums.iter_mut().zip(&names) {
-            let [line, parabola] = [1, 2].map(|degree| extrapolated(particles, (name, width), degree, (ages, ahead)));
-            for ((found, line), parabola) in particles.column(name, width).values.iter().zip(line).zip(parabola) {
+            let past = Past::of(particles, (name, width), (ages, ahead));
+            for (found, [line, parabola]) in past.found.iter().zip(past.extrapolated()) {
                 let curved = parabola - line;
                 sums[0] += (found - line) * curved;
                 sums[1] += curved * curved;
@@ -176,20 +176,41 @@ impl WarmStart {
     }
 }
 
-/// A column's values extrapolated by the polynomial of a degree that fits the past ones best.
-fn extrapolated(
-    particles: &mut Particles,
-    (name, width): (&str, usize),
-    degree: usize,
-    (ages, ahead): (&[f64], f64),
-) -> Vec<f64> {
-    let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
-    let mut sum = vec![0.0; width * particles.len()];
-    for (k, weight) in extrapolation::fitted(&times, degree, ahead).into_iter().enumerate() {
-        let past = &particles.column(&past(name, k + 1), width).values;
-        sum.iter_mut().zip(past).for_each(|(sum, value)| *sum += weight * value);
+/// A column's past values, and the weights of those in its extrapolations.
+struct Past<'a> {
+    /// Those of now, if there are any.
+    found: &'a [f64],
+    values: [&'a [f64]; PAST],
+    /// Of the line and of the parabola that fit them best.
+    weights: [[f64; PAST]; 2],
+}
+
+impl<'a> Past<'a> {
+    /// Of a column, extrapolated to a time `ahead` of its last past values.
+    fn of(particles: &'a mut Particles, (name, width): (&str, usize), (ages, ahead): (&[f64], f64)) -> Self {
+        let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
+        let weights = [1, 2].map(|degree| {
+            let mut weights = [0.0; PAST];
+            weights[..times.len()].copy_from_slice(&extrapolation::fitted(&times, degree, ahead));
+            weights
+        });
+        (1..=times.len()).for_each(|k| _ = particles.column(&past(name, k), width));
+        // What has no weight may be any.
+        let column = |k: usize| values(particles, &past(name, 1 + if k < times.len() { k } else { 0 }));
+        Self { found: values(particles, name), values: std::array::from_fn(column), weights }
     }
-    sum
+
+    /// The values by the line and by the parabola.
+    fn extrapolated(&self) -> impl Iterator<Item = [f64; 2]> {
+        let Self { values, weights, .. } = *self;
+        let sum = move |i: usize| weights.map(|w| (0..PAST).fold(0.0, |sum, k| sum + w[k] * values[k][i]));
+        (0..values[0].len()).map(sum)
+    }
+}
+
+/// A column that there is.
+fn values<'a>(particles: &'a Particles, name: &str) -> &'a [f64] {
+    particles.columns.iter().find(|column| column.name == name).map_or(&[], |column| &column.values)
 }
 
 /// The column of the values of another at the start of the `k`th step back.

@@ -176,3 +176,47 @@ fn seeds_matter() {
     let forces_alone = ["time.steps=2", "hydrodynamics={multipoles=\"monopole\",tolerance=1e-3}"];
     assert!(places(&forces_alone).iter().all(|place: &Vector| place.is_finite()));
 }
+
+/// Rows of the time series of a run, by name, and what it warns of at its end.
+fn told(model: &Model, ranks: usize) -> (Vec<[f64; 3]>, Vec<String>) {
+    let names = ["overlapping_pairs", "pairs_at_least_gap", "deepest_overlap"];
+    let mut all = Comm::threads(ranks, |comm| {
+        let mut observed = Observed::start(model, None, &comm).unwrap();
+        let quantities = observed.quantities();
+        let place = |name| quantities.iter().position(|quantity| quantity.name == name).unwrap();
+        let rows = (0..model.steps).map(|_| {
+            observed.advance(model.steps).unwrap();
+            let row = observed.observe();
+            names.map(|name| row[place(name)][0])
+        });
+        (rows.collect(), observed.warnings())
+    });
+    all.swap_remove(0)
+}
+
+/// Two near spheres that nothing but lubrication holds apart, in steps whose noise does not know of it; the same in shorter steps, with
+/// a repulsion; and solved for where they are, not half a step of noise further.
+#[test]
+fn runs_in_which_spheres_overlap_say_so() {
+    let near = &[
+        "repulsion.strength=1e-3",
+        "time.step=0.02",
+        r#"flow={kind="shear",rate=0.1}"#,
+        "particles.positions=[[5.0,8.6,4.0],[7.005,8.6,4.0],[3.0,4.0,2.0],[8.0,5.0,7.0]]",
+    ][..];
+    let (rows, said) = told(&model_of(SHEARED, near), 1);
+    let with_overlap = rows.iter().filter(|[pairs, ..]| *pairs > 0.0).count();
+    assert!(with_overlap > 2, "{rows:?}");
+    assert!(rows.iter().all(|[pairs, at_floor, depth]| pairs <= at_floor && (*pairs > 0.0) == (*depth > 0.0)));
+    let deepest = rows.iter().fold(0.0, |most: f64, [.., depth]| most.max(*depth));
+    let said = said.iter().find(|said| said.contains("solved for")).unwrap();
+    let expected = format!("spheres overlapped in {with_overlap} of 20 steps where");
+    assert!(said.starts_with(&expected) && said.contains("two-evaluations") && deepest > 0.0, "{said}");
+    let (on_ranks, _) = told(&model_of(SHEARED, near), 3);
+    assert!(rows.iter().zip(&on_ranks).all(|(a, b)| a[..2] == b[..2] && (a[2] - b[2]).abs() < 1e-4), "{on_ranks:?}");
+    let calm = ["particles.positions=[[5.0,8.6,4.0],[7.6,8.6,4.0],[3.0,4.0,2.0],[8.0,5.0,7.0]]", "time.step=5e-4"];
+    for more in [&calm[..], &[calm[0], calm[1], TWO]] {
+        let (rows, said) = told(&model_of(SHEARED, more), 1);
+        assert_eq!((rows, said), (vec![[0.0; 3]; 20], Vec::new()), "{more:?}");
+    }
+}

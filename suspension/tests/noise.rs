@@ -164,6 +164,90 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
     }
 }
 
+/// Whitened by the dense matrix of one rank, draws on 2 and 7 ranks are those of one rank: numbers of variance 1 and independent, in
+/// f32 and f64, and the same to what rounding on the grid, and the tolerance of the solve, leave.
+#[test]
+fn whitened_draws_are_the_same_on_any_ranks() {
+    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let draws = 8;
+    for (tolerance, precision, allowed) in [(1e-3, Precision::Single, 1e-4), (1e-7, Precision::Double, 1e-6)] {
+        let trimer = MobilityParameters { lubrication, ..parameters(9.0, tolerance) };
+        let mut alone = mobility(trimer.clone(), &Comm::alone());
+        assert_eq!(alone.plan().precision, precision);
+        let root = cholesky(&dense(&mut alone, 6));
+        let [one, two, seven] = [1, 2, 7].map(|ranks| {
+            let all = Comm::threads(ranks, |comm| mobility(trimer.clone(), &comm).noise(7, 0..draws).unwrap().0);
+            all[0].iter().flat_map(|motion| whitened(&root, &flat(motion, 6))).collect::<Vec<f64>>()
+        });
+        let energy = one.iter().map(|w| w * w).sum::<f64>() / one.len() as f64;
+        assert!((energy - 1.0).abs() < 3.5 * (2.0 / one.len() as f64).sqrt(), "{precision:?}: {energy}");
+        for other in [two, seven] {
+            let error = one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error < allowed, "{precision:?}: {error}");
+        }
+    }
+}
+
+/// The root's matrix, column by column, numbers in the order of [`flat`].
+fn root_columns(mobility: &mut Mobility, transposed: bool) -> Vec<Vec<f64>> {
+    let count = places().len();
+    let column = |k: usize| {
+        let mut numbers = vec![[0.0; 6]; count];
+        numbers[k % count][k / count] = 1.0;
+        let (root, drawn) = mobility.root(&numbers, transposed).unwrap();
+        assert!(drawn.clipped < 1e-12);
+        (0..6 * count).map(|k| root[k % count][k / count]).collect()
+    };
+    (0..6 * count).map(column).collect()
+}
+
+/// `B B^T` is the dense matrix and `B^T` the transpose, with and without lubrication, between walls and of forces alone.
+#[test]
+fn the_root_times_its_transpose_is_the_mobility() {
+    let tight = parameters(14.0, 1e-6);
+    let walls = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(domain::Boundaries::Walls).unwrap();
+    let range = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let cases = [
+        MobilityParameters { lubrication: range, ..tight.clone() },
+        MobilityParameters { cell: walls, tolerance: 1e-3, ..tight.clone() },
+        MobilityParameters { multipoles: Multipoles::Monopole, ..tight },
+    ];
+    for parameters in cases {
+        let (tolerance, is_point) = (parameters.tolerance, parameters.multipoles == Multipoles::Monopole);
+        let mut mobility = mobility(parameters, &Comm::alone());
+        let width = if is_point { 9 } else { 18 };
+        let matrix = dense(&mut mobility, if is_point { 3 } else { 6 });
+        let [columns, rows] = [false, true].map(|transposed| root_columns(&mut mobility, transposed));
+        let size = matrix.iter().flatten().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+        for i in 0..width {
+            for j in 0..width {
+                let product: f64 = columns.iter().map(|column| column[i] * column[j]).sum();
+                assert!(
+                    (product - matrix[i][j]).abs() < 4.0 * tolerance * size,
+                    "{i} {j}: {product}, not {}",
+                    matrix[i][j]
+                );
+                let (one, other) = (columns[j][i], rows[i][j]);
+                assert!((one - other).abs() < 4.0 * tolerance * size.sqrt(), "{i} {j}: {one}, transposed {other}");
+            }
+        }
+        assert_eq!(mobility.root(&[[0.0; 6]; 3], false).unwrap().0, [[0.0; 6]; 3]);
+    }
+}
+
+#[test]
+fn ranks_agree_about_the_root() {
+    let numbers = [[0.3, -1.0, 0.2, 0.7, 0.1, -0.4], [1.1, 0.5, -0.6, 0.0, 0.9, 0.2], [-0.2, 0.4, 0.8, -1.3, 0.1, 0.6]];
+    let roots = [1, 3].map(|ranks| {
+        let root = |comm: Comm| mobility(parameters(9.0, 1e-6), &comm).root(&numbers, false).unwrap().0;
+        let all = Comm::threads(ranks, root);
+        assert!(all[1..].iter().all(Vec::is_empty));
+        all[0].clone()
+    });
+    let pairs = roots[0].as_flattened().iter().zip(roots[1].as_flattened());
+    assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 3e-6, "{roots:?}");
+}
+
 /// Velocities and angular velocities of lists.
 fn flat_drift(drift: &suspension::Drift) -> Vec<f64> {
     let suspension::Drift { velocities, angular_velocities, .. } = drift;

@@ -217,6 +217,35 @@ fn a_given_stress_has_that_of_bonds() {
     assert!(stress[1].abs() > 0.02 && ((rate + stress[0]) / 3.0 - 1.0).abs() < 3e-3, "{stress:?} {rate}");
 }
 
+/// A chain with a trapped end in a planar extension, beyond the strain at which its box repeats, after a resume and on ranks.
+#[test]
+fn bonds_and_traps_hold_in_extension() {
+    let flow = r#"flow={kind="planar-extension",rate=1.0}"#;
+    let positions = "particles.positions=[[1.0,-1.0,1.0],[2.0,0.9,1.5],[2.5,3.0,2.4],[6.0,4.0,6.0]]";
+    let model =
+        model_of(CHAIN, &[flow, positions, "box.edges=[9.0,9.0,8.5]", "traps[0].stiffness=300.0", "time.steps=32"]);
+    let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
+    for step in 0..model.steps {
+        let state = (step % 8 == 0 || (22..27).contains(&step)).then(|| whole.state());
+        whole.step().unwrap();
+        let Some(state) = state else { continue };
+        let mut resumed = Suspension::resume(&model, Some(state), &Comm::alone()).unwrap();
+        resumed.step().unwrap();
+        assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
+    }
+    let found = unwrapped(&whole);
+    // The box repeats after a strain of 0.481, and a trap of 300 yields to a drag of some 100 by a third.
+    let yielded = (found[3] - Vector::new(6.0, 4.0, 6.0)).length();
+    assert!(whole.shear()[1] > 0.6 && (0.1..1.0).contains(&yielded), "{yielded}");
+    let stretched =
+        [(1, 0, 4.86_f64), (1, 2, 5.47)].map(|(i, j, square)| (found[i] - found[j]).length() - square.sqrt());
+    let expected = 30.0 * stretched.iter().map(|by| by * by).sum::<f64>();
+    let energy = whole.bond_numbers().unwrap()[0];
+    assert!(energy > 1.0 && (energy - expected).abs() < 1e-9, "{energy}, not {expected}");
+    let error = farthest(&found, &places(&model, 3));
+    assert!(error < 1e-5, "{error}");
+}
+
 /// The same chain in micrometres, in a fluid of another viscosity that is sheared at another rate.
 #[test]
 fn units_do_not_matter() {

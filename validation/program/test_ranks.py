@@ -1,6 +1,7 @@
 """Any number of ranks gives the same answer."""
 
 import contextlib
+import itertools
 import resource
 import tempfile
 import unittest
@@ -18,6 +19,9 @@ DIFFERENCE = {"f64": 1e-12, "f32": 1e-6}
 
 # Lubrication has two iterations within each other.
 LUBRICATED = 1e-10
+
+# Random motions over their own size: solves end at a residual that sums on other ranks hardly change.
+WHITENED = {"f64": 1e-6, "f32": 1e-4}
 
 # Loose enough for a grid in f32, and too tight for one.
 LOOSE, TIGHT = 1e-3, 1e-7
@@ -100,6 +104,29 @@ class RanksAgree(unittest.TestCase):
 
     def test_monopoles(self):
         self.agree_on(case(4, multipoles="monopole", torques=[]), TIGHT)
+
+    def test_random_motions_of_a_trimer(self):
+        """Three lubricated spheres in a sheared box, whitened by the matrix of one rank: numbers of size 1, draw by draw the same."""
+        places = [[5.0, 5.0, 5.0], [6.9, 5.85, 5.2], [6.0, 4.4, 7.95]]
+        trimer = {"box": [14.0] * 3, "strain": 0.2, "viscosity": 1.0, "radii": [1.0, 1.0, 2.0], "positions": places, "lubrication": True}
+        noise = {"noise": {"draws": 4, "seed": 7}}
+        with tempfile.TemporaryDirectory() as folder:
+            columns = []
+            for kind, place in itertools.product(("forces", "torques"), range(9)):
+                load = np.eye(9)[place].reshape(3, 3).tolist()
+                answer = mobility(trimer | {kind: load}, folder, tolerance=LOOSE)
+                columns.append(np.ravel([answer[name] for name in ("velocities", "angular_velocities")]))
+            root = np.linalg.cholesky(0.5 * (np.array(columns) + np.array(columns).T))
+            for tolerance, kind in ((LOOSE, "f32"), (TIGHT, "f64")):
+                white = []
+                for ranks in (None, 2, 7):
+                    answer = mobility(trimer | noise, folder, ranks, tolerance)
+                    drawn = [np.reshape(answer[f"noise_{name}"], (4, 9)) for name in ("velocities", "angular_velocities")]
+                    white.append(np.linalg.solve(root, np.concatenate(drawn, axis=1).T))
+                self.assertEqual(precision(answer["plan"]), kind)
+                self.assertLess(abs(np.mean(white[0] ** 2) - 1), 3.5 * np.sqrt(2 / white[0].size))
+                for other in white[1:]:
+                    self.assertLess(np.abs(other - white[0]).max(), WHITENED[kind])
 
     def test_fewer_particles_than_ranks(self):
         lone = case(5)

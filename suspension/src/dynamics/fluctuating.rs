@@ -1,6 +1,7 @@
 //! Dynamics in a fluid that fluctuates.
 
 use super::{Dynamics, Moment, Outcome};
+use crate::crowding::{Crowded, Crowding};
 use crate::hydrodynamics::{Found, Guess};
 use crate::integrator::PAST;
 use crate::random_motion::{self, CHANGE, ambient, set_ambient};
@@ -38,6 +39,7 @@ impl Dynamics {
     ) -> Result<Outcome, StepError> {
         self.unless_interrupted()?;
         self.place(particles, moment)?;
+        self.look_for_crowding(particles);
         let cell = *self.moving.cell();
         let (mut loads, tethers) = self.loads_at(particles, moment, None)?;
         let noise = self.pair_noise(particles, noise);
@@ -58,6 +60,7 @@ impl Dynamics {
         noise: (f64, Stream),
     ) -> Result<Outcome, StepError> {
         self.unless_interrupted()?;
+        self.look_for_crowding(particles);
         let (cell, fluid, loads) = (*self.moving.cell(), ambient(particles), self.pair_noise(particles, noise));
         if !self.rigid {
             random_motion::note(particles, &loads, &Found { motion: fluid, ..Found::default() });
@@ -77,6 +80,16 @@ impl Dynamics {
         let cell = *self.moving.cell();
         let noted = random_motion::note_drift(&mut self.hydrodynamics, (&cell, particles), (over, CHANGE));
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
+    }
+
+    /// Pairs that were too near each other where random motions were solved for last; none without heat.
+    pub fn crowded(&self) -> Option<Crowded> {
+        self.crowding.as_ref().map(Crowding::last)
+    }
+
+    fn look_for_crowding(&mut self, particles: &Particles) {
+        let place = (self.moving.cell(), &self.partition);
+        self.crowding.iter_mut().for_each(|crowding| crowding.look(particles, place));
     }
 
     /// Random loads between near pairs. Collective.

@@ -133,7 +133,7 @@ impl<T: Stored> Assembly<'_, T> {
     ) -> Part<S> {
         let order = listed.order();
         let groups = order.chunks(LANES).map(|rows| listed.of(rows[0]).len()).sum();
-        let mut part = Part::with_room(self.rows, groups);
+        let mut part = Part::new(self.rows, groups);
         for rows in order.chunks(LANES) {
             let slice = Slice::new(rows);
             let (mut sums, mut strained) = (Sums::<V>::zero(), InStrain::zero());

@@ -16,7 +16,8 @@ pub struct Resisted {
     pub loads: Screws,
 }
 
-/// What is solved for: minus the motions as stiff pairs and as the others feel them, and first moments `D = -S`.
+/// What is solved for: minus the motions as stiff pairs and as the others feel them, and first moments `D = -S`. Of what pairs
+/// resist to a solution and its start only the sum matters, in whichever of the two it is.
 #[derive(Debug, Clone, Default)]
 pub struct Unknowns {
     /// `y_s`
@@ -59,6 +60,13 @@ impl Linear for Residual {
 }
 
 impl Unknowns {
+    /// Those that go with motions and what all pairs resist to them.
+    pub fn of(motions: &Screws, resisted: &Screws, moments: Vec<Traceless>) -> Self {
+        let (against, loads) = (motions.negative(), Screws::zero(motions.0.len()));
+        let soft = Resisted { motions: against.clone(), loads };
+        Self { stiff: Resisted { motions: against, loads: resisted.negative() }, soft, moments }
+    }
+
     /// The loads of lubrication on the far field.
     pub fn loads(&self) -> Screws {
         let mut loads = self.stiff.loads.clone();
@@ -127,9 +135,8 @@ impl<'a> Coupled<'a> {
     pub fn residual(&self, start: &Unknowns, ambient: Traceless) -> Residual {
         let mut sums = image(&start.stiff.motions, &start.soft.motions, &self.motion);
         sums.strain_rates.iter_mut().for_each(|e| *e += ambient);
-        let mut residual = sums.clone();
-        residual.add(-2.0, &sums);
-        residual
+        let strain_rates = sums.strain_rates.into_iter().map(|e| e * -1.0).collect();
+        Residual { stiff: sums.stiff.negative(), soft: sums.soft.negative(), strain_rates }
     }
 
     /// The motions of the particles, with an error of `tolerance` besides that of the loads and moments found, and the unknowns,
@@ -139,8 +146,12 @@ impl<'a> Coupled<'a> {
         let mut sizes = [self.size(&x), self.size(&self.correction)];
         comm.sum(&mut sizes);
         let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
-        if self.matrix.as_mut().is_some_and(|matrix| matrix.needs(needed)) {
-            self.precondition(residual);
+        if let Some(matrix) = &mut self.matrix
+            && matrix.needs(needed)
+        {
+            let Resisted { motions, loads } = std::mem::take(&mut self.correction.stiff);
+            let [motions, loads] = matrix.go_on([motions, loads], &residual.stiff.resisted(self.single));
+            self.correction.stiff = Resisted { motions, loads };
         }
         x.add(1.0, &self.correction);
         let rigid = x.stiff.motions.negative();
@@ -151,9 +162,8 @@ impl<'a> Coupled<'a> {
 
 /// What unknowns and the motion that they cause make of the left-hand side.
 fn image(stiff: &Screws, soft: &Screws, motion: &Motion) -> Residual {
-    let rigid = Screws::new(stiff.0.len(), &motion.velocities, &motion.angular_velocities);
     let plus = |motions: &Screws| {
-        let mut sum = rigid.clone();
+        let mut sum = Screws::new(motions.0.len(), &motion.velocities, &motion.angular_velocities);
         sum.add(1.0, motions);
         sum
     };
@@ -179,15 +189,7 @@ impl System for Coupled<'_> {
     }
 
     fn precondition(&mut self, residual: &Residual) -> Unknowns {
-        let stiff = match &mut self.matrix {
-            Some(matrix) => {
-                let mut loads = Screws::zero(self.single.len());
-                loads.add_resisted(1.0, self.single, &residual.stiff);
-                let [motions, loads] = matrix.solve(&loads);
-                Resisted { motions, loads }
-            }
-            None => resisted(self.near, Pairs::Stiff, &residual.stiff),
-        };
+        let stiff = self.of_stiff(&residual.stiff);
         let soft = resisted(self.near, Pairs::Soft, &residual.soft);
         let moments = residual.strain_rates.iter().zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
         self.correction = Unknowns { stiff, soft, moments };
@@ -216,6 +218,13 @@ impl System for Coupled<'_> {
 }
 
 impl Coupled<'_> {
+    /// What the preconditioner makes of the residual of the stiff pairs.
+    fn of_stiff(&mut self, residual: &Screws) -> Resisted {
+        let Some(matrix) = &mut self.matrix else { return resisted(self.near, Pairs::Stiff, residual) };
+        let [motions, loads] = matrix.solve(&residual.resisted(self.single));
+        Resisted { motions, loads }
+    }
+
     /// The rate of strain of single spheres under moments, times these.
     fn strained(&self, x: &Unknowns) -> f64 {
         x.moments.iter().zip(self.strain_resistance).map(|(d, resistance)| d.contract(*d) / resistance).sum()

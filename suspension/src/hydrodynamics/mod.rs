@@ -21,7 +21,7 @@ mod springs;
 mod touching;
 
 pub use change::Found;
-use coupled::{Coupled, Unknowns, resisted};
+use coupled::{Coupled, Unknowns};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{
     Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
@@ -122,9 +122,10 @@ const MOST_ITERATIONS: usize = 1000;
 /// steps if they are ten times more exact.
 const ROUGH: f64 = 0.1;
 
-/// Error left in the near field of the start, over that allowed in the end: small enough that where the far field was
-/// guessed well, nothing is left to iterate on.
-const START: f64 = 0.3;
+/// Errors left in the near field of the start and of the end, over that allowed: small enough that where the far field was
+/// guessed well, nothing is left to iterate on, and that the next guess is as good.
+const START: f64 = 0.6;
+const END: f64 = 0.2;
 
 impl Hydrodynamics {
     /// Prepares what `plan` decided, with what acts between near particles. Not to be called from a rayon task.
@@ -290,7 +291,7 @@ fn lubricated(
     let mut residual = system.residual(&x, background);
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
     ended(&outcome, limits)?;
-    let (motion, x) = system.finish(x, &residual, START * limits.tolerance, comm);
+    let (motion, x) = system.finish(x, &residual, END * limits.tolerance, comm);
     if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
         return Err(SolveError::NotFinite);
     }
@@ -344,23 +345,20 @@ fn start<'a>(
     (guess, is_rigid): (&Guess, bool),
 ) -> Unknowns {
     let count = known.0.len();
-    let mut motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
-    if let Some(matrix) = matrix {
-        let mut loads = known.clone();
-        let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
-        loads.add_resisted(1.0, single, &induced);
-        motions = matrix.solve_with_all(motions, &loads, tolerance);
-    }
+    let motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
     moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
-    unknowns(near, &motions, moments)
+    let Some(matrix) = matrix else { return unknowns(near, &motions, moments) };
+    let mut loads = known.clone();
+    let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
+    loads.add_resisted(1.0, single, &induced);
+    let [motions, resisted] = matrix.solve_with_all(motions, &loads, tolerance);
+    Unknowns::of(&motions, &resisted, moments)
 }
 
 /// The unknowns that go with motions of the particles. Collective.
 fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
-    let against = motions.negative();
-    let [stiff, soft] = [Pairs::Stiff, Pairs::Soft].map(|pairs| resisted(near, pairs, &against));
-    Unknowns { stiff, soft, moments }
+    Unknowns::of(motions, &near.times(&[Pairs::Stiff, Pairs::Soft], motions), moments)
 }
 
 #[cfg(test)]

@@ -164,17 +164,15 @@ impl NearPairs {
     /// What some pairs resist to the motions of the particles that this rank owns. Collective.
     pub fn times(&self, pairs: &[Pairs], motions: &Screws) -> Screws {
         let present = self.present(motions);
-        let mut loads = Screws::zero(motions.0.len());
-        for pairs in pairs {
-            loads.add(
-                1.0,
-                &Screws(match pairs {
-                    Pairs::Stiff => self.stiff.times(&present),
-                    Pairs::Soft => self.soft.times(&present),
-                }),
-            );
-        }
-        loads
+        let of = |pairs: &Pairs| match pairs {
+            Pairs::Stiff => Screws(self.stiff.times(&present)),
+            Pairs::Soft => Screws(self.soft.times(&present)),
+        };
+        let plus = |mut loads: Screws, more: Screws| {
+            loads.add(1.0, &more);
+            loads
+        };
+        pairs.iter().map(of).reduce(plus).unwrap_or_else(|| Screws::zero(motions.0.len()))
     }
 
     /// Loads of lubrication on the fluid in the ambient flow, with the particles not moving relative to it.
@@ -194,8 +192,8 @@ impl NearPairs {
     }
 
     fn present(&self, motions: &Screws) -> Vec<Padded> {
-        let mut present = motions.0.clone();
+        let mut present: Vec<Padded> = motions.0.par_iter().with_min_len(BATCH).map(Padded::from).collect();
         self.halo.extend(&mut present);
-        present.par_iter().with_min_len(BATCH).map(Padded::from).collect()
+        present
     }
 }

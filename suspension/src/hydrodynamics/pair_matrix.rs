@@ -4,7 +4,7 @@ use super::block::Block;
 use super::lanes::{LANES, Lanes, Stored, turn};
 use super::own::{Inverses, Own};
 use super::screw::Screw;
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
 use lubrication::Arithmetic;
 use rayon::prelude::*;
@@ -32,6 +32,8 @@ pub struct Part<T> {
     slices: Vec<Slice>,
     groups: Vec<Group<T>>,
     moments: Vec<MomentGroup<T>>,
+    /// Groups that are filled.
+    filled: usize,
 }
 
 /// Rows that are worked out at once; those without pairs are in none.
@@ -85,19 +87,23 @@ impl Slice {
 }
 
 impl<T: Stored> Part<T> {
-    /// So many rows without pairs, and room for so many groups.
-    pub fn with_room(rows: usize, groups: usize) -> Self {
-        let (groups, moments) = (Vec::with_capacity(groups), Vec::with_capacity(groups));
-        Self { own: vec![Own::default(); rows], slices: Vec::with_capacity(rows.div_ceil(LANES)), groups, moments }
+    /// So many rows without pairs, and so many groups to be filled.
+    pub fn new(rows: usize, groups: usize) -> Self {
+        Self {
+            own: vec![Own::default(); rows],
+            slices: Vec::with_capacity(rows.div_ceil(LANES)),
+            groups: vec![Group::zeroed(); groups],
+            moments: vec![MomentGroup::zeroed(); groups],
+            filled: 0,
+        }
     }
 
-    /// Appends an empty group to the slice that is being made.
+    /// The next group of the slice that is being made.
     #[inline(always)]
     pub fn group(&mut self) -> (&mut Group<T>, &mut MomentGroup<T>) {
-        self.groups.push(Group::zeroed());
-        self.moments.push(MomentGroup::zeroed());
-        let last = self.groups.len() - 1;
-        (&mut self.groups[last], &mut self.moments[last])
+        let next = self.filled;
+        self.filled += 1;
+        (&mut self.groups[next], &mut self.moments[next])
     }
 
     /// Ends a slice, whose rows have these blocks on the diagonal, lane by lane.
@@ -105,7 +111,7 @@ impl<T: Stored> Part<T> {
         for (&row, own) in slice.rows().iter().zip(own) {
             self.own[row as usize] = *own;
         }
-        self.slices.push(Slice { end: self.groups.len(), ..slice });
+        self.slices.push(Slice { end: self.filled, ..slice });
     }
 
     /// The slices with their groups.
@@ -167,7 +173,7 @@ impl<T: Stored> Resistance for PairMatrix<T> {
 }
 
 /// A motion that fills a vector, to be read at once.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Padded([f64; LANES]);
 

@@ -40,26 +40,45 @@ impl<'a> ParticleMatrix<'a> {
 
     /// The motions under the given loads, nearly, and what the pairs resist to them. Collective.
     pub fn solve(&mut self, loads: &Screws) -> [Screws; 2] {
-        let (mut motions, mut residual) = (Screws::zero(loads.0.len()), loads.clone());
-        let comm = self.comm.clone();
         let limits = self.limits();
-        conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
-        let mut resisted = loads.clone();
-        resisted.add(-1.0, &residual);
-        resisted.add_resisted(-1.0, self.single, &motions);
-        [motions, resisted]
+        self.solve_from(Screws::zero(loads.0.len()), loads, loads.clone(), limits)
+    }
+
+    /// As [`Self::solve`], from what such a solve found before. Collective.
+    pub fn go_on(&mut self, [motions, resisted]: [Screws; 2], loads: &Screws) -> [Screws; 2] {
+        let residual = self.remainder(loads, &resisted, &motions);
+        let limits = self.limits();
+        self.solve_from(motions, loads, residual, limits)
     }
 
     /// The motions under the given loads with all pairs, with an error of `tolerance`, sought from some motions
-    /// on. Collective.
-    pub fn solve_with_all(&mut self, mut motions: Screws, loads: &Screws, tolerance: f64) -> Screws {
+    /// on, and what the pairs resist to them. Collective.
+    pub fn solve_with_all(&mut self, motions: Screws, loads: &Screws, tolerance: f64) -> [Screws; 2] {
         self.pairs = &[Pairs::Stiff, Pairs::Soft];
         let mut residual = loads.clone();
         residual.add(-1.0, &self.apply(&motions));
-        let (comm, limits) = (self.comm.clone(), Limits { tolerance, ..self.limits() });
-        conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
+        let limits = Limits { tolerance, ..self.limits() };
+        let solved = self.solve_from(motions, loads, residual, limits);
         self.pairs = &[Pairs::Stiff];
-        motions
+        solved
+    }
+
+    /// As [`Self::solve`], from motions that leave a residual.
+    fn solve_from(&mut self, mut motions: Screws, loads: &Screws, mut residual: Screws, limits: Limits) -> [Screws; 2] {
+        let comm = self.comm.clone();
+        conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
+        let resisted = self.remainder(loads, &residual, &motions);
+        [motions, resisted]
+    }
+
+    /// Loads less a part of them and less what single spheres resist to motions.
+    fn remainder(&self, loads: &Screws, part: &Screws, motions: &Screws) -> Screws {
+        let less = |((load, part), (single, motion)): ((&Screw, &Screw), (&Screw, &Screw))| {
+            Screw(std::array::from_fn(|k| load.0[k] - part.0[k] - single.0[k] * motion.0[k]))
+        };
+        let of_single = self.single.par_iter().zip(&motions.0);
+        let loads = loads.0.par_iter().with_min_len(BATCH).zip(&part.0);
+        Screws(loads.zip(of_single).map(less).collect())
     }
 
     fn limits(&self) -> Limits<'static> {

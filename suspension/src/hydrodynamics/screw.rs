@@ -49,17 +49,18 @@ impl Screws {
     /// From lists of vectors; an empty list stands for zeros.
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
         let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
-        Self((0..count).map(|i| Screw::new(at(linear, i), at(angular, i))).collect())
+        let screw = |i: usize| Screw::new(at(linear, i), at(angular, i));
+        Self((0..count).into_par_iter().with_min_len(BATCH).map(screw).collect())
     }
 
     /// The first vectors of all.
     pub fn linear(&self) -> Vec<Vector> {
-        self.0.iter().map(|s| s.linear()).collect()
+        self.0.par_iter().with_min_len(BATCH).map(|s| s.linear()).collect()
     }
 
     /// The second vectors of all.
     pub fn angular(&self) -> Vec<Vector> {
-        self.0.iter().map(|s| s.angular()).collect()
+        self.0.par_iter().with_min_len(BATCH).map(|s| s.angular()).collect()
     }
 }
 
@@ -90,7 +91,13 @@ impl Screws {
 
     /// Minus all of them.
     pub fn negative(&self) -> Self {
-        Self(self.0.par_iter().map(|&screw| -screw).collect())
+        Self(self.0.par_iter().with_min_len(BATCH).map(|&screw| -screw).collect())
+    }
+
+    /// What single spheres of the given resistances resist to these motions.
+    pub fn resisted(&self, single: &[Screw]) -> Self {
+        let resist = |(motion, single): (&Screw, &Screw)| Screw(std::array::from_fn(|k| single.0[k] * motion.0[k]));
+        Self(self.0.par_iter().with_min_len(BATCH).zip(single).map(resist).collect())
     }
 
     /// Adds what single spheres of the given resistances resist to motions, times a factor.
@@ -108,7 +115,7 @@ impl Screws {
         let less = |((motion, single), load): ((&Screw, &Screw), &Screw)| {
             Screw(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
         };
-        Self(self.0.iter().zip(single).zip(&loads.0).map(less).collect())
+        Self(self.0.par_iter().with_min_len(BATCH).zip(single).zip(&loads.0).map(less).collect())
     }
 }
 

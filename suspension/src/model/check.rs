@@ -84,8 +84,8 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
         let message = "needs a box that repeats along all axes; leave it out, or make box.boundaries periodic";
         return refused("fluid.thermal_energy", message);
     }
-    if p.statistics.is_some() {
-        let message = "are those of a box that repeats along all axes; leave them out with other box.boundaries";
+    if p.statistics.is_some() && boundaries == Boundaries::Open {
+        let message = "are those of a box that repeats along two axes or all; leave them out in open fluid";
         return refused("statistics", message);
     }
     if boundaries == Boundaries::OpenAlongZ { check_layer(p) } else { Ok(()) }

@@ -1,16 +1,25 @@
 //! What statistics take.
 
-use domain::{Bytes, Vector};
-use statistics::{Lagrangian, Motion, PairDistribution};
+use super::channel_bins;
+use crate::model::Model;
+use domain::{Boundaries, Bytes, Vector};
+use statistics::{ChannelProfile, Lagrangian, Motion, PairDistribution};
 
-/// What they keep of so many particles after so many samples, of so many species, with so many threads.
-pub fn bytes(particles: f64, samples: u64, (species, threads): (usize, usize)) -> Bytes {
-    paths(particles).then(Lagrangian::bytes(particles, samples)).then(PairDistribution::bytes(species, threads))
+/// What they keep of so many particles of a scene after so many samples, with so many threads.
+pub fn bytes(model: &Model, particles: f64, (samples, threads): (u64, usize)) -> Bytes {
+    let is_periodic = model.cell.boundaries() == Boundaries::Periodic;
+    let pairs = if is_periodic { PairDistribution::bytes(model.species.len(), threads) } else { Bytes::default() };
+    paths(particles).then(Lagrangian::bytes(particles, samples)).then(pairs).then(profile(model, samples))
 }
 
 /// Places, velocities and ways of [`super::Paths`].
 fn paths(particles: f64) -> Bytes {
     Bytes::list::<[Vector; 3]>(particles)
+}
+
+/// What a profile across a channel keeps.
+fn profile(model: &Model, samples: u64) -> Bytes {
+    ChannelProfile::bytes(model.species.len(), channel_bins(model).unwrap_or(0), samples)
 }
 
 /// What a sample of so many particles takes: velocities, turning, motions, and cells to find pairs in.
@@ -19,6 +28,6 @@ pub fn sample_bytes(particles: f64) -> Bytes {
 }
 
 /// The state as bytes.
-pub fn state_bytes(particles: f64, samples: u64) -> f64 {
-    paths(particles).then(Lagrangian::bytes(particles, samples)).kept
+pub fn state_bytes(model: &Model, particles: f64, samples: u64) -> f64 {
+    paths(particles).then(Lagrangian::bytes(particles, samples)).then(profile(model, samples)).kept
 }

@@ -1,5 +1,7 @@
 //! Statistics of a suspension, in the course of a run or from its trajectory.
 
+mod background;
+mod channel;
 mod memory;
 mod paths;
 mod tables;
@@ -7,6 +9,8 @@ mod tables;
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
 use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
+use background::Flows;
+use channel::{Channel, MORE_COLUMNS};
 use domain::{Boundaries, Bytes, Particles, PeriodicBox, Vector, power_of_two};
 pub use memory::{bytes, sample_bytes, state_bytes};
 use paths::Paths;
@@ -29,8 +33,11 @@ pub struct Statistics {
     angular_velocities: Vec<Vectors>,
     paths: Paths,
     lagrangian: Lagrangian,
-    pairs: PairDistribution,
-    profile: Profile,
+    /// In a box that repeats along all axes.
+    pairs: Option<PairDistribution>,
+    profile: Option<Profile>,
+    /// In one with walls, a wall, or open along z.
+    channel: Option<Channel>,
     segregation: Blocks,
     /// In a flow that oscillates.
     moduli: Option<Moduli>,
@@ -58,7 +65,9 @@ struct About {
     species: Vec<(f64, f64)>,
     /// The flow, at its largest rate if that changes, and its rates in time.
     flow: BackgroundFlow,
-    kind: Flow,
+    flows: Flows,
+    /// Along which axes the flow carries spheres.
+    carries: [bool; 3],
     /// Edges of the box without strain.
     edges: Vector,
     rates: ShearRates,
@@ -114,6 +123,7 @@ impl Statistics {
         let speed = speed(model);
         let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
         let largest = particles.radii.iter().copied().fold(0.0, f64::max);
+        let is_periodic = model.cell.boundaries() == Boundaries::Periodic;
         let distance = wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element());
         Self {
             times: [f64::NAN, f64::NAN, 0.0],
@@ -121,8 +131,10 @@ impl Statistics {
             angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
             paths: Paths::default(),
             lagrangian: Lagrangian::new(&particles.species),
-            pairs: PairDistribution::new(distance, about.angle, &particles.species, model.cell.volume()),
-            profile: Profile::new(&model.cell, about.axis, about.names.len()),
+            pairs: is_periodic
+                .then(|| PairDistribution::new(distance, about.angle, &particles.species, model.cell.volume())),
+            profile: is_periodic.then(|| Profile::new(&model.cell, about.axis, about.names.len())),
+            channel: Channel::of(model, wanted),
             segregation: Blocks::default(),
             moduli: about.rates.frequency().map(|w| Moduli::new(about.rates.largest() / w, w)),
             about,
@@ -134,18 +146,26 @@ impl Statistics {
         if time < self.about.wanted.from {
             return;
         }
-        let flow = self.about.kind.at_rate(rate);
-        let velocities = column(particles, VELOCITY).iter().zip(&particles.positions);
-        let velocities: Vec<Vector> = velocities.map(|(&v, &x)| v - flow.velocity(x)).collect();
+        let flow = self.about.flows.at_rate(rate);
+        let velocities = column(particles, VELOCITY).iter().zip(particles.positions.iter().zip(&particles.radii));
+        let velocities: Vec<Vector> = velocities.map(|(&v, (&x, &a))| v - flow.velocity_of(x, a)).collect();
         each_species(&mut self.velocities, &particles.species, &velocities);
         if self.about.rigid {
-            let turning = column(particles, ANGULAR_VELOCITY).iter().map(|&w| w - flow.angular_velocity());
+            let turning = column(particles, ANGULAR_VELOCITY).iter().zip(&particles.positions);
+            let turning = turning.map(|(&w, &x)| w - flow.angular_velocity_at(x));
             each_species(&mut self.angular_velocities, &particles.species, &turning.collect::<Vec<_>>());
         }
-        let motions = self.paths.follow(time, (cell, particles), &velocities, self.about.flow);
+        let motions = self.paths.follow(time, (cell, particles), &velocities, self.about.carries);
         self.lagrangian.add(time, &motions);
-        self.pairs.add(cell, &particles.positions, &particles.species);
-        self.profile.add(&in_lattice(cell, self.about.edges, particles), &particles.radii, &particles.species);
+        if let Some(pairs) = &mut self.pairs {
+            pairs.add(cell, &particles.positions, &particles.species);
+        }
+        if let Some(profile) = &mut self.profile {
+            profile.add(&in_lattice(cell, self.about.edges, particles), &particles.radii, &particles.species);
+        }
+        if let Some(channel) = &mut self.channel {
+            channel.add(particles, &velocities);
+        }
         self.segregation.add(counted((&self.about.columns, self.about.edges), (cell, particles)).intensity());
         if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
             moduli.add(time, stress);
@@ -158,7 +178,8 @@ impl Statistics {
 impl About {
     fn of(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
         let rates = model.shear_rates();
-        let flow = model.flow.at_rate(if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
+        let (flows, rate) = (Flows::of(model), if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
+        let flow = flows.linear(rate);
         let fraction = |index: usize| {
             let own = particles.species.iter().zip(&particles.radii).filter(|(s, _)| **s as usize == index);
             own.map(|(_, a)| 4.0 / 3.0 * std::f64::consts::PI * a.powi(3)).sum::<f64>() / model.cell.volume()
@@ -167,7 +188,8 @@ impl About {
             names: model.species.iter().map(|s| s.name.clone()).collect(),
             species: model.species.iter().enumerate().map(|(index, s)| (s.radius, fraction(index))).collect(),
             flow,
-            kind: model.flow,
+            carries: flows.carries(rate),
+            flows,
             edges: model.cell.edges(),
             rates,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
@@ -177,6 +199,22 @@ impl About {
             wanted,
         }
     }
+}
+
+/// The columns that a sample of a scene needs.
+pub fn needed_columns(model: &Model) -> Vec<&'static str> {
+    let more = channel_bins(model).map_or(&[][..], |_| &MORE_COLUMNS);
+    COLUMNS.iter().chain(more).copied().collect()
+}
+
+/// The numbers of a particle in these columns.
+pub fn numbers(model: &Model) -> usize {
+    6 + channel_bins(model).map_or(0, |_| 5)
+}
+
+/// The bins of profiles of a scene that has statistics and a wall, or an open axis.
+fn channel_bins(model: &Model) -> Option<usize> {
+    model.statistics.and_then(|wanted| channel::bins(model, wanted))
 }
 
 /// Whether a scene has species that may separate, in a box that stays where it is.
@@ -268,7 +306,8 @@ fn index(axis: Axis) -> usize {
     }
 }
 
-fn column<'a>(particles: &'a Particles, name: &str) -> &'a [Vector] {
+/// The vectors of a column; none if there is no such column.
+pub fn column<'a>(particles: &'a Particles, name: &str) -> &'a [Vector] {
     particles.columns.iter().find(|c| c.name == name).map(|c| bytemuck::cast_slice(&c.values)).unwrap_or_default()
 }
 
@@ -289,9 +328,15 @@ impl State for Statistics {
                 density.visit(store);
             }
         }
-        let parts: [&mut dyn State; 5] =
-            [&mut self.paths, &mut self.lagrangian, &mut self.pairs, &mut self.profile, &mut self.segregation];
-        for part in parts {
+        self.paths.visit(store);
+        self.lagrangian.visit(store);
+        let parts: [Option<&mut dyn State>; 4] = [
+            self.pairs.as_mut().map(|part| part as _),
+            self.profile.as_mut().map(|part| part as _),
+            self.channel.as_mut().map(|channel| &mut channel.profile as _),
+            Some(&mut self.segregation),
+        ];
+        for part in parts.into_iter().flatten() {
             part.visit(store);
         }
         if let Some(moduli) = &mut self.moduli {

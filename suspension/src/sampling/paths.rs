@@ -1,7 +1,6 @@
 //! Where particles would be without the flow.
 
 use domain::{Particles, PeriodicBox, Vector};
-use solver::BackgroundFlow;
 use statistics::{Motion, State, Store};
 
 /// The displacement of each particle since the first sample, less what the flow has carried it along its way. Along
@@ -16,13 +15,14 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Goes on to a time, at which particles in a box have these velocities relative to the flow.
+    /// Goes on to a time, at which particles in a box have these velocities relative to the flow, which carries them along some
+    /// axes.
     pub fn follow(
         &mut self,
         time: f64,
         (cell, particles): (&PeriodicBox, &Particles),
         velocities: &[Vector],
-        flow: BackgroundFlow,
+        carries: [bool; 3],
     ) -> Vec<Motion> {
         let unwrapped = particles.positions.iter().zip(&particles.steps);
         let places: Vec<Vector> = unwrapped.map(|(&x, &steps)| x + cell.lattice(steps)).collect();
@@ -30,7 +30,6 @@ impl Paths {
             self.walked = vec![Vector::ZERO; places.len()];
         } else {
             let elapsed = time - self.time;
-            let carries = [0, 1, 2].map(|axis| flow.gradient().row(axis) != Vector::ZERO);
             for (row, path) in self.walked.iter_mut().enumerate() {
                 let moved = places[row] - self.places[row];
                 let integral = 0.5 * elapsed * (self.velocities[row] + velocities[row]);

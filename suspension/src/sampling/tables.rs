@@ -2,7 +2,10 @@
 
 use super::{Statistics, Vectors};
 use simulation::Table;
-use statistics::{Angle, Diffusivity, Estimate, Moduli, StretchedExponential, global_coefficient, mean_coefficient};
+use statistics::{
+    Angle, ChannelProfile, Diffusivity, Estimate, Moduli, PairDistribution, Profile, StretchedExponential,
+    global_coefficient, mean_coefficient,
+};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
@@ -20,10 +23,10 @@ impl Statistics {
             densities("velocity_density", &self.about.names, &self.velocities),
             densities("angular_velocity_density", &self.about.names, &self.angular_velocities),
             self.lags(),
-            self.pairs(),
-            self.pairs_by_angle(),
-            self.concentration(),
         ];
+        tables.extend(self.pairs.iter().flat_map(|pairs| [self.radial(pairs), self.by_angle(pairs)]));
+        tables.extend(self.profile.iter().map(|profile| self.concentration(profile)));
+        tables.extend(self.channel.iter().map(|channel| self.across(&channel.profile)));
         tables.extend(self.measured_moduli().map(harmonics));
         tables
     }
@@ -58,6 +61,9 @@ impl Statistics {
             }
         }
         self.add_diffusivities(&mut summary);
+        if let Some(channel) = &self.channel {
+            summary.add(("volume_outside", ALL, ""), channel.profile.outside());
+        }
         if self.about.names.len() > 1 {
             summary.add(("segregation", ALL, ""), self.segregation.estimate());
         }
@@ -113,34 +119,66 @@ impl Statistics {
         table
     }
 
-    fn pairs(&self) -> Table {
+    fn radial(&self, pairs: &PairDistribution) -> Table {
         let mut table = Table::new("pairs", &["first", "second"], &[("distance", "length"), ("g", "")]);
-        for [a, b] in self.pairs.species_pairs() {
-            for (r, g) in self.pairs.radial([a, b]) {
+        for [a, b] in pairs.species_pairs() {
+            for (r, g) in pairs.radial([a, b]) {
                 table.add(&[&self.about.names[a], &self.about.names[b]], &[r, g]);
             }
         }
         table
     }
 
-    fn pairs_by_angle(&self) -> Table {
+    fn by_angle(&self, pairs: &PairDistribution) -> Table {
         let angle = if self.about.angle == Angle::Azimuth { "azimuth" } else { "cosine" };
         let columns = [("distance", "length"), (angle, ""), ("g", "")];
         let mut table = Table::new("pairs_by_angle", &["first", "second"], &columns);
-        for [a, b] in self.pairs.species_pairs() {
-            for (r, angle, g) in self.pairs.angular([a, b]) {
+        for [a, b] in pairs.species_pairs() {
+            for (r, angle, g) in pairs.angular([a, b]) {
                 table.add(&[&self.about.names[a], &self.about.names[b]], &[r, angle, g]);
             }
         }
         table
     }
 
-    fn concentration(&self) -> Table {
+    fn concentration(&self, profile: &Profile) -> Table {
         let columns = [(AXES[self.about.axis], "length"), ("volume_fraction", "")];
         let mut table = Table::new("concentration", &["species"], &columns);
         for (index, name) in self.about.names.iter().enumerate() {
-            for (place, fraction) in self.profile.fractions(index) {
+            for (place, fraction) in profile.fractions(index) {
                 table.add(&[name], &[place, fraction]);
+            }
+        }
+        table
+    }
+}
+
+/// The quantities of a profile across a channel whose components have columns of their own, and units.
+const ACROSS: [(&str, &[&str], &str); 5] = [
+    ("velocity", &AXES, "length/time"),
+    ("slip", &AXES, "length/time"),
+    ("T", &COMPONENTS, "length^2/time^2"),
+    ("angular_velocity", &AXES, "1/time"),
+    ("stress", &COMPONENTS, "force/length^2"),
+];
+
+impl Statistics {
+    /// Averages in bins across the channel.
+    fn across(&self, profile: &ChannelProfile) -> Table {
+        let scalars = [("volume_fraction".to_owned(), ""), ("number_density".to_owned(), "1/length^3")];
+        let component = |(name, of, unit): &(&str, &[&str], &'static str)| -> Vec<(String, &'static str)> {
+            of.iter().map(|component| (format!("{name}_{component}"), *unit)).collect()
+        };
+        let quantities = scalars.into_iter().chain(ACROSS.iter().flat_map(component));
+        let mut columns = vec![(AXES[2].to_owned(), "length")];
+        columns.extend(quantities.flat_map(|(name, unit)| [(name.clone(), unit), (name + "_error", unit)]));
+        let mut table = Table { columns, ..Table::new("profile", &["species"], &[]) };
+        for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
+            for row in profile.rows((name != ALL).then_some(index)) {
+                let scalars = [row.volume_fraction, row.number_density].into_iter().chain(row.velocity).chain(row.slip);
+                let all = scalars.chain(row.fluctuations).chain(row.angular_velocity).chain(row.stress);
+                let numbers = all.flat_map(|found| [found.mean, found.error]);
+                table.add(&[name], &std::iter::once(row.height).chain(numbers).collect::<Vec<_>>());
             }
         }
         table

@@ -192,6 +192,7 @@ fn statistics(raw: &raw::Statistics) -> StatisticsWanted {
         from: raw.from,
         distance: raw.distance,
         axis: raw.axis.map(Into::into),
+        bins: raw.bins,
         diffusive_from: raw.diffusive_from,
     }
 }

@@ -454,6 +454,8 @@ pub(super) struct Statistics {
     pub(super) distance: Option<f64>,
     /// Axis of concentration and segregation; that of the forces, or y, by default.
     pub(super) axis: Option<Axis>,
+    /// Bins across a channel; four to the smallest radius by default.
+    pub(super) bins: Option<usize>,
     /// Time lag from which motion is diffusive; a quarter of the run by default.
     pub(super) diffusive_from: Option<f64>,
 }

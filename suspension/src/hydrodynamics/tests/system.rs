@@ -1,7 +1,7 @@
 //! The coupled system as a matrix, column by column.
 
 use super::*;
-use crate::hydrodynamics::coupled::{Residual, Resisted};
+use crate::hydrodynamics::coupled::{Residual, Resisted, resisted};
 use fcm::System;
 use std::f64::consts::FRAC_1_SQRT_2;
 

@@ -1,0 +1,197 @@
+//! Spheres that heat presses into each other, or nearer than lubrication knows.
+
+use crate::gap::Gap;
+use crate::model::{BrownianScheme, Integrator, Model};
+use crate::near::NearLists;
+use domain::{Number, Particles, Partition, PeriodicBox};
+use lubrication::Range;
+
+/// Pairs too near each other at the places where motions were solved for.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Crowded {
+    /// How many overlap.
+    pub overlapping: u64,
+    /// How many have gaps at which lubrication grows no more, those that overlap among them; none without lubrication.
+    pub at_floor: u64,
+    /// The deepest overlap, a length; 0 without one.
+    pub depth: f64,
+}
+
+/// Looks for such pairs.
+pub struct Crowding {
+    near: NearLists,
+    /// The gap below which lubrication grows no more, over the mean radius, if it acts.
+    floor: Option<f64>,
+    last: Crowded,
+}
+
+impl Crowding {
+    /// Of a scene whose largest sphere has a radius.
+    pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Self {
+        let floor = model.hydrodynamics.lubrication.then_some(Range::CLOSEST);
+        let near = NearLists::new((2.0 + floor.unwrap_or(0.0)) * largest_radius, partition);
+        Self { near, floor, last: Crowded::default() }
+    }
+
+    /// Of ranks that share out space in another way.
+    pub fn divide(&mut self, partition: &Partition) {
+        self.near.divide(partition);
+    }
+
+    /// Looks at the particles where they are. Collective.
+    pub fn look(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition)) {
+        let near = self.near.find(particles, place);
+        let (mut counts, mut depth) = ([0.0; 2], [0.0_f64]);
+        for (separation, [a, b], _) in near.pairs() {
+            let gap = separation.length() - (a + b);
+            counts[0] += f64::from(u8::from(gap < 0.0));
+            counts[1] += f64::from(u8::from(self.floor.is_some_and(|floor| gap < floor * 0.5 * (a + b))));
+            depth[0] = depth[0].max(-gap);
+        }
+        place.1.comm().sum(&mut counts);
+        place.1.comm().max(&mut depth);
+        let [overlapping, at_floor] = counts.map(|count| count as u64);
+        self.last = Crowded { overlapping, at_floor, depth: depth[0] };
+    }
+
+    /// The pairs that were found last.
+    pub fn last(&self) -> Crowded {
+        self.last
+    }
+}
+
+/// How crowded the steps of a run were.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CrowdedSteps {
+    steps: u64,
+    with_overlap: u64,
+    at_floor: u64,
+    /// The most of each at a time.
+    most: Crowded,
+}
+
+impl CrowdedSteps {
+    /// Counts a step.
+    pub fn see(&mut self, crowded: Crowded) {
+        let Crowded { overlapping, at_floor, depth } = crowded;
+        self.steps += 1;
+        self.with_overlap += u64::from(overlapping > 0);
+        self.at_floor += u64::from(at_floor > 0);
+        self.most.overlapping = self.most.overlapping.max(overlapping);
+        self.most.at_floor = self.most.at_floor.max(at_floor);
+        self.most.depth = self.most.depth.max(depth);
+    }
+
+    /// What to say of them in a scene, if there is something.
+    pub fn warning(&self, remedies: Remedies, smallest_radius: f64) -> Option<String> {
+        let Self { steps, with_overlap, at_floor, most } = self;
+        let overlapped = (*with_overlap > 0).then(|| {
+            format!(
+                "spheres overlapped in {with_overlap} of {steps} steps where their motions were solved for, up to {} at a time \
+                 and by {} at most",
+                pairs(most.overlapping),
+                Gap { length: most.depth, radius: smallest_radius }
+            )
+        });
+        let near = (*at_floor > 0).then(|| {
+            format!(
+                "in {at_floor} of {steps} steps up to {} had a gap below {} mean radii, where lubrication grows no more",
+                pairs(most.at_floor),
+                Number(Range::CLOSEST)
+            )
+        });
+        let found: Vec<String> = [overlapped, near].into_iter().flatten().collect();
+        (!found.is_empty()).then(|| {
+            format!("{}; stresses and motions of these are not those of spheres: try {remedies}", found.join("; "))
+        })
+    }
+}
+
+fn pairs(count: u64) -> String {
+    if count == 1 { "1 pair".to_owned() } else { format!("{count} pairs") }
+}
+
+/// What keeps spheres apart that a scene could have.
+#[derive(Debug, Clone, Copy)]
+pub struct Remedies {
+    repels: bool,
+    is_midpoint: bool,
+}
+
+impl Remedies {
+    /// Those of a scene.
+    pub fn of(model: &Model) -> Self {
+        let is_midpoint = matches!(model.integrator, Integrator::Brownian(BrownianScheme::Midpoint));
+        Self { repels: model.repulsion.is_some(), is_midpoint }
+    }
+}
+
+impl std::fmt::Display for Remedies {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let repulsion = if self.repels { "a larger repulsion.strength or repulsion.range" } else { "a [repulsion]" };
+        // Half a step of its noise ignores lubrication.
+        let scheme = if self.is_midpoint { ", or time.brownian = \"two-evaluations\"" } else { "" };
+        write!(f, "a shorter time.step, {repulsion}{scheme}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species};
+    use domain::{Comm, Vector};
+
+    /// Two pairs across faces of the box, one at a distance below the gap's floor and one that overlaps, and one pair beyond,
+    /// on any ranks.
+    #[test]
+    fn pairs_that_overlap_or_nearly_are_counted() {
+        let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 6)], (0.1, 1));
+        for (lubrication, at_floor) in [(true, 2), (false, 0)] {
+            let mut parameters = usual.clone();
+            parameters.hydrodynamics.lubrication = lubrication;
+            let model = Model::new(parameters).unwrap();
+            for ranks in [1, 3] {
+                let found = Comm::threads(ranks, |comm| {
+                    let partition = Partition::new(&comm, [8, 8]);
+                    let mut particles = Particles::default();
+                    let of_first = if comm.is_first() { 3 } else { 0 };
+                    for (id, (apart, z)) in
+                        [(2.0 + 5e-7, 1.0), (1.75, 5.0), (2.0 + 2e-6, 9.0)].into_iter().enumerate().take(of_first)
+                    {
+                        particles.push(2 * id as u64, Vector::new(0.5, 0.5, z), 1.0, 0);
+                        particles.push(2 * id as u64 + 1, Vector::new(0.5, 12.5 - apart, z), 1.0, 0);
+                    }
+                    particles.migrate(&partition, &cell);
+                    let mut crowding = Crowding::new(&model, 1.0, &partition);
+                    crowding.look(&particles, (&cell, &partition));
+                    crowding.last()
+                });
+                for crowded in found {
+                    assert_eq!((crowded.overlapping, crowded.at_floor), (1, at_floor));
+                    assert!((crowded.depth - 0.25).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn steps_without_such_pairs_are_not_worth_a_word() {
+        let remedies = Remedies { repels: true, is_midpoint: true };
+        let mut steps = CrowdedSteps::default();
+        steps.see(Crowded::default());
+        assert_eq!(steps.warning(remedies, 1.0), None);
+        steps.see(Crowded { overlapping: 0, at_floor: 1, depth: 0.0 });
+        steps.see(Crowded { overlapping: 2, at_floor: 3, depth: 0.01 });
+        let said = steps.warning(remedies, 0.5).unwrap();
+        assert_eq!(
+            said,
+            "spheres overlapped in 1 of 3 steps where their motions were solved for, up to 2 pairs at a time and by 0.01 (0.02 \
+             of the smallest radius) at most; in 2 of 3 steps up to 3 pairs had a gap below 1e-6 mean radii, where lubrication \
+             grows no more; stresses and motions of these are not those of spheres: try a shorter time.step, a larger \
+             repulsion.strength or repulsion.range, or time.brownian = \"two-evaluations\""
+        );
+        let without = Remedies { repels: false, is_midpoint: false };
+        assert!(steps.warning(without, 0.5).unwrap().ends_with("try a shorter time.step, a [repulsion]"));
+    }
+}

@@ -1,0 +1,84 @@
+//! The square root of the mobility.
+
+use super::{Mobility, MobilityError, ROOT};
+use domain::Vector;
+use fcm::{Drawn, Loads, Motion, root_times};
+use solver::BackgroundFlow;
+use std::f64::consts::PI;
+
+/// Applications of the mobility at most: hundreds of nearly touching spheres take some forty.
+const MOST_APPLICATIONS: usize = 200;
+
+/// Numbers of a sphere: of its force or velocity, and of its torque or angular velocity.
+type Numbers = [f64; 6];
+
+impl Mobility {
+    /// `B z` for given numbers, six a sphere, or `B^T z`, of a square root `B B^T = M` of the mobility from forces and torques
+    /// to velocities and angular velocities, stresslets and lubrication included, in boxes of any kind:
+    ///
+    /// ```text
+    /// B = S (S^-1 M S^-1)^{1/2},       S = diag((6 pi mu a)^{-1/2}, (8 pi mu a^3)^{-1/2})
+    /// ```
+    ///
+    /// with the roots `S` of the mobilities of single spheres, so that numbers without units make motions in any units. Where there
+    /// are forces alone the last three numbers of each sphere count for nothing. By Lanczos's iteration on the whole mobility, each
+    /// of whose applications is a solve, to the mobility's tolerance. Numbers are those of the first rank, which has the answer.
+    pub fn root(&mut self, numbers: &[Numbers], transposed: bool) -> Result<(Vec<Numbers>, Drawn), MobilityError> {
+        let driven = std::mem::take(&mut self.pressure_gradient);
+        let found = self.root_at_rest(numbers, transposed);
+        self.pressure_gradient = driven;
+        found
+    }
+
+    fn root_at_rest(&mut self, numbers: &[Numbers], transposed: bool) -> Result<(Vec<Numbers>, Drawn), MobilityError> {
+        let comm = self.partition.comm().clone();
+        let spheres = if comm.is_first() { self.parameters.radii.len() } else { 0 };
+        let scales: Vec<[f64; 2]> = self.parameters.radii[..spheres].iter().map(|&a| self.scales(a)).collect();
+        let mut start = numbers[..spheres].to_vec();
+        if self.parameters.multipoles == fcm::Multipoles::Monopole {
+            for numbers in &mut start {
+                numbers[3..].fill(0.0);
+            }
+        }
+        if transposed {
+            start = times(&start, &scales, |number, scale| number * scale);
+        }
+        let tolerance = self.parameters.tolerance;
+        let limits = (ROOT * tolerance, MOST_APPLICATIONS);
+        let apply = |scaled: &[Numbers]| {
+            self.unless_interrupted()?;
+            let own = times(scaled, &scales, |number, scale| number / scale);
+            let loads = Loads { forces: of(&own, 0), torques: of(&own, 3), stresslets: Vec::new() };
+            let motion = self.apply(&loads, &BackgroundFlow::NONE)?.motion;
+            Ok::<_, MobilityError>(times(&numbers_of(&motion), &scales, |number, scale| number / scale))
+        };
+        let (mut root, drawn) = root_times(&comm, &start, limits, apply)?;
+        if drawn.change > tolerance {
+            return Err(MobilityError::Root { applications: drawn.iterations, change: drawn.change, tolerance });
+        }
+        if !transposed {
+            root = times(&root, &scales, |number, scale| number * scale);
+        }
+        Ok((root, drawn))
+    }
+
+    /// The roots of the mobilities of a single sphere.
+    fn scales(&self, radius: f64) -> [f64; 2] {
+        let resistances = [6.0 * PI * radius, 8.0 * PI * radius.powi(3)];
+        resistances.map(|resistance| (self.parameters.viscosity * resistance).sqrt().recip())
+    }
+}
+
+fn times(list: &[Numbers], scales: &[[f64; 2]], by: impl Fn(f64, f64) -> f64) -> Vec<Numbers> {
+    let one = |(numbers, scales): (&Numbers, &[f64; 2])| std::array::from_fn(|k| by(numbers[k], scales[k / 3]));
+    list.iter().zip(scales).map(one).collect()
+}
+
+fn of(list: &[Numbers], first: usize) -> Vec<Vector> {
+    list.iter().map(|numbers| Vector::from_slice(&numbers[first..])).collect()
+}
+
+fn numbers_of(motion: &Motion) -> Vec<Numbers> {
+    let pairs = motion.velocities.iter().zip(&motion.angular_velocities);
+    pairs.map(|(v, w)| [v.x, v.y, v.z, w.x, w.y, w.z]).collect()
+}

@@ -1,0 +1,59 @@
+//! The flow without spheres, which velocities are relative to.
+
+use crate::model::{Flow, Model};
+use crate::poiseuille::Poiseuille;
+use crate::setup::profile;
+use domain::Vector;
+use solver::BackgroundFlow;
+
+/// The flows of a scene at any rate.
+pub struct Flows {
+    kind: Flow,
+    /// Whether the flow grows along z, between walls.
+    is_couette: bool,
+    profile: Option<Poiseuille>,
+}
+
+/// The flow at one time.
+#[derive(Clone, Copy)]
+pub struct Background {
+    flow: BackgroundFlow,
+    profile: Option<Poiseuille>,
+}
+
+impl Flows {
+    /// Those of a scene.
+    pub fn of(model: &Model) -> Self {
+        Self { kind: model.flow, is_couette: model.cell.gradient_axis() == 2, profile: profile(model) }
+    }
+
+    /// The linear flow at a rate.
+    pub fn linear(&self, rate: f64) -> BackgroundFlow {
+        if self.is_couette { BackgroundFlow::couette(rate) } else { self.kind.at_rate(rate) }
+    }
+
+    /// The whole flow at a rate.
+    pub fn at_rate(&self, rate: f64) -> Background {
+        Background { flow: self.linear(rate), profile: self.profile }
+    }
+
+    /// Along which axes it carries spheres when it has a rate.
+    pub fn carries(&self, rate: f64) -> [bool; 3] {
+        let gradient = self.linear(rate).gradient();
+        [0, 1, 2].map(|axis| gradient.row(axis) != Vector::ZERO || (axis == 0 && self.profile.is_some()))
+    }
+}
+
+impl Background {
+    /// The velocity of a free sphere of a radius in the flow.
+    pub fn velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        let linear = self.flow.velocity(place);
+        self.profile.map_or(linear, |profile| linear + profile.velocity_of(place.z, radius))
+    }
+
+    /// Its angular velocity.
+    pub fn angular_velocity_at(&self, place: Vector) -> Vector {
+        let linear = self.flow.angular_velocity();
+        self.profile.map_or(linear, |profile| linear + profile.angular_velocity(place.z))
+    }
+}

@@ -1,0 +1,151 @@
+"""Suspensions that flow between walls: layers at the walls of a Couette flow (Yeo & Maxey, J. Fluid Mech. 649, 205, 2010) and its
+viscosity beside a fit to that of bulk suspensions (Morris & Boulay, J. Rheol. 43, 1213, 1999); a Poiseuille flow that is blunted, and
+spheres that migrate to its middle (Nott & Brady, J. Fluid Mech. 275, 157, 1994)."""
+
+import csv
+import pathlib
+import sys
+import tempfile
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from support.page import save, table, write_section
+from support.program import run
+
+FULL = "--full" in sys.argv[1:]
+SIZE, HEIGHT = (20.0, 16.0) if FULL else (14.0, 10.0)
+FRACTIONS = (0.2, 0.3, 0.4) if FULL else (0.2, 0.3)
+# In strains of the mean flow; the first part is left out of averages.
+STRAIN, SETTLED = (150.0, 50.0) if FULL else (50.0, 20.0)
+STEP = 0.05
+# By how much the viscosity may be off that of a bulk suspension as dense as the middle: fits differ by 10%, layers at walls do the rest.
+VISCOSITY = 0.3
+# The least peak at the walls over the middle: layers are weak at 20% and grow with the volume fraction.
+LAYER = 1.05
+# Heights in radii between which it is.
+PLACE = (0.7, 1.5)
+
+
+def scene(flow, fraction):
+    """Neutrally buoyant spheres of radius 1 between walls, in a flow whose mean shear rate is 1."""
+    steps = round(STRAIN / STEP)
+    return f"""seed = 2
+box = {{ edges = [{SIZE}, {SIZE}, {HEIGHT}], boundaries = ["periodic", "periodic", "walls"] }}
+fluid.viscosity = 1.0
+particles = {{ initial = "random", minimum_gap = 0.01 }}
+flow = {{ {flow} }}
+repulsion = {{ strength = 60.0, range = 0.05 }}
+hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
+time = {{ integrator = "implicit", step = {STEP}, steps = {steps} }}
+output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
+statistics = {{ every = 2, from = {SETTLED}, bins = {round(5 * HEIGHT)} }}
+[[species]]
+name = "sphere"
+radius = 1.0
+volume_fraction = {fraction}
+"""
+
+
+def rows_of(path):
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
+def result(flow, fraction):
+    """Columns of the time series and of the profile."""
+    with tempfile.TemporaryDirectory() as place:
+        out = pathlib.Path(place) / "out"
+        ended = run(scene(flow, fraction), out)
+        if ended.returncode:
+            raise SystemExit(ended.stderr)
+        series, profile = rows_of(out / "observables.csv"), rows_of(out / "statistics" / "profile.csv")
+    profile = [row for row in profile if row["species"] == "all"]
+    return tuple({key: np.array([float(row[key]) for row in rows]) for key in rows[0] if key != "species"} for rows in (series, profile))
+
+
+def bulk_viscosity(fraction):
+    """The fit, with random close packing at 0.68."""
+    packed = fraction / 0.68
+    return 1 + 2.5 * fraction / (1 - packed) + 0.1 * packed**2 / (1 - packed) ** 2
+
+
+def symmetric(values):
+    """The mean of both halves of a profile."""
+    return 0.5 * (values + values[::-1])
+
+
+def couette(fraction, axes):
+    series, profile = result('kind = "shear", rate = 1.0', fraction)
+    settled = series["time"] >= SETTLED
+    viscosity = np.mean([series[f"wall_shear_stress_x[{wall}]"][settled] for wall in ("lower", "upper")])
+    z, phi = profile["z"], symmetric(profile["volume_fraction"])
+    near = z < 2.0
+    peak, middle = phi[near].max(), phi[np.abs(z - HEIGHT / 2) < HEIGHT / 5].mean()
+    where = z[near][phi[near].argmax()]
+    axes.plot(phi, z, label=f"{fraction:.0%}")
+    bulk = bulk_viscosity(middle)
+    faults = []
+    if abs(viscosity / bulk - 1) > VISCOSITY:
+        faults.append(f"viscosity at {fraction:.0%}")
+    if not (PLACE[0] < where < PLACE[1] and peak > LAYER * middle):
+        faults.append(f"no layer at the walls at {fraction:.0%}")
+    return [f"{fraction:.0%}", f"{viscosity:.2f}", f"{bulk:.2f}", f"{where:.1f}", f"{peak / fraction:.2f}", f"{middle / fraction:.2f}"], faults
+
+
+def poiseuille(fraction, axes):
+    # The velocity in the middle is HEIGHT / 2 without spheres, and the mean shear rate 1.
+    series, profile = result(f'kind = "poiseuille", pressure_gradient = {4 / HEIGHT}', fraction)
+    z, velocity, slip = profile["z"], profile["velocity_x"], profile["slip_x"]
+    middle = np.abs(z - HEIGHT / 2) < HEIGHT / 8
+    plain = np.nanmean((velocity - slip)[middle])
+    faster = np.nanmean(velocity[middle]) / plain
+    quarter = np.abs(np.abs(z - HEIGHT / 2) - HEIGHT / 4) < HEIGHT / 8
+    blunted = faster * np.nanmean((velocity - slip)[quarter]) / np.nanmean(velocity[quarter])
+    part = len(series["time"]) // 4
+    migration = series["migration_z[sphere]"]
+    first, last = migration[0], migration[-part:].mean()
+    axes.plot(velocity / plain, z, "-", label=f"{fraction:.0%}")
+    faults = [] if faster < 1 else [f"spheres at {fraction:.0%} are faster than the fluid alone"]
+    faults += [] if blunted < 1 else [f"the flow at {fraction:.0%} is not blunted"]
+    return [f"{fraction:.0%}", f"{faster:.3f}", f"{blunted:.3f}", f"{first:.3f}", f"{last:.3f}"], faults
+
+
+def main():
+    figure, (layers, speeds) = plt.subplots(1, 2, figsize=(8, 3.6), sharey=True)
+    sheared, driven = [couette(fraction, layers) for fraction in FRACTIONS], [poiseuille(fraction, speeds) for fraction in FRACTIONS]
+    layers.set(xlabel="volume fraction, Couette", ylabel="z / a")
+    speeds.set(xlabel="velocity / that in the middle without spheres, Poiseuille")
+    layers.legend()
+    figure.tight_layout()
+    save(figure, "channel.png")
+    faults = [fault for _, found in sheared + driven for fault in found]
+    layered = [float(row[4]) / float(row[5]) for row, _ in sheared]
+    faults += [] if layered == sorted(layered) else ["layers that do not grow with the volume fraction"]
+    lines = [
+        f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, Couette flow over {STRAIN:g} strains; stress on the walls over that of the fluid",
+        "alone, beside a fit to bulk suspensions (Morris & Boulay 1999) as dense as the middle, and the profile's peak at the walls:",
+        "",
+        *table(["volume fraction", "viscosity", "bulk", "peak at z / a", "peak / mean", "middle / mean"], [row for row, _ in sheared]),
+        "",
+        "Poiseuille flow: mean velocity of spheres in the middle quarter over that of the flow without spheres, the same over that ratio half-way to the",
+        "walls, and the second moment of their heights over that of even places, at first and in the last quarter:",
+        "",
+        *table(["volume fraction", "middle", "middle / half-way", "migration, first", "last"], [row for row, _ in driven]),
+        "",
+        "![Profiles between walls](figures/channel.png)",
+        "",
+        f"Expected are a viscosity within {VISCOSITY:.0%} of the fit, of which layers at the walls have a part, peaks between {PLACE[0]:g} and {PLACE[1]:g} radii",
+        f"from the walls that are at least {LAYER - 1:.0%} above the middle and grow with the volume fraction, and a slower and blunter Poiseuille flow:",
+        "so it is." if not faults else "not so are " + ", ".join(faults) + ".",
+    ]
+    write_section("walls.md", "poiseuille", "Suspensions between walls", lines)
+    print("\n".join(lines))
+    if faults:
+        raise SystemExit("failed: " + ", ".join(faults))
+
+
+if __name__ == "__main__":
+    main()
