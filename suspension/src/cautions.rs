@@ -5,7 +5,7 @@ use crate::model::{Flow, Integrator, Model};
 use crate::plan::{Radii, problem};
 use crate::steadiness;
 use crate::tethers::BOND_NUMBERS;
-use domain::Number;
+use domain::{Boundaries, Number};
 use fcm::Plan;
 use std::f64::consts::PI;
 
@@ -98,13 +98,13 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
 }
 
 /// In a straight box the flow `u = rate y` jumps by `rate Ly` across the faces along y. The stress that is observed is
-/// that of spheres beside images that stand still, over `mu rate`.
+/// that of spheres beside images that stand still, over `mu rate`. Between walls and in open fluid there are no such faces.
 fn straight_box(model: &Model) -> Option<String> {
     let Flow::Shear { rate, lees_edwards: false } = model.flow else { return None };
     let message = "flow.lees_edwards = false: the box stays straight, so that spheres near its faces along y meet images \
                    that do not move with the flow; relative_viscosity and stresses in the time series are not those of a \
                    sheared suspension. Leave the key out unless this is what you want";
-    (rate != 0.0).then(|| message.to_owned())
+    (rate != 0.0 && model.cell.boundaries() == Boundaries::Periodic).then(|| message.to_owned())
 }
 
 #[cfg(test)]
@@ -113,8 +113,8 @@ mod tests {
     use crate::model::{Parameters, Species};
     use domain::{PeriodicBox, Vector};
 
-    fn cautions_of(flow: Flow) -> Vec<String> {
-        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+    fn cautions_of(flow: Flow, boundaries: Boundaries) -> Vec<String> {
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap().with_boundaries(boundaries).unwrap();
         let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], (0.1, 1));
         let model = Model::new(Parameters { flow, ..usual }).unwrap();
         cautions(&model, &Radii::of_model(&model).unwrap())
@@ -156,9 +156,15 @@ mod tests {
     #[test]
     fn a_sheared_suspension_in_a_straight_box_is_warned_of() {
         let straight = |rate| Flow::Shear { rate, lees_edwards: false };
-        assert!(cautions_of(straight(0.5))[0].contains("relative_viscosity"));
+        assert!(cautions_of(straight(0.5), Boundaries::Periodic)[0].contains("relative_viscosity"));
         for flow in [Flow::Shear { rate: 0.5, lees_edwards: true }, straight(0.0), Flow::None] {
-            assert!(cautions_of(flow).is_empty(), "{flow:?}");
+            assert!(cautions_of(flow, Boundaries::Periodic).is_empty(), "{flow:?}");
+        }
+        for boundaries in [Boundaries::Walls, Boundaries::Open] {
+            assert!(
+                cautions_of(straight(0.5), boundaries).is_empty(),
+                "{boundaries:?} have no images that stand still"
+            );
         }
     }
 }
