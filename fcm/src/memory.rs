@@ -20,7 +20,7 @@ pub struct Footprint<'a> {
 impl<'a> Footprint<'a> {
     /// Of a rank at a place with so many particles to expect, and of so many threads.
     pub fn new(plan: &'a Plan, (place, threads): (&Place, usize), expected: &'a ExpectedCounts) -> Self {
-        let grid = solver::Footprint::new(plan.grid, place, plan.support.lanes);
+        let grid = solver::Footprint::new(plan.grid, place, plan.support.lanes).leaning(plan.leans);
         Self { plan, place: place.clone(), grid, expected, threads }
     }
 

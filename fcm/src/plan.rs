@@ -78,6 +78,8 @@ pub struct Plan {
     pub period: Vector,
     /// The part of each of these edges that will be left at least.
     pub contraction: f64,
+    /// Whether its third lattice vector leans.
+    pub leans: bool,
     /// Distinct radii, in ascending order.
     pub radii: Vec<f64>,
     /// Viscosity of the fluid.

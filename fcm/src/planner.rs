@@ -276,6 +276,7 @@ impl Problem {
             boundaries: self.boundaries,
             period,
             contraction: self.contraction,
+            leans: self.leans(),
             radii: self.radii.iter().map(|r| r.0).collect(),
             viscosity: self.viscosity,
             multipoles: self.multipoles,

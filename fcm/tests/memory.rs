@@ -48,4 +48,25 @@ fn predictions_are_what_is_allocated() {
         let (_, found) = measured(|| hydrodynamics.mobility().divergence());
         assert!(found.most < 1e-2 * footprint.mobility().kept, "the divergence takes {found:?} beside the field");
     }
+    boxes_that_lean();
+}
+
+/// A lattice that leans, on a grid so flat that the tables of the modes in its plane are as large as the field.
+fn boxes_that_lean() {
+    let vectors = [Vector::X * 60.0, Vector::new(9.0, 60.0, 0.0), Vector::new(1.1, -0.7, 5.0)];
+    let cell = PeriodicBox::of_lattice(vectors).unwrap();
+    let particles = Suspension::random(20, 1.0, cell, 1).particles();
+    let upright = Suspension::random(20, 1.0, cell, 1).problem(1e-2);
+    let fixed = Fixed { method: Some(MethodName::Split), grid: Some([240, 240, 10]), ..Fixed::default() };
+    let plan = Plan::choose(&Problem { rigid: true, fixed, ..upright }).unwrap();
+    assert!(plan.leans);
+    let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+    let expected = ExpectedCounts::new(plan.edges, &[(1.0, 20)], partition.place());
+    let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
+    let (_, found) = measured(|| {
+        let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+        hydrodynamics.mobility().arrange(&cell, &particles);
+        hydrodynamics
+    });
+    near(0.1, footprint.mobility().kept, found.kept);
 }

@@ -4,7 +4,7 @@ use crate::channel::Update;
 use crate::layout::Layout;
 use crate::transform::ROOM;
 use crate::{OpenSpace, Real};
-use domain::{Bytes, Place};
+use domain::{Bytes, Place, Vector};
 
 /// A grid as a rank has it that need not be there: its points, the rank's place among the ranks, and the values of room
 /// after each row.
@@ -13,12 +13,19 @@ pub struct Footprint {
     points: [usize; 3],
     place: Place,
     halo: usize,
+    leans: bool,
 }
 
 impl Footprint {
     /// Of a grid of so many points, which a transform takes.
     pub fn new(points: [usize; 3], place: &Place, halo: usize) -> Self {
-        Self { points, place: place.clone(), halo }
+        Self { points, place: place.clone(), halo, leans: false }
+    }
+
+    /// The same of a box whose third lattice vector leans, or does not.
+    #[must_use]
+    pub fn leaning(self, leans: bool) -> Self {
+        Self { leans, ..self }
     }
 
     /// A field, [`crate::Transform::field`].
@@ -47,11 +54,17 @@ impl Footprint {
         Bytes::list::<T>(columns.into_iter().map(|[_, beside]| beside).sum()).kept
     }
 
-    /// The tables of a Stokes operator, every rank has whole ones.
+    /// The tables of a Stokes operator, every rank has whole ones: for each mode of the first two axes three, and where the box
+    /// leans two more, made from a list of wavevectors.
     pub fn operator<T: Real>(&self) -> Bytes {
         let [nx, ny, nz] = self.points.map(|n| n as f64);
         let columns = (nx / 2.0 / T::LANES as f64).ceil() * T::LANES as f64;
-        Bytes::list::<T>(3.0 * ny * columns + columns + 2.0 * nz)
+        let upright = Bytes::list::<T>(3.0 * ny * columns + columns + 2.0 * nz);
+        if !self.leans {
+            return upright;
+        }
+        let leaning = Bytes::list::<T>(2.0 * ny * columns + nz);
+        leaning.then(Bytes::list::<Vector>(ny * columns).freed()).then(upright)
     }
 
     /// What walls add to the operator: every rank has what its share of the spectrum needs.
@@ -95,8 +108,8 @@ impl Footprint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Field, Physical, Transform};
-    use domain::{Comm, Partition};
+    use crate::{Field, Grid, Physical, Stokes, Transform};
+    use domain::{Comm, Partition, PeriodicBox};
 
     /// What is said of ranks that are not there holds for those that are.
     fn fits<T: Real>(points: [usize; 3], ranks: usize) {
@@ -115,6 +128,25 @@ mod tests {
             let (found, expected) = (transform.bytes() as f64, footprint.transform::<T>(threads).kept);
             assert!((found / expected - 1.0).abs() < 1e-3, "{found} bytes of a transform, {expected} expected");
         });
+    }
+
+    /// Whatever the box, and however many modes there are to a block.
+    #[test]
+    fn tables_of_operators_are_those_that_are_allocated() {
+        fn fits<T: Real>(points: [usize; 3]) {
+            let upright = [Vector::X * 3.0, Vector::Y * 2.0, Vector::Z * 2.5];
+            let leaning = [Vector::X * 3.0, Vector::new(0.62, 2.0, 0.0), Vector::new(1.1, -0.7, 2.5)];
+            for (vectors, leans) in [(upright, false), (leaning, true)] {
+                let grid = Grid::new(points, PeriodicBox::of_lattice(vectors).unwrap()).unwrap();
+                let found = Stokes::<T>::new(&grid, 1.0).bytes() as f64;
+                let alone = Place::of(1, 0, [points[1], points[2]]);
+                let expected = Footprint::new(points, &alone, 16).leaning(leans).operator::<T>();
+                assert!((found - expected.kept).abs() < 1.0, "{found} bytes, {expected:?} expected");
+                assert!(expected.most >= expected.kept);
+            }
+        }
+        fits::<f32>([96, 60, 42]);
+        fits::<f64>([46, 22, 106]);
     }
 
     #[test]

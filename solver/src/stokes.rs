@@ -102,6 +102,13 @@ impl<T: Real> Stokes<T> {
         }
     }
 
+    /// Bytes of its tables, without those of walls and open space.
+    #[cfg(test)]
+    pub(crate) fn bytes(&self) -> usize {
+        let own = [&self.k1, &self.k2, &self.plane, &self.inverse, &self.k3, &self.axis];
+        own.map(|table| size_of_val(&table[..])).iter().sum::<usize>() + self.leaning.as_ref().map_or(0, Leaning::bytes)
+    }
+
     /// The solve in unbounded fluid, of what is on the first half of the grid along each axis; there alone velocities are
     /// right, or there at all.
     #[must_use]

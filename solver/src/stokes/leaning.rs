@@ -34,6 +34,11 @@ impl<T: Real> Leaning<T> {
         }
     }
 
+    #[cfg(test)]
+    pub fn bytes(&self) -> usize {
+        [&self.shift, &self.level, &self.axis].map(|table| size_of_val(&table[..])).iter().sum()
+    }
+
     pub fn shift(&self, in_plane: usize) -> f64 {
         self.shift[in_plane].to_f64()
     }
