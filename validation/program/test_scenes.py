@@ -25,6 +25,7 @@ SMALLER = {
     "poiseuille": {"box.edges": "[10.0, 10.0, 10.0]", "time.duration": 0.3},
     "sediment": {"species[0].count": 20, "time.duration": 0.2},
     "cloud": {"species[0].count": 20, "time.duration": 0.2},
+    "chain": {"time.duration": 0.2},
     "extension": {"time.duration": 1.0},
     "colloid": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "brownian-shear": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},

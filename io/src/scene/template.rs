@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All of them.
-pub static TEMPLATES: [Template; 21] = [
+pub static TEMPLATES: [Template; 22] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -34,6 +34,7 @@ pub static TEMPLATES: [Template; 21] = [
     template!("poiseuille", "Spheres between walls in the flow of a pressure gradient"),
     template!("sediment", "Rough spheres that settle on a bottom"),
     template!("cloud", "A cloud of spheres that settles in open fluid"),
+    template!("chain", "A tethered chain of bonded spheres in a shear flow of open fluid"),
     template!("colloid", "Charged colloids that diffuse, at 20% by volume"),
     template!("brownian-shear", "The same in a shear flow"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
