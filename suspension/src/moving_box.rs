@@ -21,7 +21,8 @@ const LONGEST_STRAIN: f64 = 0.005;
 /// in the frame of the flow while they move: their velocities, past ones too, are relative to it, and the box carries
 /// them along as it shears, by `x += strain y` for places and velocities alike. So a multistep method for the
 /// velocities keeps its order, and images that move apart by exactly the strain of the box see the same past. In an
-/// extension, which carries particles away from each other exponentially, it is always so, `x -> D x` with its stretch `D`.
+/// extension, which carries particles away from each other exponentially, it is always so, `x -> D x` with its stretch `D`: in open
+/// fluid too, where the flow goes on without a box that does.
 #[derive(Clone)]
 pub struct MovingBox {
     start: PeriodicBox,
@@ -45,6 +46,8 @@ enum Motion {
     Still,
     Shearing,
     Stretching(StretchingLattice),
+    /// Not with the flow, which is an extension of open fluid.
+    Open(Extension),
 }
 
 /// Which vectors of its lattice the box has.
@@ -68,10 +71,13 @@ impl MovingBox {
         moving
     }
 
-    /// The same where the rates are those of an extension, and the box is the one of that.
+    /// The same where the rates are those of an extension, and the box is the one of that, or in open fluid any.
     #[must_use]
-    pub fn stretched_by(mut self, extension: Extension) -> Self {
-        self.motion = Motion::Stretching(StretchingLattice::new(extension, &self.start));
+    pub fn in_extension(mut self, extension: Extension) -> Self {
+        self.motion = match self.start.boundaries() {
+            Boundaries::Periodic => Motion::Stretching(StretchingLattice::new(extension, &self.start)),
+            _ => Motion::Open(extension),
+        };
         self.set_rate(self.rate);
         (self.cell, self.vectors) = self.shape_at(self.time);
         self
@@ -140,6 +146,7 @@ impl MovingBox {
         self.rate = rate;
         self.flow = match &self.motion {
             Motion::Stretching(lattice) => lattice.kind().flow(rate),
+            Motion::Open(extension) => extension.flow(rate),
             Motion::Still | Motion::Shearing => shear(&self.start, rate),
         };
     }
@@ -167,7 +174,9 @@ impl MovingBox {
 
     /// Whether velocities are relative to the flow while particles move.
     pub fn carries(&self) -> bool {
-        self.rates.frequency().is_some() || self.driven.is_some() || matches!(self.motion, Motion::Stretching(_))
+        self.rates.frequency().is_some()
+            || self.driven.is_some()
+            || matches!(self.motion, Motion::Stretching(_) | Motion::Open(_))
     }
 
     /// What the box does to the particles that it carries, in the time that comes; `weights` are those of the rates of now,
@@ -184,6 +193,7 @@ impl MovingBox {
     pub fn deformation(&self, strain: f64) -> Deformation {
         match &self.motion {
             Motion::Stretching(lattice) => Deformation::Stretch(lattice.kind().stretch(strain)),
+            Motion::Open(extension) => Deformation::Stretch(extension.stretch(strain)),
             Motion::Still | Motion::Shearing => Deformation::Shear(Vector::AXES[self.start.gradient_axis()] * strain),
         }
     }
@@ -230,7 +240,7 @@ impl MovingBox {
         match self.motion {
             Motion::Shearing if moves => 0.5 * edges.x / edges.y,
             Motion::Stretching(lattice) => lattice.kind().extremes().strain,
-            Motion::Shearing | Motion::Still => self.start.strain().abs(),
+            Motion::Shearing | Motion::Still | Motion::Open(_) => self.start.strain().abs(),
         }
     }
 

@@ -91,7 +91,7 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
         boundaries: model.cell.boundaries(),
         contraction,
         largest_strain: largest_strain(model),
-        largest_tilts: model.flow.extension().map_or([0.0; 2], |extension| extension.extremes().tilts),
+        largest_tilts: model.stretched_box().map_or([0.0; 2], |extension| extension.extremes().tilts),
         radii: radii.0.clone(),
         viscosity: model.viscosity,
         multipoles: match model.hydrodynamics.multipoles {
@@ -110,7 +110,7 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
 /// The longest edges that the box of a scene will have, and the least part of them that it will.
 fn edges(cell: &PeriodicBox, model: &Model) -> (Vector, f64) {
     let edges = cell.edges();
-    model.flow.extension().map_or((edges, 1.0), |extension| {
+    model.stretched_box().map_or((edges, 1.0), |extension| {
         let extremes = extension.extremes();
         (edges * extremes.longest, extremes.contraction)
     })
@@ -119,7 +119,7 @@ fn edges(cell: &PeriodicBox, model: &Model) -> (Vector, f64) {
 /// The largest strain that the box of a scene will have.
 pub fn largest_strain(model: &Model) -> f64 {
     let edges = model.cell.edges();
-    if let Some(extension) = model.flow.extension() {
+    if let Some(extension) = model.stretched_box() {
         return extension.extremes().strain;
     }
     let shears = matches!(model.flow, Flow::Shear { lees_edwards: true, .. });

@@ -117,7 +117,7 @@ impl Setup {
         let moving = MovingBox::at(&Clock::at(step, model.time_step), cell, rates, shears);
         let moving = moving.with_profile(profile(model));
         let moving = match model.flow.extension() {
-            Some(extension) => moving.stretched_by(extension),
+            Some(extension) => moving.in_extension(extension),
             None => moving,
         };
         let moving = match stress {

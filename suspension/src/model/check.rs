@@ -177,8 +177,11 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     Ok(())
 }
 
-/// An extension needs its own box, and only what is known of such boxes.
+/// An extension needs its own box, and only what is known of such boxes, or open fluid, for which [`check_boundaries`] is enough.
 fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError> {
+    if p.cell.boundaries() == Boundaries::Open {
+        return Ok(());
+    }
     if !kind.has_box(&p.cell) {
         let message = "are not those of a box that repeats in an extension; take that of Extension::cell";
         return Err(ParameterError::new("box.edges", message));

@@ -21,7 +21,7 @@ pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
 pub(crate) use cubic_field::CubicField;
-use domain::{ParameterError, PeriodicBox, Tensor, Vector};
+use domain::{Boundaries, ParameterError, PeriodicBox, Tensor, Vector};
 pub use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Extremes;
@@ -40,7 +40,7 @@ pub use traps::{Centres, Trapped, Traps};
 pub struct Parameters {
     /// Where random numbers start.
     pub seed: u64,
-    /// The box, not sheared yet; in an extension that of [`Extension::cell`].
+    /// The box, not sheared yet; in an extension that of [`Extension::cell`], unless the fluid is open.
     pub cell: PeriodicBox,
     /// Viscosity of the fluid.
     pub viscosity: f64,
@@ -113,10 +113,14 @@ impl Parameters {
         ShearRates::new(self.flow.rate(), self.protocol.clone(), self.time_step)
     }
 
+    /// The extension with which the box is stretched, if it is: one that repeats along all axes.
+    pub fn stretched_box(&self) -> Option<Extension> {
+        self.flow.extension().filter(|_| self.cell.boundaries() == Boundaries::Periodic)
+    }
+
     /// The shortest lattice vector of the box at any time, of those along its edges.
     pub fn shortest_vector(&self) -> f64 {
-        self.flow
-            .extension()
+        self.stretched_box()
             .map_or_else(|| self.cell.edges().min_element(), |extension| extension.shortest_vector(&self.cell))
     }
 
@@ -144,7 +148,7 @@ pub enum Flow {
         /// By how much the pressure falls per length along x.
         pressure_gradient: f64,
     },
-    /// One that stretches, in a box that is stretched with it.
+    /// One that stretches: in a box that is stretched with it, or in open fluid.
     Extension {
         /// Which one.
         kind: Extension,

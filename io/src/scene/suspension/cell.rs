@@ -8,18 +8,20 @@ use domain::{Boundaries, PeriodicBox, Vector};
 /// Radii of the largest sphere around those that a scene says nothing of the places of.
 const SOMEWHERE: f64 = 10.0;
 
-/// The box, which in an extension is another one of the same volume. Where the fluid is open along all axes it is about what is in
+/// The box, which in an extension is another one of the same volume, if it repeats. Where the fluid is open along all axes it is about what is in
 /// it at the start.
 pub fn cell(raw: &Raw) -> Result<PeriodicBox, Fault> {
     let boundaries = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
     let edges = Vector::from_array(edges(raw, boundaries)?);
-    if let Some(extension) = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind)) {
-        if boundaries != Boundaries::Periodic {
-            let message =
-                "has walls or open axes, but an extension stretches a box that repeats along all axes; leave it out";
+    let extension = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind));
+    match (extension, boundaries) {
+        (None, _) | (Some(_), Boundaries::Open) => {}
+        (Some(extension), Boundaries::Periodic) => return Ok(extension.cell(edges)?),
+        (Some(_), _) => {
+            let message = "has walls or an open axis, but an extension needs a box that repeats along all axes, or fluid that is \
+                           open along all; leave it out";
             return Err(Fault::new("box.boundaries", message));
         }
-        return Ok(extension.cell(edges)?);
     }
     let cell = PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))?;
     cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))

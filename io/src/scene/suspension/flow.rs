@@ -53,11 +53,12 @@ pub fn flow(
     let Some(kind) = extension(raw.kind) else {
         return Ok((Flow::Shear { rate, lees_edwards: raw.lees_edwards.unwrap_or(shears) }, protocol));
     };
-    if raw.lees_edwards == Some(false) {
-        let message = "is false, but in an extension the box is stretched with the flow; leave it out";
-        return Err(Fault::new("flow.lees_edwards", message));
-    }
-    Ok((Flow::Extension { kind, rate }, protocol))
+    let message = match raw.lees_edwards {
+        Some(false) if shears => "is false, but in an extension the box is stretched with the flow; leave it out",
+        Some(_) if !shears => "is set, but in open fluid there is no box that could go with the flow; leave it out",
+        _ => return Ok((Flow::Extension { kind, rate }, protocol)),
+    };
+    Err(Fault::new("flow.lees_edwards", message))
 }
 
 fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
