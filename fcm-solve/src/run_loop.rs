@@ -25,6 +25,7 @@ pub fn run_to_end(
     progress.say(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
     recorder.record(simulation)?;
     let first = simulation.clock().step();
+    let mut knew = simulation.found().is_some();
     while simulation.clock().step() < last && simulation.ended().is_none() {
         signals.checkpoint_took(recorder.longest_checkpoint());
         if let Some(stop) = signals.received() {
@@ -34,6 +35,10 @@ pub fn run_to_end(
         let due = recorder.next_due(simulation.clock().step()).map_or(last, |due| due.min(last));
         simulation.advance(due)?;
         recorder.record(simulation)?;
+        if let Some(found) = simulation.found().filter(|_| !knew) {
+            progress.say(&format!("step {}: {found}", simulation.clock().step()));
+            knew = true;
+        }
         progress.show(simulation.clock());
     }
     recorder.checkpoint(simulation)?;

@@ -15,6 +15,7 @@
 
 mod clock;
 mod contact_forces;
+mod found;
 mod frame;
 mod loads;
 mod outline;
@@ -27,6 +28,7 @@ mod velocity_field;
 
 pub use clock::Clock;
 pub use contact_forces::{ContactForce, ContactForces, ContactState};
+pub use found::Found;
 pub use frame::Frame;
 pub use loads::{AppliedLoads, LoadFunction, NoLoads};
 pub use outline::Outline;

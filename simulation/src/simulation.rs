@@ -1,6 +1,6 @@
 //! The trait of simulations that are advanced in time steps.
 
-use crate::{Clock, ContactForces, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
+use crate::{Clock, ContactForces, Found, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
 use domain::{Comm, Interrupt};
 use std::error::Error;
 
@@ -78,6 +78,11 @@ pub trait Simulation {
 
     /// Averages over the run so far, if it takes any.
     fn averages(&mut self) -> Option<TableSet> {
+        None
+    }
+
+    /// A number of its scene that it has found in its course, once it is known.
+    fn found(&self) -> Option<Found> {
         None
     }
 

@@ -3,11 +3,12 @@
 mod drive;
 mod fluctuating;
 mod following;
+mod settling;
 mod tethered;
 
 use crate::applied::{self, AppliedForces};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
-use crate::contacts::{self, Contacts, Measured};
+use crate::contacts::{self, Contacts, Measured, Settling};
 use crate::crowding::Crowding;
 use crate::error::StartError;
 use crate::fluid;
@@ -15,7 +16,7 @@ use crate::forces::{Ahead, Forces, Surface};
 use crate::gap::Gap;
 use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, STILL, ShortRange, Solved, Springs};
 use crate::integrator::{self, EXPECTED};
-use crate::model::{Integrator, Model, Multipoles};
+use crate::model::{self, Integrator, Model, Multipoles};
 use crate::moving_box::MovingBox;
 use crate::relative_motion::RelativeMotion;
 use crate::setup::Setup;
@@ -102,8 +103,9 @@ impl Dynamics {
         let forces = Forces::new(model, setup.radii.largest(), &setup.partition)?;
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
         let radii = [setup.radii.smallest(), setup.radii.largest()];
-        let contacts =
-            model.contacts.map(|contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count())));
+        let settling = Settling::of(model, &setup.particles, setup.partition.comm());
+        let of_law = |contacts: model::Contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count()));
+        let contacts = model.contacts.map(|contacts| of_law(contacts).settling(settling));
         let tethers = Tethers::new(model, &setup.particles, setup.partition.comm());
         let reaches = [forces.reach_of_springs(setup.radii.largest()), tethers.reach(setup.radii.largest())];
         let crowding = model.thermal_energy.map(|_| Crowding::new(model, setup.radii.largest(), &setup.partition));
@@ -161,6 +163,7 @@ impl Dynamics {
             integrator::forget(particles);
             substeps::forget(particles);
             self.warm_start.forget(particles);
+            self.contacts.iter_mut().for_each(Contacts::end_settling);
             self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;
         } else {
             self.add_reference(particles, -1.0);
@@ -173,6 +176,9 @@ impl Dynamics {
         self.add_reference(particles, 1.0);
         if let Some(driven) = self.moving.driven() {
             driven.note(particles);
+        }
+        if let Some(settling) = self.settling() {
+            settling.note(particles);
         }
     }
 

@@ -140,6 +140,7 @@ impl Substep<'_> {
                 dynamics.end_flow(length.implicit());
                 grow_older(particles, &ages, step);
                 finish(particles, &length, step * factor.min(GROWTH));
+                dynamics.settle(particles, step);
                 return Ok((end, outcome));
             }
             (*particles, longest) = (before.0.clone(), step * if error.is_finite() { factor } else { 0.1 });

@@ -5,7 +5,7 @@ mod tests;
 
 use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
-use crate::contacts::{CONTACT_NUMBERS, most_contacts};
+use crate::contacts::{CONTACT_NUMBERS, SETTLING_NUMBERS, most_contacts};
 use crate::driven::DRIVEN_NUMBERS;
 use crate::forces::SurfaceForces;
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
@@ -178,7 +178,8 @@ impl Share<'_> {
     fn numbers(&self) -> usize {
         let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
         let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
-        let velocities = velocities + self.random_numbers();
+        let settles = self.model.contacts.is_some_and(|contacts| contacts.settles(self.model));
+        let velocities = velocities + self.random_numbers() + if settles { SETTLING_NUMBERS } else { 0 };
         let velocities =
             velocities + self.model.bond_numbers() + if self.model.traps.is_empty() { 0 } else { TRAP_NUMBERS };
         if self.is_rigid() {

@@ -29,9 +29,12 @@ pub struct Observer {
     boundaries: Boundaries,
     /// Thermal energy over the volume of the box, if there is heat.
     heat: Option<f64>,
-    /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts; and the largest seen.
-    aim: Option<f64>,
+    /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts, and whether their stiffness is
+    /// chosen; and the largest seen since that stays.
+    aim: Option<(f64, bool)>,
     deepest: f64,
+    /// The stiffness, where it did not stay yet when it was seen last.
+    unsettled: Option<f64>,
     /// Whether there are bonds, and traps.
     tethers: [bool; 2],
     smallest_radius: f64,
@@ -81,8 +84,9 @@ impl Observer {
             remedies: Remedies::of(model),
             boundaries: model.cell.boundaries(),
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
-            aim: model.contacts.map(|contacts| contacts.overlap),
+            aim: model.contacts.map(|contacts| (contacts.overlap, contacts.stiffness.is_none())),
             deepest: 0.0,
+            unsettled: None,
             tethers: [!model.bonds.is_empty(), !model.traps.is_empty()],
             smallest_radius,
         }
@@ -101,7 +105,7 @@ impl Observer {
     /// What to say of the rows so far.
     pub fn warnings(&self) -> Vec<String> {
         let crowded = self.crowded.warning(self.remedies, self.smallest_radius);
-        [self.overlapped(), crowded, self.soft()].into_iter().flatten().collect()
+        [self.overlapped(), crowded, self.soft(), self.settling()].into_iter().flatten().collect()
     }
 
     /// What keeps spheres apart.
@@ -116,12 +120,21 @@ impl Observer {
 
     /// Contacts that were pressed together much more than was aimed at.
     fn soft(&self) -> Option<String> {
-        let aim = self.aim.filter(|aim| self.deepest > SOFT * aim)?;
+        let (aim, _) = self.aim.filter(|(aim, _)| self.deepest > SOFT * aim)?;
         Some(format!(
             "contacts overlap by up to {:.2} of the roughness, where {:.2} was aimed at; near jamming that is what the \
              stress depends on: look whether a larger contacts.stiffness changes it",
             Number(self.deepest),
             Number(aim)
+        ))
+    }
+
+    /// A stiffness that has not settled yet.
+    fn settling(&self) -> Option<String> {
+        let stiffness = Number(self.unsettled?);
+        Some(format!(
+            "the stiffness of contacts, {stiffness:.4} at the end, had not settled yet: take a longer run, a smaller \
+             contacts.settling, or a number as contacts.stiffness"
         ))
     }
 
@@ -160,6 +173,9 @@ impl Observer {
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
         if self.aim.is_some() {
             quantities.extend(CONTACTS.map(|(name, unit)| Quantity::number(name, unit)));
+        }
+        if let Some((_, true)) = self.aim {
+            quantities.push(Quantity::number("contact_stiffness", "force/length^2"));
         }
         let [has_bonds, has_traps] = self.tethers;
         if has_bonds {
@@ -213,8 +229,11 @@ impl Observer {
             row.push(vec![counted.intensity()]);
         }
         if let Some(numbers) = suspension.contact_numbers() {
-            self.deepest = self.deepest.max(numbers[3]);
+            let (stiffness, stays) = suspension.contact_stiffness().expect("spheres may touch");
+            self.unsettled = (!stays).then_some(stiffness);
+            self.deepest = if stays { self.deepest.max(numbers[3]) } else { 0.0 };
             row.extend(numbers.map(|number| vec![number]));
+            row.extend(self.aim.filter(|(_, is_chosen)| *is_chosen).map(|_| vec![stiffness]));
         }
         row.extend(suspension.bond_numbers().into_iter().flatten().map(|number| vec![number]));
         row.extend(suspension.trap_energy().map(|energy| vec![energy]));

@@ -13,7 +13,8 @@ use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt, Particles};
 use fcm::Drawn;
 use simulation::{
-    Clock, ContactForces, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet, VelocityField,
+    Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet,
+    VelocityField,
 };
 
 /// A suspension and who observes it.
@@ -22,6 +23,8 @@ pub struct Observed {
     observer: Observer,
     averages: Option<Averages>,
     cautions: Vec<String>,
+    /// Whether the stiffness of contacts is chosen, and adapts at first.
+    chooses_stiffness: [bool; 2],
 }
 
 /// The columns of a frame of the trajectory.
@@ -48,7 +51,9 @@ impl Observed {
         let resumed = suspension.caution().map(str::to_owned);
         let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
         let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension.gathered(Some(&[]))));
-        Self { suspension, observer, averages, cautions }
+        let chosen = model.contacts.is_some_and(|contacts| contacts.stiffness.is_none());
+        let chooses_stiffness = [chosen, chosen && model.contacts.is_some_and(|contacts| contacts.settles(model))];
+        Self { suspension, observer, averages, cautions, chooses_stiffness }
     }
 
     fn frame_of(&self, particles: Particles) -> Frame {
@@ -119,6 +124,12 @@ impl Simulation for Observed {
         State { statistics, ..self.suspension.state() }
     }
 
+    fn found(&self) -> Option<Found> {
+        let [_, settles] = self.chooses_stiffness;
+        let (value, _) = self.suspension.contact_stiffness().filter(|(_, stays)| settles && *stays)?;
+        Some(Found { key: "contacts.settled_stiffness", value, what: "the stiffness of contacts has settled" })
+    }
+
     fn ended(&self) -> Option<String> {
         let words = "jammed: under its stress it is sheared less than 1e-5 times as fast as the fluid alone would be";
         self.suspension.is_jammed().then(|| words.to_owned())
@@ -146,7 +157,14 @@ impl Simulation for Observed {
 
     fn averages(&mut self) -> Option<TableSet> {
         let first = self.suspension.comm().is_first();
-        self.averages.as_ref().filter(|_| first).and_then(Averages::tables)
+        let mut set = self.averages.as_ref().filter(|_| first).and_then(Averages::tables)?;
+        let [is_chosen, _] = self.chooses_stiffness;
+        if let Some((stiffness, stays)) = self.suspension.contact_stiffness().filter(|_| is_chosen) {
+            let summary = set.tables.iter_mut().find(|table| table.name == "summary");
+            let row = [stiffness, 0.0, f64::from(u8::from(stays))];
+            summary.into_iter().for_each(|table| table.add(&["contact_stiffness", "all", "force/length^2"], &row));
+        }
+        Some(set)
     }
 
     fn velocity_field(&mut self) -> Result<Option<VelocityField>, SimulationError> {

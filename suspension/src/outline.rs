@@ -4,7 +4,7 @@ use crate::cautions::{cautions, diffusive_step};
 use crate::error::StartError;
 use crate::gap::Gap;
 use crate::memory::{self, Ranks};
-use crate::model::Model;
+use crate::model::{Contacts, Model};
 use crate::open_box::follows;
 use crate::plan::{Radii, problem_in};
 use crate::setup::{Planned, Setup};
@@ -63,10 +63,24 @@ pub fn outline(
             .line("diffusion", format_args!("{:.3} of the smallest sphere's a^2/D0 in a step", Number(step)))
             .value("diffusive_step", step),
     };
+    let outline = with_stiffness(outline, model);
     let memory = Memory::of(model, &planned, asked);
     let outline = with_cost(memory.add_to(outline), &planned.plan, &others);
     let outline = beside_periodic(outline, (model, &cell), &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
+}
+
+/// The stiffness of contacts, where the scene says no number.
+fn with_stiffness(outline: Outline, model: &Model) -> Outline {
+    let Some(contacts) = model.contacts.filter(|contacts| contacts.stiffness.is_none()) else { return outline };
+    let stiffness = contacts.contact(model).stiffness;
+    let settles = match contacts.settling.unwrap_or(Contacts::SETTLING) {
+        strain if contacts.settles(model) => format!(" at first; it settles in a strain of {}", Number(strain)),
+        _ => String::new(),
+    };
+    outline
+        .line("contacts", format_args!("stiffness {:.4}{settles}", Number(stiffness)))
+        .value("contact_stiffness", stiffness)
 }
 
 /// The particles, and their smallest gap if there is memory to place them: infinite for a sphere alone.

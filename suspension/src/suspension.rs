@@ -178,10 +178,12 @@ impl Suspension {
     /// Does something, or leaves all as it was before.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
         let (particles, moving) = (self.particles.clone(), self.dynamics.moving_box().clone());
+        let settling = self.dynamics.settling();
         let changed = change(self);
         if changed.is_err() {
             self.particles = particles;
             self.dynamics.go_back(moving);
+            self.dynamics.settle_at(settling);
         }
         changed
     }
@@ -305,6 +307,12 @@ impl Suspension {
     /// over the roughness, and the elastic energy; nothing if spheres can't touch. Collective.
     pub fn contact_numbers(&self) -> Option<[f64; 5]> {
         self.contacts().map(|measured| measured.numbers(&self.comm))
+    }
+
+    /// The stiffness of contacts as it is, and whether it stays so; nothing if spheres can't touch.
+    pub fn contact_stiffness(&self) -> Option<(f64, bool)> {
+        let stays = self.dynamics.settling().is_none_or(|settling| settling.is_over());
+        self.dynamics.contact_stiffness().map(|stiffness| (stiffness, stays))
     }
 
     /// The elastic energy of bonds and how many of them are broken; nothing without bonds. Collective.

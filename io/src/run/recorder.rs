@@ -26,6 +26,8 @@ pub struct Recorder {
     last: u64,
     /// The longest time that a checkpoint took.
     longest_checkpoint: Duration,
+    /// Whether the scene that is kept has what the simulation found.
+    has_found: bool,
     /// Damage in the files of a former run.
     warnings: Vec<String>,
 }
@@ -104,6 +106,7 @@ impl Recorder {
             saved: last,
             last: steps,
             longest_checkpoint: Duration::ZERO,
+            has_found: false,
             warnings,
         })
     }
@@ -130,6 +133,7 @@ impl Recorder {
         if step < self.from {
             return Ok(());
         }
+        self.keep_found(simulation)?;
         if self.output.trajectory.is_due(step) {
             self.frame(simulation)?;
         }
@@ -148,6 +152,16 @@ impl Recorder {
         }
         self.from = step + 1;
         Ok(())
+    }
+
+    /// Keeps what the simulation has found for its scene beside what the scene said.
+    fn keep_found(&mut self, simulation: &dyn Simulation) -> Result<(), RunError> {
+        let Some(found) = simulation.found().filter(|_| !self.has_found) else { return Ok(()) };
+        self.has_found = true;
+        let text = &self.provenance.scene;
+        let with = Scene::parse(text, "the scene with what was found", &[found.setting()])?;
+        let kept = if self.comm.is_first() { self.folder.keep(with.text()) } else { Ok(()) };
+        Ok(self.comm.agree(kept.map_err(|e| in_full(&e)))?)
     }
 
     fn frame(&mut self, simulation: &dyn Simulation) -> Result<(), RunError> {

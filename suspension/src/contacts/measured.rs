@@ -1,6 +1,6 @@
 //! What contacts amount to.
 
-use super::touching::AllTouching;
+use super::touching::{AllTouching, Touching};
 use domain::{Comm, Particles, Tensor};
 use lubrication::{Contact, Surfaces};
 
@@ -26,6 +26,12 @@ struct Sums {
     overlap: f64,
 }
 
+/// The largest overlap of this rank's contacts over the roughness.
+pub(super) fn largest_overlap(law: &Contact, touching: &AllTouching) -> f64 {
+    let of_one = |contact: &Touching| contact.overlap / (law.roughness * contact.between.mean_radius());
+    touching.list.iter().map(of_one).fold(0.0, f64::max)
+}
+
 impl Measured {
     pub(super) fn of(law: &Contact, touching: &AllTouching, particles: &Particles) -> Self {
         let mut moments = vec![Tensor::ZERO; particles.len()];
@@ -43,9 +49,8 @@ impl Measured {
             // Of two spheres each sees it.
             let share = if let Surfaces::Wall(_) = contact.between { 1.0 } else { 0.5 };
             sums.energy += share * law.energy(contact.overlap, contact.between, across);
-            let roughness = law.roughness * contact.between.mean_radius();
-            sums.overlap = sums.overlap.max(contact.overlap / roughness);
         }
+        sums.overlap = largest_overlap(law, touching);
         Self { moments, sums }
     }
 

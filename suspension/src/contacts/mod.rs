@@ -3,6 +3,7 @@
 mod forces;
 mod history;
 mod measured;
+mod settling;
 mod touching;
 
 use crate::hydrodynamics::ContactSprings;
@@ -14,6 +15,7 @@ pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
 use lubrication::{Contact, Surfaces};
 pub use measured::Measured;
+pub use settling::{SETTLING_NUMBERS, Settling};
 use touching::{AllTouching, Touching, across};
 
 /// The contacts of a suspension.
@@ -23,6 +25,8 @@ pub struct Contacts {
     reach: f64,
     /// Contacts that a particle remembers at most.
     slots: usize,
+    /// How the stiffness adapts, if it does.
+    settling: Option<Settling>,
 }
 
 /// Times by which forces are to be ahead of what is known: of the places of an evaluation, for springs along the line of
@@ -111,7 +115,45 @@ type End = (usize, u64, Memory);
 impl Contacts {
     /// Contacts of a law, between so many spheres whose radii are between two.
     pub fn new(law: Contact, (radii, count): ([f64; 2], usize)) -> Self {
-        Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count) }
+        Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count), settling: None }
+    }
+
+    /// The same with a stiffness that adapts, if it does.
+    #[must_use]
+    pub fn settling(mut self, settling: Option<Settling>) -> Self {
+        self.settle_at(settling);
+        self
+    }
+
+    /// How the stiffness adapts, if it does.
+    pub fn how_it_settles(&self) -> Option<Settling> {
+        self.settling
+    }
+
+    /// Goes on with a stiffness that adapts.
+    pub fn settle_at(&mut self, settling: Option<Settling>) {
+        self.settling = settling;
+        self.law.stiffness = settling.map_or(self.law.stiffness, |settling| settling.stiffness());
+    }
+
+    /// Has the stiffness stay what it is.
+    pub fn end_settling(&mut self) {
+        self.settling.iter_mut().for_each(Settling::end);
+    }
+
+    /// The stiffness.
+    pub fn stiffness(&self) -> f64 {
+        self.law.stiffness
+    }
+
+    /// Adapts the stiffness, while it does, after the flow has gone on by a strain. Collective.
+    pub fn adapt(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition), strain: f64) {
+        let Some(mut settling) = self.settling.filter(|settling| !settling.is_over()) else { return };
+        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+        let mut largest = [measured::largest_overlap(&self.law, &touching)];
+        place.1.comm().max(&mut largest);
+        settling.adapt(largest[0], strain);
+        self.settle_at(Some(settling));
     }
 
     /// The contacts of particles whose velocities relative to a flow are expected to be given ones and those that it has

@@ -15,6 +15,10 @@ pub struct Contacts {
     pub roughness: f64,
     /// Normal force over overlap and mean radius, or what keeps overlaps at `overlap`.
     pub stiffness: Option<f64>,
+    /// Where there is none, the strain, as of a shear flow, in which it settles from an estimate, [`Self::SETTLING`] by default.
+    pub settling: Option<f64>,
+    /// Where there is none, what it has settled at in a run of this kind, which it is from the start.
+    pub settled: Option<f64>,
     /// The largest overlap that is aimed at, over the roughness.
     pub overlap: f64,
     /// Stiffness against slip over that against overlap.
@@ -41,12 +45,17 @@ const THICKENING: f64 = 0.5;
 const LEAST_ROOM: f64 = 0.07;
 
 impl Contacts {
+    /// The strain in which the stiffness settles: in it contacts are made, and the largest overlap has its mean to a tenth or so.
+    pub const SETTLING: f64 = 2.0;
+
     /// Contacts with a coefficient of friction.
     pub fn new(friction: f64) -> Self {
         Self {
             friction,
             roughness: Contact::ROUGHNESS,
             stiffness: None,
+            settling: None,
+            settled: None,
             overlap: OVERLAP,
             tangential_ratio: Contact::TANGENTIAL_RATIO,
             rolling_friction: 0.0,
@@ -60,12 +69,20 @@ impl Contacts {
         Contact {
             friction: self.friction,
             roughness: self.roughness,
-            stiffness: self.stiffness.unwrap_or_else(|| self.sufficient_stiffness(parameters)),
+            stiffness: self.stiffness.or(self.settled).unwrap_or_else(|| self.sufficient_stiffness(parameters)),
             tangential_ratio: self.tangential_ratio,
             rolling_friction: self.rolling_friction,
             critical_load: self.critical_load,
             elasticity: self.law,
         }
+    }
+
+    /// Whether the stiffness adapts to the overlaps in a suspension, at first: where a flow goes on at a rate, or by a stress.
+    pub(crate) fn settles(&self, parameters: &Parameters) -> bool {
+        self.stiffness.is_none()
+            && self.settled.is_none()
+            && self.settling.is_none_or(|strain| strain > 0.0)
+            && goes_on(parameters)
     }
 
     /// What keeps the largest overlaps about where they are aimed at, under the forces by which the flow and weight press
@@ -114,6 +131,7 @@ impl Contacts {
             let message = format!("is {overlap}; spheres would touch bare: give more than 0 and less than 1");
             return error("contacts.overlap", message);
         }
+        self.check_settling(p)?;
         self.contact(p).check()?;
         let range = p.repulsion.and_then(|repulsion| repulsion.range).unwrap_or(f64::INFINITY);
         if range <= self.roughness {
@@ -124,12 +142,38 @@ impl Contacts {
         self.check_images(p)
     }
 
+    fn check_settling(&self, p: &Parameters) -> Result<(), ParameterError> {
+        let keys = [("contacts.settling", self.settling), ("contacts.settled_stiffness", self.settled)];
+        if let Some((key, _)) = keys.into_iter().find(|(_, given)| given.is_some() && self.stiffness.is_some()) {
+            let message = "is set, but contacts.stiffness is a number, which stays what it is; set that to \"auto\", or leave one of \
+                           them out";
+            return Err(ParameterError::new(key, message));
+        }
+        if let Some(settled) = self.settled {
+            ParameterError::unless_positive("contacts.settled_stiffness", settled)?;
+        }
+        let Some(settling) = self.settling else { return Ok(()) };
+        let message = if !(settling >= 0.0 && settling.is_finite()) {
+            format!(
+                "is {}; the strain in which the stiffness settles needs to be 0 or more, and finite",
+                Number(settling)
+            )
+        } else if settling > 0.0 && !goes_on(p) {
+            "is set, but the stiffness settles only in a shear flow or an extension that goes on at its rate or by a stress, and is \
+             an estimate without; leave it out"
+                .to_owned()
+        } else {
+            return Ok(());
+        };
+        Err(ParameterError::new("contacts.settling", message))
+    }
+
     /// A contact is known by the ids of its two spheres.
     fn check_images(&self, p: &Parameters) -> Result<(), ParameterError> {
         let largest = p.species.iter().map(|s| s.radius).fold(0.0, f64::max);
         let repeating = (0..3).filter(|&axis| p.cell.is_periodic(axis)).map(|axis| p.cell.edges()[axis]);
         let of_edges = || repeating.fold(f64::INFINITY, f64::min);
-        let shortest = p.flow.extension().map_or_else(of_edges, |extension| extension.shortest_vector(&p.cell));
+        let shortest = p.stretched_box().map_or_else(of_edges, |extension| extension.shortest_vector(&p.cell));
         let least = 4.0 * largest * (1.0 + 0.5 * self.roughness);
         if shortest < least {
             let [shortest, least] = [shortest, least].map(Number);
@@ -146,6 +190,12 @@ impl Contacts {
     pub fn minimum_gap(&self, largest_radius: f64) -> f64 {
         self.roughness * largest_radius
     }
+}
+
+/// Whether there is a flow at a rate, or by a stress, that does not oscillate.
+fn goes_on(p: &Parameters) -> bool {
+    let rates = p.shear_rates();
+    rates.frequency().is_none() && rates.before(0).0 != 0.0
 }
 
 /// The volume fraction at which a sheared suspension jams, by Lobry et al., J. Fluid Mech. 860, 682 (2019).

@@ -160,6 +160,8 @@ fn contacts(raw: &raw::Contacts) -> Contacts {
     });
     Contacts {
         stiffness,
+        settling: raw.settling,
+        settled: raw.settled_stiffness,
         roughness: raw.roughness.unwrap_or(usual.roughness),
         overlap: raw.overlap.unwrap_or(usual.overlap),
         tangential_ratio: raw.tangential_ratio.unwrap_or(usual.tangential_ratio),

@@ -277,6 +277,10 @@ pub(super) struct Contacts {
     pub(super) roughness: Option<f64>,
     /// Normal force over overlap and mean radius; by default, "auto", what keeps overlaps at the one aimed at.
     pub(super) stiffness: Option<Stiffness>,
+    /// Strain in which "auto" settles from an estimate, in a flow that goes on; 2 by default, 0 for the estimate.
+    pub(super) settling: Option<f64>,
+    /// What "auto" has settled at, which a run adds to the scene in its folder: the stiffness from the start.
+    pub(super) settled_stiffness: Option<f64>,
     /// Largest overlap aimed at, over the roughness; 0.3 by default.
     pub(super) overlap: Option<f64>,
     /// Stiffness against slip over that against overlap; 0.4 by default.

@@ -1,0 +1,189 @@
+//! Stiffness that settles where contacts overlap as much as is aimed at.
+
+use crate::model::{Contacts, Model};
+use domain::{Comm, Particles};
+use lubrication::Elasticity;
+
+/// The column that says what the stiffness is, the same for all particles: it, the strain so far, and whether it stays.
+pub const SETTLING: &str = "contact stiffness";
+
+/// Its width.
+pub const SETTLING_NUMBERS: usize = 3;
+
+/// The mean is over at least this strain: half of it when settling begins.
+const SHORTEST: f64 = 0.25;
+
+/// An overlap asks for at most this many times the present stiffness, so that a single one changes it by little.
+const MOST: f64 = 4.0;
+
+/// The stiffness is at most this many times the estimate that it starts from, and at least that part of it.
+const WIDEST: f64 = 10.0;
+
+/// The stiffness `k` of contacts while it adapts. Under the forces by which a flow presses spheres together the largest overlap
+/// `d` goes with `k^-1/n`, `n` = 1 of the linear law and 3/2 of Hertz's, so that overlaps of `d*` need about `k (d / d*)^n`; the
+/// stiffness is the mean of that over the strain `s` so far, in which later ones weigh more,
+///
+/// ```text
+/// dk/ds = 2 (k (d / d*)^n - k) / s
+/// ```
+///
+/// and stays what it is from a given strain on, or where the rate of the flow changes first. What contacts remember are forces:
+/// those across the line of centres go on as they are, and their springs' elongations, which are forces over stiffness, change in
+/// inverse proportion; those along it follow the overlap, which comes to rest anew in a strain of some thousandths, while the
+/// stiffness changes by some percent. So no force jumps. All ranks find the same to the last bit,
+/// since nothing but the largest overlap of all contacts goes in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settling {
+    stiffness: f64,
+    strain: f64,
+    is_over: bool,
+    /// What it starts from.
+    estimate: f64,
+    /// The largest overlap over the roughness that is aimed at, and the power `n`.
+    aim: f64,
+    power: f64,
+    /// The strain, as of a shear flow, after which it stays.
+    until: f64,
+    /// The strain of the shear flow that dissipates as much, over that of the flow; and how much more the flow presses
+    /// spheres together at its largest rate than at that which it starts with.
+    as_shear: f64,
+    later: f64,
+}
+
+impl Settling {
+    /// That of a model, as particles remember it if they do. None if the stiffness is what the scene says. Collective.
+    pub fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
+        let contacts = model.contacts.filter(|contacts| contacts.stiffness.is_none())?;
+        let known = recalled(particles, comm);
+        let settles = contacts.settles(model);
+        if known.is_none() && !settles {
+            return None;
+        }
+        let estimate = Contacts { settled: None, ..contacts }.contact(model).stiffness;
+        let power = match contacts.law {
+            Elasticity::Linear => 1.0,
+            Elasticity::Hertz => 1.5,
+        };
+        let rates = model.shear_rates();
+        let later = if rates.stress().is_some() { 1.0 } else { rates.largest() / rates.before(0).0.abs() };
+        let [stiffness, strain, is_over] = known.unwrap_or([estimate, 0.0, 0.0]);
+        Some(Self {
+            stiffness,
+            strain,
+            is_over: is_over > 0.0,
+            estimate,
+            aim: contacts.overlap,
+            power,
+            until: contacts.settling.unwrap_or(Contacts::SETTLING),
+            as_shear: model.flow.as_shear(1.0),
+            later,
+        })
+    }
+
+    /// Lets particles remember it.
+    pub fn note(&self, particles: &mut Particles) {
+        let numbers = [self.stiffness, self.strain, f64::from(u8::from(self.is_over))];
+        let column = particles.column(SETTLING, SETTLING_NUMBERS);
+        column.values.chunks_exact_mut(SETTLING_NUMBERS).for_each(|values| values.copy_from_slice(&numbers));
+    }
+
+    /// The stiffness.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Whether it stays what it is.
+    pub fn is_over(&self) -> bool {
+        self.is_over
+    }
+
+    /// Ends it.
+    pub fn end(&mut self) {
+        self.is_over = true;
+    }
+
+    /// Adapts the stiffness to the largest overlap over the roughness after the flow has gone on by a strain.
+    pub fn adapt(&mut self, overlap: f64, strain: f64) {
+        let strain = self.as_shear * strain.abs();
+        self.strain += strain;
+        let needed = self.later * (overlap / self.aim).powf(self.power);
+        let share = (2.0 * strain / self.strain.max(SHORTEST)).min(1.0);
+        let stiffness = self.stiffness * (1.0 + share * (needed.min(MOST) - 1.0));
+        self.stiffness = stiffness.clamp(self.estimate / WIDEST, self.estimate * WIDEST);
+        self.is_over = self.strain >= self.until;
+    }
+}
+
+/// What particles of any rank remember, if they do. Collective.
+fn recalled(particles: &Particles, comm: &Comm) -> Option<[f64; SETTLING_NUMBERS]> {
+    let column = particles.columns.iter().find(|column| column.name == SETTLING && column.width == SETTLING_NUMBERS);
+    let own = column.and_then(|column| column.values.first_chunk()).copied();
+    let mut known = own.unwrap_or([f64::NEG_INFINITY; SETTLING_NUMBERS]);
+    comm.max(&mut known);
+    known[0].is_finite().then_some(known)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Overlaps of a law under a load that scatters, in steps of a strain.
+    fn settled(power: f64, estimate: f64, later: f64, step: f64) -> Settling {
+        let (load, until) = (30.0, 2.0);
+        let start = Settling {
+            stiffness: estimate,
+            strain: 0.0,
+            is_over: false,
+            estimate,
+            aim: 0.3,
+            power,
+            until,
+            as_shear: 1.0,
+            later,
+        };
+        let mut settling = start;
+        while !settling.is_over() {
+            let scatter = 1.0 + 0.3 * (20.0 * settling.strain).sin();
+            settling.adapt((load * scatter / settling.stiffness()).powf(1.0 / power), step);
+        }
+        assert!((settling.strain - until).abs() < 1.5 * step.abs());
+        settling
+    }
+
+    /// Whatever it starts from, the length of steps and the sign of the rate.
+    #[test]
+    fn it_settles_where_the_overlap_is_what_is_aimed_at() {
+        for (power, estimate) in [(1.0, 30.0), (1.0, 400.0), (1.5, 100.0), (1.5, 900.0)] {
+            let wanted = 30.0 / 0.3_f64.powf(power);
+            for step in [0.005, -0.02] {
+                let found = settled(power, estimate, 1.0, step).stiffness();
+                assert!((found / wanted - 1.0).abs() < 0.05, "{power} {estimate}: {found}, not {wanted}");
+            }
+            let twice = settled(power, estimate, 2.0, 0.005).stiffness();
+            assert!((twice / wanted - 2.0).abs() < 0.1, "{twice}");
+        }
+    }
+
+    #[test]
+    fn it_stays_within_bounds() {
+        let (soft, stiff) = (settled(1.0, 1.0, 1.0, 0.01), settled(1.0, 5000.0, 1.0, 0.01));
+        assert_eq!((soft.stiffness(), stiff.stiffness()), (10.0, 500.0));
+    }
+
+    #[test]
+    fn what_is_noted_is_recalled_by_ranks_without_particles() {
+        let all = Comm::threads(3, |comm| {
+            let mut particles = Particles::default();
+            assert_eq!(recalled(&particles, &comm), None);
+            let settling = settled(1.0, 100.0, 1.0, 0.01);
+            if comm.rank() == 1 {
+                particles.push(0, domain::Vector::ZERO, 1.0, 0);
+                settling.note(&mut particles);
+            }
+            (recalled(&particles, &comm), settling)
+        });
+        for (known, settling) in all {
+            assert_eq!(known, Some([settling.stiffness, settling.strain, 1.0]));
+        }
+    }
+}

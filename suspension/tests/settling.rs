@@ -1,0 +1,228 @@
+//! The stiffness of contacts that settles.
+
+#[path = "support/ended.rs"]
+mod ended;
+mod support;
+
+use domain::{Comm, Interrupt};
+use ended::ended;
+use simulation::Simulation;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use support::model_of;
+use suspension::{Model, Observed, Suspension};
+
+/// Spheres of two sizes at 45%, which touch soon.
+const DENSE: &str = r#"
+seed = 7
+box.edges = [6.6, 7.1, 6.1]
+fluid.viscosity = 1.0
+flow = { kind = "shear", rate = 2.0 }
+hydrodynamics = { lubrication = true, tolerance = 1e-2 }
+contacts = { friction = 0.5, roughness = 0.02, settling = 0.3 }
+time = { step = 0.01, steps = 20 }
+[[species]]
+radius = 1.0
+count = 15
+[[species]]
+radius = 1.3
+count = 7
+"#;
+
+const STRESS: &str = r#"flow={kind="shear", control="stress", stress=20.0}"#;
+const EXTENSION: &str = r#"flow={kind="planar-extension", rate=1.0}"#;
+
+fn dense(keys: &[&str]) -> Model {
+    model_of(DENSE, keys)
+}
+
+/// The stiffness, and whether it stays.
+fn stiffness(suspension: &Suspension) -> (f64, bool) {
+    suspension.contact_stiffness().expect("spheres may touch")
+}
+
+fn mean_overlap(suspension: &mut Suspension, steps: u64) -> f64 {
+    let mut sum = 0.0;
+    for _ in 0..steps {
+        suspension.step().unwrap();
+        sum += suspension.contact_numbers().unwrap()[3];
+    }
+    sum / steps as f64
+}
+
+/// From estimates that are too stiff by far, and too soft, the largest overlaps come to what is aimed at in the mean. The overlap
+/// aimed at is what the estimate is made for, but not at this size: 22 spheres.
+#[test]
+fn overlaps_settle_at_their_target() {
+    for law in ["linear", "hertz"] {
+        let law = format!("contacts.law=\"{law}\"");
+        let keys = [law.as_str(), "time.step=0.0025", "contacts.settling=1.5"];
+        let model = dense(&keys);
+        let mut settled = Suspension::start(&model, &Comm::alone()).unwrap();
+        while !stiffness(&settled).1 {
+            settled.step().unwrap();
+        }
+        assert!((settled.shear()[1] - 1.5).abs() < 0.0051, "after a strain of {}", settled.shear()[1]);
+        let (found, _) = stiffness(&settled);
+        let mean = mean_overlap(&mut settled, 600);
+        assert!((mean / 0.3 - 1.0).abs() < 0.3, "{law}: {mean} with {found}");
+        let estimate = dense(&[&keys[..2], &["contacts.settling=0.0"]].concat());
+        let mut estimate = Suspension::start(&estimate, &Comm::alone()).unwrap();
+        mean_overlap(&mut estimate, 600);
+        let without = mean_overlap(&mut estimate, 600);
+        assert!((without / 0.3 - 1.0).abs() > 0.3, "{law}: the estimate alone gives {without}");
+    }
+}
+
+#[test]
+fn ranks_agree() {
+    // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+    let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-9", "contacts.settling=0.2"];
+    let model = dense(&tight);
+    let all =
+        [1, 2, 3, 7].map(|ranks| ended(&model, ranks, |suspension| (stiffness(suspension), suspension.gathered(None))));
+    let ((alone, stays), particles) = &all[0];
+    let (first, _) = stiffness(&Suspension::start(&model, &Comm::alone()).unwrap());
+    assert!(*stays && (alone / first - 1.0).abs() > 0.05, "{first} {alone}");
+    for ((together, others_stay), others) in &all[1..] {
+        assert!((together / alone - 1.0).abs() < 1e-5 && others_stay, "{together} {alone}");
+        let errors = particles.positions.iter().zip(&others.positions).map(|(&a, &b)| (a - b).length());
+        assert!(errors.fold(0.0, f64::max) < 1e-7);
+    }
+}
+
+/// Resumed after any step, while the stiffness settles and later, in flows of all kinds; on several ranks too, some of which may
+/// have no particles then.
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    let edges = "box.edges=[6.6, 6.6, 6.6]";
+    for (keys, ranks) in [(&[][..], 1), (&[STRESS][..], 1), (&[EXTENSION, edges][..], 1), (&["time.steps=12"][..], 3)] {
+        let model = dense(keys);
+        Comm::threads(ranks, |comm| {
+            let mut whole = Suspension::start(&model, &comm).unwrap();
+            let mut seen = Vec::new();
+            for step in 0..model.steps {
+                let mut resumed = Suspension::resume(&model, Some(whole.state()), &comm).unwrap();
+                assert_eq!(stiffness(&whole), stiffness(&resumed), "at step {step}");
+                whole.step().unwrap();
+                resumed.step().unwrap();
+                assert_eq!(stiffness(&whole), stiffness(&resumed), "after step {step}");
+                assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
+                seen.push(stiffness(&whole));
+            }
+            assert!(seen[0].0 != seen[5].0 && !seen[5].1, "it adapts: {seen:?}");
+            assert!(ranks > 1 || keys == [STRESS] || seen[seen.len() - 1].1, "it stays: {seen:?}");
+        });
+    }
+}
+
+/// The kept scene has what was found, while the last checkpoint is from before: that goes on as it would have.
+#[test]
+fn a_state_knows_more_than_the_scene() {
+    let model = dense(&[]);
+    let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
+    (0..6).for_each(|_| whole.step().unwrap());
+    let kept = dense(&["contacts.settled_stiffness=123.0"]);
+    let mut resumed = Suspension::resume(&kept, Some(whole.state()), &Comm::alone()).unwrap();
+    for _ in 0..12 {
+        whole.step().unwrap();
+        resumed.step().unwrap();
+    }
+    assert_eq!(whole.gathered(None), resumed.gathered(None));
+    assert!(stiffness(&whole).1);
+    assert_eq!(stiffness(&Suspension::start(&kept, &Comm::alone()).unwrap()), (123.0, true));
+    // A number is what the user says, whatever the state.
+    let number = dense(&["contacts={friction=0.5, roughness=0.02, stiffness=77.0}"]);
+    let resumed = Suspension::resume(&number, Some(whole.state()), &Comm::alone()).unwrap();
+    assert_eq!(stiffness(&resumed), (77.0, true));
+}
+
+/// The estimate, as a number or as what it settled at, and the one that does not settle: all the same bits, and no column.
+#[test]
+fn a_number_stays_what_it_is() {
+    let of = |contacts: &str| {
+        let model = dense(&[&format!("contacts={{friction=0.5, roughness=0.02{contacts}}}"), "time.steps=8"]);
+        ended(&model, 1, |suspension| (stiffness(suspension), suspension.gathered(None)))
+    };
+    let unsettled = of(", settling=0.0");
+    let estimate = unsettled.0.0;
+    assert!(unsettled.1.columns.iter().all(|column| column.name != "contact stiffness"));
+    for contacts in [format!(", stiffness={estimate:e}"), format!(", settled_stiffness={estimate:e}")] {
+        assert!(of(&contacts) == unsettled, "{contacts}");
+    }
+    assert!(of("").1.columns.iter().any(|column| column.name == "contact stiffness"));
+}
+
+/// What presses spheres together otherwise has the estimate, and a flow that changes settles until it does.
+#[test]
+fn it_settles_in_flows_that_go_on() {
+    let stays = |keys: &[&str], steps: u64| {
+        let mut suspension = Suspension::start(&dense(keys), &Comm::alone()).unwrap();
+        let mut seen = Vec::new();
+        for _ in 0..steps {
+            seen.push(stiffness(&suspension));
+            suspension.step().unwrap();
+        }
+        seen
+    };
+    let none = "contacts={friction=0.5, roughness=0.02}";
+    let heavy =
+        ["flow={kind=\"none\"}", "gravity.acceleration=[0.0, 0.0, -1.0]", "species[0].density_difference=1.0", none];
+    let oscillating = ["flow={kind=\"shear\", oscillation={amplitude=0.1, frequency=4.0}}", none];
+    for keys in [&heavy[..], &oscillating[..]] {
+        let seen = stays(keys, 3);
+        assert!(seen.iter().all(|(stiffness, stays)| *stays && *stiffness == seen[0].0), "{seen:?}");
+    }
+    let seen = stays(&["flow={kind=\"shear\", rate=[[0.0, 1.0], [0.05, -2.0]]}"], 9);
+    assert!(seen[5].0 != seen[0].0 && !seen[5].1 && seen[6].1, "{seen:?}");
+    assert!(seen[6..].iter().all(|(stiffness, _)| *stiffness == seen[5].0), "{seen:?}");
+}
+
+/// A step that is interrupted at any look leaves no trace in the stiffness.
+#[test]
+fn an_interrupted_step_goes_back_to_the_stiffness_before() {
+    let mut suspension = Suspension::start(&dense(&["time.step=0.05"]), &Comm::alone()).unwrap();
+    suspension.step().unwrap();
+    let before = (stiffness(&suspension), suspension.gathered(None));
+    let mut changed = false;
+    for most in [1, 5, 9, 13] {
+        let looks = AtomicUsize::new(0);
+        suspension.listen(Interrupt::when(move || looks.fetch_add(1, Ordering::Relaxed) >= most));
+        if suspension.step().is_err() {
+            changed = true;
+            assert!((stiffness(&suspension), suspension.gathered(None)) == before, "after {most} looks");
+        }
+    }
+    assert!(changed);
+}
+
+/// A row has the stiffness, the statistics sum it up, what is found is told once it stays, and a run that is too short warns.
+#[test]
+fn the_stiffness_is_told() {
+    let model = dense(&["statistics={every=1}"]);
+    let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let quantities = observed.quantities();
+    let place = quantities.iter().position(|quantity| quantity.name == "contact_stiffness").unwrap();
+    let mut found = None;
+    while found.is_none() {
+        let row = observed.observe();
+        assert_eq!(row[place][0], stiffness(observed.suspension()).0);
+        assert!(observed.warnings().iter().any(|words| words.contains("had not settled yet")));
+        observed.advance(model.steps).unwrap();
+        found = observed.found();
+    }
+    observed.observe();
+    assert!(!observed.warnings().iter().any(|words| words.contains("settled")), "{:?}", observed.warnings());
+    let found = found.unwrap();
+    assert_eq!((found.key, found.value), ("contacts.settled_stiffness", stiffness(observed.suspension()).0));
+    observed.sample();
+    let summary = observed.averages().unwrap().tables.into_iter().find(|table| table.name == "summary").unwrap();
+    let row = summary.rows.iter().find(|(words, _)| words[0] == "contact_stiffness").unwrap();
+    assert_eq!(row.1, [found.value, 0.0, 1.0]);
+    let number = dense(&["contacts={friction=0.5, roughness=0.02, stiffness=77.0}", "statistics={every=1}"]);
+    let mut observed = Observed::start(&number, None, &Comm::alone()).unwrap();
+    assert!(observed.quantities().iter().all(|quantity| quantity.name != "contact_stiffness"));
+    observed.sample();
+    let tables = observed.averages().unwrap().tables;
+    assert!(tables.iter().all(|table| table.rows.iter().all(|(words, _)| words[0] != "contact_stiffness")));
+    assert_eq!(observed.found(), None);
+}
