@@ -10,6 +10,7 @@ use crate::observe::Observer;
 use crate::plan::Radii;
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
+use crate::user_axes::UserAxes;
 use domain::{Comm, GivenPositions, Interrupt, Particles};
 use fcm::Drawn;
 use simulation::{
@@ -22,6 +23,7 @@ pub struct Observed {
     observer: Observer,
     averages: Option<Averages>,
     cautions: Vec<String>,
+    axes: UserAxes,
 }
 
 /// The columns of a frame of the trajectory.
@@ -48,12 +50,13 @@ impl Observed {
         let resumed = suspension.caution().map(str::to_owned);
         let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
         let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension.gathered(Some(&[]))));
-        Self { suspension, observer, averages, cautions }
+        Self { suspension, observer, averages, cautions, axes: model.user_axes() }
     }
 
     fn frame_of(&self, particles: Particles) -> Frame {
-        let cell = *self.suspension.cell();
-        Frame { particles, cell, periodic: [0, 1, 2].map(|axis| cell.is_periodic(axis)) }
+        let (cell, axes) = (self.suspension.cell(), &self.axes);
+        let periodic = axes.list([0, 1, 2].map(|axis| cell.is_periodic(axis)));
+        Frame { particles: axes.particles(particles), cell: axes.cell(cell), periodic }
     }
 
     /// The suspension that is observed.
@@ -141,7 +144,7 @@ impl Simulation for Observed {
     }
 
     fn contact_forces(&self) -> Option<ContactForces> {
-        self.suspension.contact_forces()
+        self.suspension.contact_forces().map(|contacts| self.axes.contacts(contacts))
     }
 
     fn averages(&mut self) -> Option<TableSet> {
