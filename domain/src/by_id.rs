@@ -1,8 +1,7 @@
 //! The particles of all ranks in the order of their ids, block by block on the first rank.
 
-use crate::rows::{Picked, Way};
+use crate::rows::{Picked, Value, Way};
 use crate::{Comm, Particles, Vector};
-use bytemuck::Pod;
 
 /// The particles of all ranks as the first rank reads them: property by property, in the order of the ids, with no more
 /// than a block of 65,536 of them in memory at a time. Made by [`Particles::by_id`].
@@ -126,7 +125,7 @@ impl<'a> ById<'a> {
         self.each_block(Property::Column(place), (&column.values, column.width), each)
     }
 
-    fn each_block<T: Pod, E>(
+    fn each_block<T: Value, E>(
         &self,
         property: Property,
         values: (&[T], usize),
@@ -171,7 +170,7 @@ impl<'a> ById<'a> {
     }
 
     /// The values of a block of ids in their order, on the first rank. Collective.
-    fn gathered<T: Pod>(&self, block: u64, (values, width): (&[T], usize)) -> Vec<T> {
+    fn gathered<T: Value>(&self, block: u64, (values, width): (&[T], usize)) -> Vec<T> {
         let ids = block * self.block..(block + 1) * self.block;
         let before = |id: u64| self.order.partition_point(|&row| self.particles.ids[row] < id);
         let rows = &self.order[before(ids.start)..before(ids.end)];

@@ -2,6 +2,7 @@
 
 use crate::rows::{Delivery, Picked, Sorted, Way};
 use crate::{Partition, PeriodicBox, Vector};
+use rayon::prelude::*;
 
 /// A named property of every particle: `width` numbers each, row by row. Whatever a particle must not lose when it
 /// changes rank or the run is resumed, such as its past velocities, is a column.
@@ -46,6 +47,9 @@ pub struct Particles {
     /// Everything else.
     pub columns: Vec<Column>,
 }
+
+/// Particles that one thread works through at a time.
+const BATCH: usize = 1024;
 
 impl Particles {
     /// How many particles this rank owns.
@@ -139,13 +143,14 @@ impl Particles {
             self.each_property(&Delivery::plan(&owners, partition.comm()));
         }
         let lines = partition.lines();
-        let place = |row: &usize| {
-            let p = cell.parts(self.positions[*row]);
-            ((p.z * lines[1] as f64) as i64, (p.y * lines[0] as f64) as i64, self.ids[*row])
+        let place = |(&position, &id): (&Vector, &u64)| {
+            let p = cell.parts(position);
+            ((p.z * lines[1] as f64) as i64, (p.y * lines[0] as f64) as i64, id)
         };
-        if !(0..self.len()).map(|r| place(&r)).is_sorted() {
+        let places: Vec<_> = self.positions.par_iter().with_min_len(BATCH).zip(&self.ids).map(place).collect();
+        if !places.is_sorted() {
             let mut order: Vec<usize> = (0..self.len()).collect();
-            order.sort_by_cached_key(place);
+            order.par_sort_by_key(|&row| places[row]);
             self.arrange(&order);
         }
     }

@@ -2,25 +2,50 @@
 
 use crate::Comm;
 use bytemuck::Pod;
+use rayon::prelude::*;
+
+/// A number of a row that any thread may move.
+pub(crate) trait Value: Pod + Send + Sync {}
+
+impl<T: Pod + Send + Sync> Value for T {}
 
 /// Moves rows of values, `width` numbers each. May be collective.
 pub(crate) trait Way {
     /// The values of the rows after the move.
-    fn of<T: Pod>(&self, values: &[T], width: usize) -> Vec<T>;
+    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T>;
 }
 
 /// The rows of a list, in its order.
 #[derive(Clone, Copy)]
 pub(crate) struct Picked<'a>(pub &'a [usize]);
 
+/// Rows that one thread moves at a time.
+const BATCH: usize = 1024;
+
 impl Way for Picked<'_> {
-    fn of<T: Pod>(&self, values: &[T], width: usize) -> Vec<T> {
-        let mut picked = Vec::with_capacity(self.0.len() * width);
-        for &row in self.0 {
-            picked.extend_from_slice(&values[row * width..(row + 1) * width]);
+    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T> {
+        let mut picked = vec![T::zeroed(); self.0.len() * width];
+        if width > 0 {
+            let parts = picked.par_chunks_mut(BATCH * width).zip(self.0.par_chunks(BATCH));
+            parts.for_each(|(picked, rows)| match width {
+                1 => pick::<T, 1>(values, rows, picked),
+                3 => pick::<T, 3>(values, rows, picked),
+                5 => pick::<T, 5>(values, rows, picked),
+                _ => {
+                    for (picked, &row) in picked.chunks_exact_mut(width).zip(rows) {
+                        picked.copy_from_slice(&values[row * width..][..width]);
+                    }
+                }
+            });
         }
         picked
     }
+}
+
+/// Rows of a width that the compiler knows, which it copies without a call.
+fn pick<T: Copy, const WIDTH: usize>(values: &[T], rows: &[usize], picked: &mut [T]) {
+    let (values, picked) = (values.as_chunks::<WIDTH>().0, picked.as_chunks_mut::<WIDTH>().0);
+    picked.iter_mut().zip(rows).for_each(|(picked, &row)| *picked = values[row]);
 }
 
 /// Sends each row to a rank. Received rows are in the order of the sending ranks, and of each rank in its own order.
@@ -48,7 +73,7 @@ impl Delivery {
 }
 
 impl Way for Delivery {
-    fn of<T: Pod>(&self, values: &[T], width: usize) -> Vec<T> {
+    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T> {
         let send = Picked(&self.order).of(values, width);
         if self.comm.size() == 1 {
             return send;
@@ -67,7 +92,7 @@ pub(crate) struct Sorted<'a> {
 }
 
 impl Way for Sorted<'_> {
-    fn of<T: Pod>(&self, values: &[T], width: usize) -> Vec<T> {
+    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T> {
         self.order.of(&self.delivery.of(values, width), width)
     }
 }

@@ -2,46 +2,89 @@
 
 use crate::{Tensor, Traceless, Vector};
 
-/// The axes of space named in another cyclic order, so that a box whose special axis is x or y has it along z: a rotation,
-/// after which right-handed systems are still right-handed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// A rotation between axes, each of which is along one of the others or against it: so that a box whose special axis is x or y
+/// has it along z. Right-handed systems are still right-handed, and what is along x stays so where it can.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Turn {
-    /// The axis that becomes the first.
-    first: usize,
+    /// The axis that becomes each.
+    axes: [usize; 3],
+    /// Whether it becomes the one against it.
+    against: [bool; 3],
+}
+
+impl Default for Turn {
+    /// The one that changes nothing.
+    fn default() -> Self {
+        Self { axes: [0, 1, 2], against: [false; 3] }
+    }
 }
 
 impl Turn {
-    /// The turn after which an axis, 0, 1 or 2, is the last.
+    /// The turn after which an axis, 0, 1 or 2, is the last: `(x, y, z)` becomes `(y, z, x)`, `(x, -z, y)` or `(x, y, z)`.
     pub fn to_last(axis: usize) -> Self {
-        Self { first: (axis + 1) % 3 }
+        match axis {
+            0 => Self { axes: [1, 2, 0], against: [false; 3] },
+            1 => Self { axes: [0, 2, 1], against: [false, true, false] },
+            _ => Self::default(),
+        }
+    }
+
+    /// Whether it changes nothing.
+    pub fn is_none(self) -> bool {
+        self == Self::default()
     }
 
     /// The turn that undoes this one.
     #[must_use]
     pub fn inverse(self) -> Self {
-        Self { first: (3 - self.first) % 3 }
+        let mut inverse = Self::default();
+        for (after, (&before, &against)) in self.axes.iter().zip(&self.against).enumerate() {
+            (inverse.axes[before], inverse.against[before]) = (after, against);
+        }
+        inverse
     }
 
-    /// A list of an entry for each axis after the turn.
+    /// A list of an entry for each axis after the turn, whichever way that points.
     pub fn list<T: Copy>(self, of_axes: [T; 3]) -> [T; 3] {
-        std::array::from_fn(|axis| of_axes[(axis + self.first) % 3])
+        self.axes.map(|before| of_axes[before])
     }
 
-    /// A vector after the turn.
+    /// A vector, or a pseudovector, after the turn.
     pub fn vector(self, vector: Vector) -> Vector {
-        Vector::from_array(self.list(vector.to_array()))
+        let turned = Vector::from_array(self.list(vector.to_array()));
+        let signed = |axis: usize| if self.against[axis] { 0.0 - turned[axis] } else { turned[axis] };
+        Vector::new(signed(0), signed(1), signed(2))
+    }
+
+    /// A place after the turn, in a box that then has these edges: the box stays between 0 and the edge along each axis.
+    pub fn place(self, place: Vector, edges: Vector) -> Vector {
+        let turned = Vector::from_array(self.list(place.to_array()));
+        let placed = |axis: usize| if self.against[axis] { edges[axis] - turned[axis] } else { turned[axis] };
+        Vector::new(placed(0), placed(1), placed(2))
+    }
+
+    /// Steps along the edges of a box after the turn.
+    pub fn steps(self, steps: [i32; 3]) -> [i32; 3] {
+        let turned = self.list(steps);
+        [0, 1, 2].map(|axis| if self.against[axis] { turned[axis].wrapping_neg() } else { turned[axis] })
     }
 
     /// A tensor after the turn.
     pub fn tensor(self, tensor: &Tensor) -> Tensor {
         let columns = [tensor.x_axis, tensor.y_axis, tensor.z_axis].map(|column| self.vector(column));
-        let [x, y, z] = self.list(columns);
-        Tensor::from_cols(x, y, z)
+        let turned = self.list(columns);
+        let signed = |axis: usize| if self.against[axis] { Vector::ZERO - turned[axis] } else { turned[axis] };
+        Tensor::from_cols(signed(0), signed(1), signed(2))
     }
 
     /// A symmetric tensor without trace after the turn.
     pub fn traceless(self, tensor: Traceless) -> Traceless {
-        if self.first == 0 { tensor } else { Traceless::part_of(&self.tensor(&tensor.tensor())) }
+        if self.is_none() { tensor } else { Traceless::part_of(&self.tensor(&tensor.tensor())) }
+    }
+
+    /// Along which axes the turn is against what was there before.
+    pub fn against(self) -> [bool; 3] {
+        self.against
     }
 }
 
@@ -49,20 +92,60 @@ impl Turn {
 mod tests {
     use super::*;
 
+    const V: Vector = Vector::new(1.0, 2.0, 3.0);
+    const W: Vector = Vector::new(-0.5, 0.7, 0.2);
+
     #[test]
     fn a_turn_is_a_rotation_that_can_be_undone() {
-        let (v, w) = (Vector::new(1.0, 2.0, 3.0), Vector::new(-0.5, 0.7, 0.2));
         let tensor = Tensor::from_cols_array(&[1.0, 2.0, 3.0, 4.0, -3.0, 6.0, 7.0, 8.0, 2.0]);
         for axis in 0..3 {
             let turn = Turn::to_last(axis);
-            assert_eq!(turn.vector(v).z.to_bits(), v[axis].to_bits());
-            assert_eq!(turn.inverse().vector(turn.vector(v)), v);
-            assert_eq!(turn.vector(v.cross(w)), turn.vector(v).cross(turn.vector(w)));
-            assert!((turn.tensor(&tensor) * turn.vector(v) - turn.vector(tensor * v)).length() < 1e-14);
+            assert_eq!(turn.vector(V).z.to_bits(), V[axis].to_bits());
+            assert_eq!(turn.inverse().vector(turn.vector(V)), V);
+            assert_eq!(turn.inverse().inverse(), turn);
+            assert_eq!(
+                turn.vector(V.cross(W)),
+                turn.vector(V).cross(turn.vector(W)),
+                "right-handed, pseudovectors too"
+            );
+            assert!((turn.tensor(&tensor) * turn.vector(V) - turn.vector(tensor * V)).length() < 1e-14);
+            assert_eq!(turn.inverse().tensor(&turn.tensor(&tensor)), tensor);
             let strain = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]);
             let back = turn.inverse().traceless(turn.traceless(strain));
             assert!(back.0.iter().zip(strain.0).all(|(a, b)| (a - b).abs() < 1e-15));
+            assert_eq!(turn.inverse().list(turn.list(['x', 'y', 'z'])), ['x', 'y', 'z']);
         }
-        assert_eq!(Turn::to_last(2), Turn::default());
+        assert!(Turn::to_last(2).is_none() && !Turn::to_last(1).is_none());
+    }
+
+    #[test]
+    fn what_is_along_x_stays_so_unless_x_is_the_axis() {
+        assert_eq!(Turn::to_last(1).vector(V), Vector::new(1.0, -3.0, 2.0));
+        assert_eq!(Turn::to_last(0).vector(V), Vector::new(2.0, 3.0, 1.0));
+    }
+
+    /// Places in the box stay in it, with the same separations, and places without periodicity stay the same ones.
+    #[test]
+    fn a_box_becomes_a_box() {
+        let before = Vector::new(4.0, 5.0, 6.0);
+        for axis in 0..3 {
+            let turn = Turn::to_last(axis);
+            let after = Vector::from_array(turn.list(before.to_array()));
+            let place = turn.place(V, after);
+            assert!(place.cmpge(Vector::ZERO).all() && place.cmple(after).all());
+            assert_eq!(turn.inverse().place(place, before), V);
+            assert!((turn.place(V + W, after) - place - turn.vector(W)).length() < 1e-15);
+            let steps = [1, -2, 3];
+            let far = V + before * Vector::from_array(steps.map(f64::from));
+            let whole = Vector::from_array(turn.steps(steps).map(f64::from));
+            assert!((turn.place(far, after) - place - whole * after).length() < 1e-14);
+        }
+    }
+
+    /// No number becomes a zero below zero.
+    #[test]
+    fn zero_stays_zero() {
+        let turned = Turn::to_last(1).vector(Vector::ZERO);
+        assert!(turned.to_array().iter().all(|x| x.is_sign_positive()));
     }
 }

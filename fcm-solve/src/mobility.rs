@@ -90,7 +90,7 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
              are without it"
         ));
     }
-    let mut answer = comm.is_first().then(|| answer(&motions, case, mobility.plan(), seconds));
+    let mut answer = comm.is_first().then(|| answer(&motions, case, (mobility.plan(), mobility.turn()), seconds));
     if let (Some(answer), Some((motions, _))) = (&mut answer, noise) {
         add_noise(answer, &motions, case);
     }
@@ -149,7 +149,7 @@ fn loads(case: &Case) -> Loads {
     Loads { forces: vectors(&case.forces), torques: vectors(&case.torques), stresslets }
 }
 
-fn answer(motions: &Motions, case: &Case, plan: &Plan, seconds: f64) -> Answer {
+fn answer(motions: &Motions, case: &Case, (plan, turn): (&Plan, Turn), seconds: f64) -> Answer {
     let vectors = |list: &[Vector]| list.iter().map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().map(|tensor| tensor.0).collect();
     let dipoles = plan.multipoles == Multipoles::Dipole;
@@ -163,7 +163,7 @@ fn answer(motions: &Motions, case: &Case, plan: &Plan, seconds: f64) -> Answer {
         iterations: *iterations,
         residual: *residual,
         seconds,
-        plan: plan.describe(),
+        plan: plan.describe_for(turn),
         ..Answer::default()
     }
 }

@@ -5,7 +5,7 @@ use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::window::Window;
-use domain::{Boundaries, Number, PeriodicBox, Units, Vector};
+use domain::{Boundaries, Number, PeriodicBox, Turn, Units, Vector};
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -224,7 +224,12 @@ impl Plan {
 
     /// The plan in a line.
     pub fn in_short(&self) -> String {
-        let [nx, ny, nz] = self.grid;
+        self.in_short_for(Turn::default())
+    }
+
+    /// The same for a reader whose axes this turn makes those of the box.
+    pub fn in_short_for(&self, turn: Turn) -> String {
+        let [nx, ny, nz] = turn.inverse().list(self.grid);
         let method = if self.method == Method::Direct { "direct" } else { "split" };
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
         let (points, error) = (self.support.support, self.predicted_error);
@@ -233,7 +238,13 @@ impl Plan {
 
     /// The plan in words, a line each.
     pub fn describe(&self) -> String {
-        let [nx, ny, nz] = self.grid;
+        self.describe_for(Turn::default())
+    }
+
+    /// The same for a reader whose axes this turn makes those of the box.
+    pub fn describe_for(&self, turn: Turn) -> String {
+        let [nx, ny, nz] = turn.inverse().list(self.grid);
+        let [px, py, pz] = turn.inverse().list(self.support.along_axes());
         let method = match self.method {
             Method::Direct => "direct: every envelope on the grid".to_owned(),
             Method::Split { width, cutoff } => {
@@ -242,14 +253,9 @@ impl Plan {
         };
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
         format!(
-            "method     {method}\ngrid       {nx} x {ny} x {nz} points in {precision}\nsupport    {} x {} x {} points a \
+            "method     {method}\ngrid       {nx} x {ny} x {nz} points in {precision}\nsupport    {px} x {py} x {pz} points a \
              particle\ntolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the stresslets\n",
-            self.support.lanes,
-            self.support.support,
-            self.support.support,
-            self.tolerance,
-            self.predicted_error,
-            self.iteration_tolerance
+            self.tolerance, self.predicted_error, self.iteration_tolerance
         )
     }
 }

@@ -17,6 +17,13 @@ pub struct Support {
     pub reach: f64,
 }
 
+impl Support {
+    /// Points along each axis.
+    pub fn along_axes(&self) -> [usize; 3] {
+        [self.lanes, self.support, self.support]
+    }
+}
+
 /// Where one particle's stencil begins.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {

@@ -466,7 +466,7 @@ mod tests {
         };
         let case = with(r#", "box": [4, 5, 9], "boundaries": ["periodic", "walls", "periodic"]"#).unwrap();
         let (cell, turn) = case.bounded_box().unwrap();
-        assert_eq!((cell.edges().to_array(), turn), ([9.0, 4.0, 5.0], Turn::to_last(1)));
+        assert_eq!((cell.edges().to_array(), turn), ([4.0, 9.0, 5.0], Turn::to_last(1)));
         let open = with(r#", "boundaries": ["open", "open", "open"]"#).unwrap();
         assert_eq!(open.bounded_box().unwrap().0.edges(), domain::Vector::new(3.25, 1.25, 6.25));
         let error = |more: &str| with(more).unwrap_err();

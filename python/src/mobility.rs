@@ -167,7 +167,10 @@ impl Mobility {
 
     /// The plan as JSON, and in words.
     fn plan(&self, py: Python<'_>) -> PyResult<(String, String)> {
-        self.planned.with(py, |mobility| (plan_values(mobility.plan()).to_string(), mobility.plan().describe()))
+        self.planned.with(py, |mobility| {
+            let (plan, turn) = (mobility.plan(), mobility.turn());
+            (plan_values(plan, turn).to_string(), plan.describe_for(turn))
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Loads that the user adds to those of the model.
 
+use crate::user_axes::UserAxes;
 use domain::{Failure, Particles, Partition, PeriodicBox, Vector};
 use fcm::Loads;
 use simulation::{AppliedLoads, LoadFunction};
@@ -7,19 +8,26 @@ use simulation::{AppliedLoads, LoadFunction};
 /// The columns of the last loads of this kind: forces and torques.
 pub const APPLIED: [&str; 2] = ["applied force", "applied torque"];
 
-/// Functions whose loads are added up.
-#[derive(Default)]
-pub struct AppliedForces(Vec<LoadFunction>);
+/// Functions whose loads are added up, in the axes of the user.
+pub struct AppliedForces {
+    functions: Vec<LoadFunction>,
+    axes: UserAxes,
+}
 
 impl AppliedForces {
+    /// None so far.
+    pub fn new(axes: UserAxes) -> Self {
+        Self { functions: Vec::new(), axes }
+    }
+
     /// Adds a function.
     pub fn add(&mut self, loads: LoadFunction) {
-        self.0.push(loads);
+        self.functions.push(loads);
     }
 
     /// Takes back the function that was added last.
     pub fn remove_last(&mut self) {
-        self.0.pop();
+        self.functions.pop();
     }
 
     /// Adds the loads of a time to those of this rank's particles, and keeps them in the particles' columns. Collective.
@@ -30,13 +38,13 @@ impl AppliedForces {
         (cell, partition): (&PeriodicBox, &Partition),
         time: f64,
     ) -> Result<(), Failure> {
-        if self.0.is_empty() {
+        if self.functions.is_empty() {
             particles.columns.retain(|column| !APPLIED.contains(&column.name.as_str()));
             return Ok(());
         }
         let comm = partition.comm();
         let mut all = particles.gathered_with(partition, |_| false);
-        let sums = if comm.is_first() { self.sums(&unwrapped(&all, cell), time) } else { Ok([Vec::new(), Vec::new()]) };
+        let sums = if comm.is_first() { self.sums(unwrapped(&all, cell), time) } else { Ok([Vec::new(), Vec::new()]) };
         let sums = comm.agree(sums)?;
         comm.broadcast(&mut all.ids);
         let rows: Vec<usize> =
@@ -51,13 +59,15 @@ impl AppliedForces {
     }
 
     /// The sums of forces and torques on all particles.
-    fn sums(&mut self, positions: &[Vector], time: f64) -> Result<[Vec<Vector>; 2], String> {
+    fn sums(&mut self, mut positions: Vec<Vector>, time: f64) -> Result<[Vec<Vector>; 2], String> {
+        let axes = self.axes;
+        positions.iter_mut().for_each(|position| *position = axes.place(*position));
         let mut sums = [(); 2].map(|()| vec![Vector::ZERO; positions.len()]);
-        for function in &mut self.0 {
-            let AppliedLoads { forces, torques } = function(positions, time).map_err(|error| error.to_string())?;
+        for function in &mut self.functions {
+            let AppliedLoads { forces, torques } = function(&positions, time).map_err(|error| error.to_string())?;
             for (sum, (what, list)) in sums.iter_mut().zip([("forces", forces), ("torques", torques)]) {
                 check(what, &list, positions.len())?;
-                sum.iter_mut().zip(list).for_each(|(sum, load)| *sum += load);
+                sum.iter_mut().zip(list).for_each(|(sum, load)| *sum += axes.vector_in(load));
             }
         }
         Ok(sums)

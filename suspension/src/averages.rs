@@ -4,6 +4,7 @@ use crate::Suspension;
 use crate::model::{Flow, Model, Statistics as Wanted};
 use crate::sampling::{Sample, Statistics, needed_columns};
 use crate::stress::ParticleStress;
+use crate::user_axes::UserAxes;
 use domain::Particles;
 use simulation::{Schedule, TableSet};
 use statistics::State;
@@ -18,6 +19,7 @@ pub struct Averages {
     /// Columns that a sample needs.
     columns: Vec<&'static str>,
     statistics: Statistics,
+    axes: UserAxes,
 }
 
 impl Averages {
@@ -26,21 +28,22 @@ impl Averages {
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
         let statistics = Statistics::new(model, wanted, frame);
         let columns = needed_columns(model);
-        Self { samples: wanted.samples, from: wanted.from, sheared, flow: model.flow, columns, statistics }
+        let (samples, from, axes) = (wanted.samples, wanted.from, model.user_axes());
+        Self { samples, from, sheared, flow: model.flow, columns, statistics, axes }
     }
 
     /// Takes a sample if it is time for one. Collective.
     pub fn sample(&mut self, suspension: &Suspension) {
         let clock = suspension.clock();
         if self.samples.is_due(clock.step()) && clock.time() >= self.from {
-            let particles = suspension.gathered(Some(&self.columns));
+            let particles = self.axes.particles(suspension.gathered(Some(&self.columns)));
             let [rate, _] = suspension.shear();
             let shear_stress = self.sheared.map(|(species, viscosity)| {
                 let total = ParticleStress::sum(&suspension.stress(species));
                 viscosity * rate + self.flow.driving_stress(&total, suspension.cell().gradient_axis())
             });
             if suspension.comm().is_first() {
-                let (time, cell, particles) = (clock.time(), suspension.cell(), &particles);
+                let (time, cell, particles) = (clock.time(), &self.axes.cell(suspension.cell()), &particles);
                 self.statistics.sample(&Sample { time, rate, cell, particles, shear_stress });
             }
         }

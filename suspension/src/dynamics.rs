@@ -23,6 +23,7 @@ use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::substeps;
 use crate::tethers::{TetherResistance, Tethers};
+use crate::user_axes::UserAxes;
 use crate::warm_start::WarmStart;
 use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
@@ -92,6 +93,7 @@ pub struct Dynamics {
     clipped: f64,
     /// Where the box follows the particles.
     following: Option<Following>,
+    axes: UserAxes,
 }
 
 impl Dynamics {
@@ -120,7 +122,7 @@ impl Dynamics {
             forces,
             contacts,
             tethers,
-            applied: AppliedForces::default(),
+            applied: AppliedForces::new(model.user_axes()),
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
@@ -128,6 +130,7 @@ impl Dynamics {
             crowding,
             smallest_radius: setup.radii.smallest(),
             following: Following::of(model, &setup.radii),
+            axes: model.user_axes(),
             partition: setup.partition,
             moving: setup.moving,
         };
@@ -346,7 +349,7 @@ impl Dynamics {
                  between particles: try a smaller time.step",
                 clock.step(),
                 particles.ids[row],
-                particles.positions[row]
+                self.axes.place(particles.positions[row])
             )
         };
         self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)?;
@@ -361,11 +364,12 @@ impl Dynamics {
         };
         let message = |row: usize| {
             format!(
-                "step {}: particle {} of radius {} was driven into a wall: its centre is at z = {}; give the scene a \
+                "step {}: particle {} of radius {} was driven into a wall: its centre is at {} = {}; give the scene a \
                  [repulsion], or a larger repulsion.strength, hydrodynamics.lubrication = true, or a smaller time.step",
                 clock.step(),
                 particles.ids[row],
                 Number(particles.radii[row]),
+                self.axes.name(2),
                 Number(particles.positions[row].z)
             )
         };
@@ -458,7 +462,8 @@ impl Dynamics {
 
     /// How the fluid is computed, in words.
     pub fn plan(&mut self) -> String {
-        self.hydrodynamics.mobility().plan().describe()
+        let turn = self.axes.turn();
+        self.hydrodynamics.mobility().plan().describe_for(turn)
     }
 
     /// Evaluations of the mobility since the start.

@@ -132,7 +132,9 @@ fn given(model: &Model, placed: GivenPositions) -> Result<Particles, String> {
     };
     check_species(model, &species)?;
     let radii = placed.radii.unwrap_or_else(|| species.iter().map(|&s| model.species[s as usize].radius).collect());
-    Ok(store(&placed.positions, &radii, &species))
+    let axes = model.user_axes();
+    let positions: Vec<Vector> = placed.positions.into_iter().map(|place| axes.place_in(place)).collect();
+    Ok(store(&positions, &radii, &species))
 }
 
 /// Whether spheres that are brought are those of the model's species.

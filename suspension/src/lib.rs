@@ -73,6 +73,7 @@ mod stretching;
 mod substeps;
 mod suspension;
 mod tethers;
+mod user_axes;
 mod warm_start;
 
 pub use channel_flow::FlowRefused;
@@ -103,3 +104,4 @@ pub use step_error::StepError;
 pub use stress::ParticleStress;
 pub use suspension::{StepReport, Suspension};
 pub use tethers::{BondSprings, TetherResistance};
+pub use user_axes::UserAxes;

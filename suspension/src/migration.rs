@@ -1,5 +1,6 @@
 //! Where spheres are across a channel or above a bottom, and how many of them flow along it.
 
+use crate::user_axes::UserAxes;
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Vector};
 use simulation::Quantity;
 
@@ -12,18 +13,19 @@ pub fn has_height(boundaries: Boundaries) -> bool {
 }
 
 /// What a row of the time series has of heights, and between two walls of the channel.
-pub fn quantities(boundaries: Boundaries, species: &[String]) -> Vec<Quantity> {
+pub fn quantities(boundaries: Boundaries, species: &[String], axes: &UserAxes) -> Vec<Quantity> {
     let table = |columns: &[&str]| {
         let columns = columns.iter().map(|&column| column.to_owned()).collect();
         Some((species.to_vec(), columns))
     };
+    let [along, across] = [0, 2].map(|axis| axes.name(axis).to_string());
     let mut quantities = Vec::new();
     if has_height(boundaries) {
         quantities.push(Quantity { name: "height", unit: "length", table: table(&HEIGHT) });
     }
     if boundaries == Boundaries::Walls {
-        quantities.push(Quantity { name: "particle_flux", unit: "length/time", table: table(&["x"]) });
-        quantities.push(Quantity { name: "migration", unit: "", table: table(&["z"]) });
+        quantities.push(Quantity { name: "particle_flux", unit: "length/time", table: table(&[along.as_str()]) });
+        quantities.push(Quantity { name: "migration", unit: "", table: table(&[across.as_str()]) });
     }
     quantities
 }

@@ -166,6 +166,11 @@ impl Mobility {
         &self.plan
     }
 
+    /// From the caller's axes to those of the box.
+    pub fn turn(&self) -> Turn {
+        self.turn
+    }
+
     /// What makes the plan hopeless, if it is.
     pub fn burden(&self) -> Option<String> {
         self.plan.burden(&self.problem)

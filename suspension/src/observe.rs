@@ -10,6 +10,7 @@ use crate::rheology::Rheology;
 use crate::sampling::{column, columns, counted, has_columns};
 use crate::stress::ParticleStress;
 use crate::suspension::{StepReport, Suspension};
+use crate::user_axes::UserAxes;
 use domain::{Boundaries, Number, Vector};
 use simulation::Quantity;
 use statistics::SpeciesColumns;
@@ -38,6 +39,7 @@ pub struct Observer {
     /// Whether there are bonds, and traps.
     tethers: [bool; 2],
     smallest_radius: f64,
+    axes: UserAxes,
 }
 
 /// Overlaps of contacts that are worth a word, over those aimed at.
@@ -89,6 +91,7 @@ impl Observer {
             unsettled: None,
             tethers: [!model.bonds.is_empty(), !model.traps.is_empty()],
             smallest_radius,
+            axes: model.user_axes(),
         }
     }
 
@@ -160,11 +163,11 @@ impl Observer {
         quantities.extend(self.rheology.iter().flat_map(Rheology::quantities));
         let walls = self.boundaries.walls();
         if walls > 0 {
-            let (rows, columns) = (&["lower", "upper"][..walls], ["x", "y"]);
+            let (rows, columns) = (&["lower", "upper"][..walls], [0, 1].map(|along| self.axes.name(along)));
             let table = Some((rows.iter().map(|&row| row.to_owned()).collect(), columns.map(String::from).to_vec()));
             quantities.push(Quantity { name: "wall_shear_stress", unit: "force/length^2", table });
         }
-        quantities.extend(migration::quantities(self.boundaries, &self.species));
+        quantities.extend(migration::quantities(self.boundaries, &self.species, &self.axes));
         quantities.extend(self.is_open().then(|| cloud::quantity(&self.species)));
         quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
         if self.heat.is_some() {
@@ -202,14 +205,14 @@ impl Observer {
         let seconds = self.seconds_per_step(suspension.clock().step());
         let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
         self.overlaps.see(smallest_gap);
-        let mut row = vec![components(&means), components(&variances)];
+        let mut row = vec![self.vectors(means), self.variances(&variances)];
         let is_wanted = self.rheology.is_some() || self.heat.is_some() || self.boundaries.walls() > 0;
         let stress = is_wanted.then(|| suspension.stress(self.species.len()));
         if let (Some(rheology), Some(stress)) = (&self.rheology, &stress) {
             row.extend(rheology.row(stress, suspension.shear()));
         }
         if let Some(stress) = stress.as_ref().filter(|_| self.boundaries.walls() > 0) {
-            row.push(suspension.wall_stress(&ParticleStress::sum(stress)).into_flattened());
+            row.push(self.along_walls(&suspension.wall_stress(&ParticleStress::sum(stress))));
         }
         let particles = suspension.particles();
         let moving = (particles, column(particles, VELOCITY));
@@ -241,6 +244,23 @@ impl Observer {
         row.extend([smallest_gap, iterations, residual, evaluations].map(|number| vec![number]));
         row.extend(divergence.into_iter().chain([seconds]).map(|number| vec![number]));
         row
+    }
+
+    fn vectors(&self, of_box: Vec<Vector>) -> Vec<f64> {
+        of_box.into_iter().flat_map(|vector| self.axes.vector(vector).to_array()).collect()
+    }
+
+    fn variances(&self, of_box: &[Vector]) -> Vec<f64> {
+        of_box.iter().flat_map(|squares| self.axes.list(squares.to_array())).collect()
+    }
+
+    /// Stresses along the two axes of the box that are along walls.
+    fn along_walls(&self, of_box: &[[f64; 2]]) -> Vec<f64> {
+        let of_wall = |&[x, y]: &[f64; 2]| {
+            let stress = self.axes.vector(Vector::new(x, y, 0.0));
+            [0, 1].map(|along| stress[self.axes.axis(along)])
+        };
+        of_box.iter().flat_map(of_wall).collect()
     }
 
     /// Mean and variance of the velocity of each species.
@@ -284,8 +304,4 @@ fn count(suspension: &Suspension) -> f64 {
     let mut count = [suspension.particles().len() as f64];
     suspension.comm().sum(&mut count);
     count[0]
-}
-
-fn components(vectors: &[Vector]) -> Vec<f64> {
-    vectors.iter().flat_map(Vector::to_array).collect()
 }

@@ -10,6 +10,7 @@ use crate::observe::Observer;
 use crate::plan::Radii;
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
+use crate::user_axes::UserAxes;
 use domain::{Comm, GivenPositions, Interrupt, Particles};
 use fcm::Drawn;
 use simulation::{
@@ -25,6 +26,7 @@ pub struct Observed {
     cautions: Vec<String>,
     /// Whether the stiffness of contacts is chosen, and adapts at first.
     chooses_stiffness: [bool; 2],
+    axes: UserAxes,
 }
 
 /// The columns of a frame of the trajectory.
@@ -53,12 +55,13 @@ impl Observed {
         let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension.gathered(Some(&[]))));
         let chosen = model.contacts.is_some_and(|contacts| contacts.stiffness.is_none());
         let chooses_stiffness = [chosen, chosen && model.contacts.is_some_and(|contacts| contacts.settles(model))];
-        Self { suspension, observer, averages, cautions, chooses_stiffness }
+        Self { suspension, observer, averages, cautions, chooses_stiffness, axes: model.user_axes() }
     }
 
     fn frame_of(&self, particles: Particles) -> Frame {
-        let cell = *self.suspension.cell();
-        Frame { particles, cell, periodic: [0, 1, 2].map(|axis| cell.is_periodic(axis)) }
+        let (cell, axes) = (self.suspension.cell(), &self.axes);
+        let periodic = axes.list([0, 1, 2].map(|axis| cell.is_periodic(axis)));
+        Frame { particles: axes.particles(particles), cell: axes.cell(cell), periodic }
     }
 
     /// The suspension that is observed.
@@ -152,7 +155,7 @@ impl Simulation for Observed {
     }
 
     fn contact_forces(&self) -> Option<ContactForces> {
-        self.suspension.contact_forces()
+        self.suspension.contact_forces().map(|contacts| self.axes.contacts(contacts))
     }
 
     fn averages(&mut self) -> Option<TableSet> {

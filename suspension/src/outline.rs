@@ -8,8 +8,8 @@ use crate::model::{Contacts, Model};
 use crate::open_box::follows;
 use crate::plan::{Radii, problem_in};
 use crate::setup::{Planned, Setup};
-use domain::{Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, readable_bytes};
-use fcm::{Method, Plan, Precision, Problem, Support};
+use domain::{Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, Turn, readable_bytes};
+use fcm::{Method, Plan, Precision, Problem};
 use serde_json::{Value, json};
 use simulation::Outline;
 
@@ -52,7 +52,8 @@ pub fn outline(
     let mut others = Plan::ranked(&problem_in(&cell, model, &planned.radii))?;
     others.retain(|plan| *plan != planned.plan);
     let outline = with_particles(Outline::default(), model, &planned.radii, gap.as_ref());
-    let outline = outline.lines(&planned.plan.describe()).value("plan", plan_values(&planned.plan));
+    let outline =
+        outline.lines(&planned.plan.describe_for(model.turn)).value("plan", plan_values(&planned.plan, model.turn));
     let outline = outline
         .line("steps", format_args!("{}, until time {:.6}", model.steps, Number(model.end())))
         .value("steps", model.steps)
@@ -65,7 +66,7 @@ pub fn outline(
     };
     let outline = with_stiffness(outline, model);
     let memory = Memory::of(model, &planned, asked);
-    let outline = with_cost(memory.add_to(outline), &planned.plan, &others);
+    let outline = with_cost(memory.add_to(outline), (&planned.plan, model.turn), &others);
     let outline = beside_periodic(outline, (model, &cell), &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
@@ -112,7 +113,7 @@ fn beside_periodic(
     let memory = |plan: &Plan| memory::need(model, (&planned.radii, plan), ranks, 0).resident;
     let times = planned.plan.predicted_seconds / periodic.predicted_seconds;
     let room = memory(&planned.plan) / memory(&periodic);
-    let edges = cell.edges().to_array().map(|edge| Number(edge).to_string()).join(" x ");
+    let edges = model.user_axes().list(cell.edges().to_array()).map(|edge| Number(edge).to_string()).join(" x ");
     let text = format!(
         "{times:.1} times the time of an evaluation, and {room:.1} times the memory, of a periodic box of {edges}"
     );
@@ -132,32 +133,31 @@ fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
 }
 
 /// What an evaluation takes, and the fastest of the other plans.
-fn with_cost(outline: Outline, plan: &Plan, others: &[Plan]) -> Outline {
+fn with_cost(outline: Outline, (plan, turn): (&Plan, Turn), others: &[Plan]) -> Outline {
     let seconds = plan.predicted_seconds;
     let text = format!("about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several");
     let mut outline = outline.line("cost", text).value("seconds_per_evaluation", seconds);
     let others = &others[..others.len().min(RUNNERS_UP)];
     for (number, plan) in others.iter().enumerate() {
         let label = if number == 0 { "instead" } else { "" };
-        outline = outline.line(label, format_args!("{:.2e} s: {}", plan.predicted_seconds, plan.in_short()));
+        outline = outline.line(label, format_args!("{:.2e} s: {}", plan.predicted_seconds, plan.in_short_for(turn)));
     }
-    outline.value("other_plans", others.iter().map(plan_values).collect::<Vec<_>>())
+    outline.value("other_plans", others.iter().map(|plan| plan_values(plan, turn)).collect::<Vec<_>>())
 }
 
-/// A plan as named values.
-pub fn plan_values(plan: &Plan) -> Value {
+/// A plan as named values, for a reader whose axes a turn makes those of the box.
+pub fn plan_values(plan: &Plan, turn: Turn) -> Value {
     let (method, width, cutoff) = match plan.method {
         Method::Direct => ("direct", None, None),
         Method::Split { width, cutoff } => ("split", Some(width), Some(cutoff)),
     };
-    let Support { lanes, support, .. } = plan.support;
     json!({
         "method": method,
         "width": width,
         "cutoff": cutoff,
         "precision": if plan.precision == Precision::Single { "f32" } else { "f64" },
-        "grid": plan.grid,
-        "support": [lanes, support, support],
+        "grid": turn.inverse().list(plan.grid),
+        "support": turn.inverse().list(plan.support.along_axes()),
         "tolerance": plan.tolerance,
         "expected_error": plan.predicted_error,
         "iteration_tolerance": plan.iteration_tolerance,

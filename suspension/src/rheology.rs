@@ -2,6 +2,7 @@
 
 use crate::model::{BrownianScheme, Flow, Integrator, Model, Multipoles};
 use crate::stress::ParticleStress;
+use crate::user_axes::UserAxes;
 use domain::{Boundaries, Tensor};
 use simulation::Quantity;
 
@@ -16,6 +17,7 @@ pub struct Rheology {
     /// The axis along which the flow grows.
     gradient: usize,
     origins: Vec<Origin>,
+    axes: UserAxes,
 }
 
 /// Where a part of the stress comes from.
@@ -50,6 +52,7 @@ impl Rheology {
             changes: !rates.is_constant(),
             gradient: model.cell.gradient_axis(),
             origins,
+            axes: model.user_axes(),
         })
     }
 
@@ -90,7 +93,8 @@ impl Rheology {
 
     /// The numbers of these quantities at a rate of the flow and a strain.
     pub fn row(&self, stress: &[ParticleStress], [rate, strain]: [f64; 2]) -> Vec<Vec<f64>> {
-        let of_all = |&(_, part): &Origin| stress.iter().flat_map(|s| components(&part(s))).collect();
+        let of_all =
+            |&(_, part): &Origin| stress.iter().flat_map(|s| components(&self.axes.tensor(&part(s)))).collect();
         let mut row: Vec<Vec<f64>> = self.origins.iter().map(of_all).collect();
         let total = ParticleStress::sum(stress);
         let [xx, _, _, yy, _, zz] = components(&total);

@@ -61,12 +61,16 @@ impl About {
     /// The axis along which forces act most, and its name; `None` without forces.
     pub(super) fn force_axis(&self) -> Option<(usize, char)> {
         let Some(Kind::Suspension(scene)) = self.kind() else { return None };
-        scene.model.force_axis().map(|axis| (axis, ['x', 'y', 'z'][axis]))
+        let axes = scene.model.user_axes();
+        scene.model.force_axis().map(|axis| (axes.axis(axis), axes.name(axis)))
     }
 
-    /// The axis that is drawn upwards: that of the gradient in a shear flow and of the height of a cell.
+    /// The axis that is drawn upwards, y or z: that across walls or of the gradient in a shear flow, and of the height of a cell.
     pub(super) fn up(&self) -> char {
         match self.kind() {
+            Some(Kind::Suspension(scene)) if scene.model.cell.boundaries().walls() > 0 => {
+                if scene.model.user_axes().name(2) == 'y' { 'y' } else { 'z' }
+            }
             Some(Kind::Suspension(scene)) if matches!(scene.model.flow, Flow::None) => match self.force_axis() {
                 Some((1, _)) => 'y',
                 _ => 'z',
@@ -85,8 +89,9 @@ impl About {
         match self.kind()? {
             Kind::Suspension(scene) => match scene.model.flow {
                 Flow::Shear { rate, .. } if scene.model.shear_rates().is_constant() => {
-                    let gradient = scene.model.cell.gradient_axis();
-                    Some(Box::new(move |place| Vector::X * (rate * place[gradient])))
+                    let axes = scene.model.user_axes();
+                    let (along, gradient) = (axes.vector(Vector::X), axes.axis(scene.model.cell.gradient_axis()));
+                    Some(Box::new(move |place| along * (rate * place[gradient])))
                 }
                 flow @ Flow::Extension { rate, .. } if scene.model.shear_rates().is_constant() => {
                     Some(Box::new(move |place| flow.at_rate(rate).velocity(place)))

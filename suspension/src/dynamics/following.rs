@@ -36,7 +36,7 @@ impl Dynamics {
         let comm = self.partition.comm();
         let cell = around(&following.model.cell, particles, (following.radii.largest(), comm));
         if !self.fits(&cell) {
-            let edges = cell.edges().to_array().map(|edge| Number(edge).to_string()).join(" x ");
+            let edges = self.axes.list(cell.edges().to_array()).map(|edge| Number(edge).to_string()).join(" x ");
             let planned = self.planned(&cell);
             let planned = planned.map_err(|source| StepError::Box { step: clock.step(), edges, source })?;
             self.adopt(&planned);

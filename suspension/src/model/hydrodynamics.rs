@@ -1,5 +1,6 @@
 //! How the fluid is computed.
 
+use crate::user_axes::UserAxes;
 use domain::{Number, ParameterError};
 
 /// How the fluid is computed; what is `None` is chosen from the tolerance.
@@ -67,7 +68,7 @@ impl Default for Hydrodynamics {
 }
 
 impl Hydrodynamics {
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
+    pub(super) fn check(&self, axes: &UserAxes) -> Result<(), ParameterError> {
         let key = |name: &str| format!("hydrodynamics.{name}");
         ParameterError::unless_between(&key("tolerance"), self.tolerance, [1e-12, 0.1])?;
         if let Some(tolerance) = self.iteration_tolerance {
@@ -77,7 +78,7 @@ impl Hydrodynamics {
             let message = format!("is {support}; a stencil covers 2 to 64 grid points");
             return Err(ParameterError::new(key("support"), message));
         }
-        for (axis, points) in self.grid.iter().flatten().enumerate() {
+        for (axis, points) in self.grid.map(|grid| axes.list(grid)).iter().flatten().enumerate() {
             check_points(*points).map_err(|message| ParameterError::new(key(&format!("grid[{axis}]")), message))?;
         }
         for (name, cost) in ["stencils", "transforms", "pairs"].iter().zip(self.costs.iter().flatten()) {

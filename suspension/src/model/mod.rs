@@ -14,14 +14,16 @@ mod sizes;
 mod spheres;
 mod statistics;
 mod traps;
+mod turned;
 
 use crate::tethers::BOND_NUMBERS;
+use crate::user_axes::UserAxes;
 pub use attraction::Attraction;
 pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
 pub(crate) use cubic_field::CubicField;
-use domain::{Boundaries, ParameterError, PeriodicBox, Tensor, Vector};
+use domain::{Boundaries, ParameterError, PeriodicBox, Tensor, Turn, Vector};
 pub use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Extremes;
@@ -42,6 +44,9 @@ pub struct Parameters {
     pub seed: u64,
     /// The box, not sheared yet; in an extension that of [`Extension::cell`], unless the fluid is open.
     pub cell: PeriodicBox,
+    /// From the axes of whoever gave the parameters, and looks at the run, to those of the box, in which all vectors here are; see
+    /// [`Parameters::turned`].
+    pub turn: Turn,
     /// Viscosity of the fluid.
     pub viscosity: f64,
     /// The thermal energy `kT`, by which spheres diffuse; without, they do not.
@@ -87,6 +92,7 @@ impl Parameters {
         Self {
             seed: 0,
             cell,
+            turn: Turn::default(),
             viscosity,
             thermal_energy: None,
             gravity: Vector::ZERO,
@@ -106,6 +112,11 @@ impl Parameters {
             statistics: None,
             fields: false,
         }
+    }
+
+    /// The axes of the user.
+    pub fn user_axes(&self) -> UserAxes {
+        UserAxes::of(self)
     }
 
     /// The rate of shear or of extension in time; 0 without a flow.

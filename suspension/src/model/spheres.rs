@@ -1,5 +1,6 @@
 //! The spheres: their species and where they start.
 
+use super::Parameters;
 use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector};
 
 /// The largest volume fraction that spheres may have together.
@@ -69,7 +70,8 @@ impl Species {
         self.force + gravity * (self.density_difference * volume(radius))
     }
 
-    pub(super) fn check(&self, index: usize, cell: &PeriodicBox, shortest: f64) -> Result<(), ParameterError> {
+    pub(super) fn check(&self, index: usize, p: &Parameters, shortest: f64) -> Result<(), ParameterError> {
+        let (cell, axes) = (&p.cell, p.user_axes());
         let key = |name: &str| format!("species[{index}].{name}");
         ParameterError::unless_positive(&key("radius"), self.radius)?;
         if 2.0 * self.radius >= shortest {
@@ -89,17 +91,18 @@ impl Species {
             return Err(ParameterError::new(key("count"), "is 0; a species needs at least one sphere"));
         }
         ParameterError::unless_finite(&key("density_difference"), self.density_difference)?;
-        ParameterError::unless_finite_vector(&key("force"), self.force)?;
-        ParameterError::unless_finite_vector(&key("torque"), self.torque).map(drop)
+        ParameterError::unless_finite_vector(&key("force"), axes.vector(self.force))?;
+        ParameterError::unless_finite_vector(&key("torque"), axes.vector(self.torque)).map(drop)
     }
 }
 
 /// Checks what species have to be together, in a box whose shortest lattice vector is known.
-pub(super) fn check_species(species: &[Species], cell: &PeriodicBox, shortest: f64) -> Result<(), ParameterError> {
+pub(super) fn check_species(p: &Parameters, shortest: f64) -> Result<(), ParameterError> {
+    let (species, cell) = (&p.species, &p.cell);
     if species.is_empty() {
         return Err(ParameterError::new("species", "is empty; write at least one [[species]] section"));
     }
-    species.iter().enumerate().try_for_each(|(index, one)| one.check(index, cell, shortest))?;
+    species.iter().enumerate().try_for_each(|(index, one)| one.check(index, p, shortest))?;
     for (index, one) in species.iter().enumerate() {
         if species[..index].iter().any(|other| other.name == one.name) {
             let message = format!("is \"{}\", as another species' name; give each its own", one.name);
@@ -133,19 +136,19 @@ fn too_many(count: f64) -> String {
 }
 
 impl Start {
-    pub(super) fn check(&self, species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {
+    pub(super) fn check(&self, p: &Parameters) -> Result<(), ParameterError> {
         match self {
             Self::Random { minimum_gap } if !(*minimum_gap >= 0.0 && minimum_gap.is_finite()) => {
                 let message = format!("is {}; it needs to be 0 or more", Number(*minimum_gap));
                 Err(ParameterError::new("particles.minimum_gap", message))
             }
-            Self::Positions(places) => check_places(places, species, cell),
+            Self::Positions(places) => check_places(places, p),
             Self::Cloud { radius, minimum_gap } => {
                 ParameterError::unless_positive("particles.radius", *radius)?;
-                Self::Random { minimum_gap: *minimum_gap }.check(species, cell)?;
-                check_open(cell)
+                Self::Random { minimum_gap: *minimum_gap }.check(p)?;
+                check_open(&p.cell)
             }
-            _ => self.check_counts(species),
+            _ => self.check_counts(&p.species),
         }
     }
 
@@ -173,21 +176,23 @@ fn check_open(cell: &PeriodicBox) -> Result<(), ParameterError> {
     Err(ParameterError::new("particles.initial", message))
 }
 
-fn check_places(places: &[Vector], species: &[Species], cell: &PeriodicBox) -> Result<(), ParameterError> {
+fn check_places(places: &[Vector], p: &Parameters) -> Result<(), ParameterError> {
+    let (species, cell, axes) = (&p.species, &p.cell, p.user_axes());
     let counted: u64 = species.iter().filter_map(|s| s.count).sum();
     if places.len() as u64 != counted {
         let message = format!("has {} places, but the species count {counted} spheres", places.len());
         return Err(ParameterError::new("particles.positions", message));
     }
     for (row, &place) in places.iter().enumerate() {
-        ParameterError::unless_finite_vector(&format!("particles.positions[{row}]"), place)?;
+        ParameterError::unless_finite_vector(&format!("particles.positions[{row}]"), axes.place(place))?;
     }
     let radii = species.iter().flat_map(|s| std::iter::repeat_n(s.radius, s.count.unwrap_or(0) as usize));
     for (row, (&place, radius)) in places.iter().zip(radii).enumerate() {
         if let Some(to) = cell.to_walls(place).find(|to| to.distance < radius * (1.0 - 1e-12)) {
             let wall = if to.wall == 0 { 0.0 } else { cell.edges().z };
-            let [z, radius, wall] = [place.z, radius, wall].map(Number);
-            let message = format!("has z = {z}: a sphere of radius {radius} there reaches into the wall at z = {wall}");
+            let ([z, radius, wall], axis) = ([place.z, radius, wall].map(Number), axes.name(2));
+            let message =
+                format!("has {axis} = {z}: a sphere of radius {radius} there reaches into the wall at {axis} = {wall}");
             return Err(ParameterError::new(format!("particles.positions[{row}]"), message));
         }
     }

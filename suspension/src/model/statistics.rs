@@ -54,7 +54,7 @@ impl Statistics {
         lag.transpose().map(drop)
     }
 
-    /// Pairs are of boxes that repeat along all axes, bins of those with a wall or open along z.
+    /// Pairs are of boxes that repeat along all axes, bins of those with a wall or one open axis.
     fn check_boundaries(&self, cell: &PeriodicBox) -> Result<(), ParameterError> {
         let is_periodic = cell.boundaries() == Boundaries::Periodic;
         if self.distance.is_some() && !is_periodic {
@@ -63,7 +63,7 @@ impl Statistics {
         }
         match self.bins {
             Some(_) if is_periodic => {
-                let message = "is set, but profiles in bins are of a box with walls or open along z; leave it out";
+                let message = "is set, but profiles in bins are of a box with walls or one open axis; leave it out";
                 Err(ParameterError::new("statistics.bins", message))
             }
             Some(bins) if !(1..=MOST_BINS).contains(&bins) => {

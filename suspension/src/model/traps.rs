@@ -2,6 +2,7 @@
 
 use super::Parameters;
 use super::bonds::{counted, unless_known};
+use crate::user_axes::UserAxes;
 use domain::{Number, ParameterError, Vector};
 
 /// A harmonic trap for each of some spheres: the force `-stiffness (x - centre)`.
@@ -56,7 +57,7 @@ impl Traps {
         }
     }
 
-    fn check(&self, key: &str) -> Result<(), ParameterError> {
+    fn check(&self, key: &str, axes: &UserAxes) -> Result<(), ParameterError> {
         ParameterError::unless_positive(&format!("{key}.stiffness"), self.stiffness)?;
         if let Trapped::Spheres(ids) = &self.of {
             let key = format!("{key}.particles");
@@ -66,12 +67,14 @@ impl Traps {
         }
         match &self.centres {
             Centres::AtStart => Ok(()),
-            Centres::One(centre) => ParameterError::unless_finite_vector(&format!("{key}.centre"), *centre).map(drop),
-            Centres::Each(list) => self.check_list(&format!("{key}.centres"), list),
+            Centres::One(centre) => {
+                ParameterError::unless_finite_vector(&format!("{key}.centre"), axes.place(*centre)).map(drop)
+            }
+            Centres::Each(list) => self.check_list(&format!("{key}.centres"), list, axes),
         }
     }
 
-    fn check_list(&self, key: &str, list: &[Vector]) -> Result<(), ParameterError> {
+    fn check_list(&self, key: &str, list: &[Vector], axes: &UserAxes) -> Result<(), ParameterError> {
         let Trapped::Spheres(ids) = &self.of else {
             let message = "go with a list of particles, one for each; write centre = [x, y, z] for one that all have";
             return Err(ParameterError::new(key, message));
@@ -81,7 +84,7 @@ impl Traps {
             return Err(ParameterError::new(key, message));
         }
         for (row, &centre) in list.iter().enumerate() {
-            ParameterError::unless_finite_vector(&format!("{key}[{row}]"), centre)?;
+            ParameterError::unless_finite_vector(&format!("{key}[{row}]"), axes.place(centre))?;
         }
         Ok(())
     }
@@ -99,7 +102,7 @@ impl Traps {
 /// Checks all traps of a model.
 pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
     for (index, traps) in p.traps.iter().enumerate() {
-        traps.check(&format!("traps[{index}]"))?;
+        traps.check(&format!("traps[{index}]"), &p.user_axes())?;
         counted(&p.species).map_or(Ok(()), |count| traps.check_ids(index, count))?;
     }
     if !p.traps.is_empty() && p.shear_rates().stress().is_some() {

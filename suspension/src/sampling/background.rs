@@ -1,8 +1,9 @@
-//! The flow without spheres, which velocities are relative to.
+//! The flow without spheres, which velocities are relative to, in the axes of the user.
 
 use crate::model::{Flow, Model};
 use crate::poiseuille::Poiseuille;
 use crate::setup::profile;
+use crate::user_axes::UserAxes;
 use domain::Vector;
 use solver::BackgroundFlow;
 
@@ -12,6 +13,7 @@ pub struct Flows {
     /// Whether the flow grows along z, between walls.
     is_couette: bool,
     profile: Option<Poiseuille>,
+    axes: UserAxes,
 }
 
 /// The flow at one time.
@@ -19,41 +21,46 @@ pub struct Flows {
 pub struct Background {
     flow: BackgroundFlow,
     profile: Option<Poiseuille>,
+    axes: UserAxes,
 }
 
 impl Flows {
     /// Those of a scene.
     pub fn of(model: &Model) -> Self {
-        Self { kind: model.flow, is_couette: model.cell.gradient_axis() == 2, profile: profile(model) }
+        let is_couette = model.cell.gradient_axis() == 2;
+        Self { kind: model.flow, is_couette, profile: profile(model), axes: model.user_axes() }
     }
 
-    /// The linear flow at a rate.
+    /// The linear flow at a rate, in the axes of the box.
     pub fn linear(&self, rate: f64) -> BackgroundFlow {
         if self.is_couette { BackgroundFlow::couette(rate) } else { self.kind.at_rate(rate) }
     }
 
     /// The whole flow at a rate.
     pub fn at_rate(&self, rate: f64) -> Background {
-        Background { flow: self.linear(rate), profile: self.profile }
+        Background { flow: self.linear(rate), profile: self.profile, axes: self.axes }
     }
 
     /// Along which axes it carries spheres when it has a rate.
     pub fn carries(&self, rate: f64) -> [bool; 3] {
         let gradient = self.linear(rate).gradient();
-        [0, 1, 2].map(|axis| gradient.row(axis) != Vector::ZERO || (axis == 0 && self.profile.is_some()))
+        let of_box = |axis: usize| gradient.row(axis) != Vector::ZERO || (axis == 0 && self.profile.is_some());
+        self.axes.list([0, 1, 2].map(of_box))
     }
 }
 
 impl Background {
     /// The velocity of a free sphere of a radius in the flow.
     pub fn velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        let place = self.axes.place_in(place);
         let linear = self.flow.velocity(place);
-        self.profile.map_or(linear, |profile| linear + profile.velocity_of(place.z, radius))
+        self.axes.vector(self.profile.map_or(linear, |profile| linear + profile.velocity_of(place.z, radius)))
     }
 
     /// Its angular velocity.
     pub fn angular_velocity_at(&self, place: Vector) -> Vector {
         let linear = self.flow.angular_velocity();
-        self.profile.map_or(linear, |profile| linear + profile.angular_velocity(place.z))
+        let height = self.axes.place_in(place).z;
+        self.axes.vector(self.profile.map_or(linear, |profile| linear + profile.angular_velocity(height)))
     }
 }

@@ -9,11 +9,13 @@ use statistics::{ChannelProfile, ChannelSample};
 /// The columns that a sample needs besides [`super::COLUMNS`].
 pub const MORE_COLUMNS: [&str; 1] = [STRESSLET];
 
-/// A profile along z, from the wall at 0 on, or around the middle of a layer, wherever that is.
+/// A profile along the axis that does not repeat, from the wall at 0 on, or around the middle of a layer, wherever that is.
 pub struct Channel {
     pub profile: ChannelProfile,
     /// Whether heights are those above the mean height of all centres.
     is_layer: bool,
+    /// The user's axis along which heights are.
+    pub axis: usize,
 }
 
 impl Channel {
@@ -24,12 +26,13 @@ impl Channel {
         let edges = model.cell.edges();
         let bottom = if is_layer { -0.5 * edges.z } else { 0.0 };
         let (area, of) = (edges.x * edges.y, (model.species.len(), count));
-        Some(Self { profile: ChannelProfile::new([bottom, bottom + edges.z], area, of), is_layer })
+        let profile = ChannelProfile::new([bottom, bottom + edges.z], area, of);
+        Some(Self { profile, is_layer, axis: model.user_axes().axis(2) })
     }
 
     /// Adds all spheres at one time, in the order of their ids, which move so relative to the flow.
     pub fn add(&mut self, particles: &Particles, slips: &[Vector]) {
-        let mut heights: Vec<f64> = particles.positions.iter().map(|x| x.z).collect();
+        let mut heights: Vec<f64> = particles.positions.iter().map(|x| x[self.axis]).collect();
         if self.is_layer {
             let middle = heights.iter().sum::<f64>() / heights.len() as f64;
             for height in &mut heights {

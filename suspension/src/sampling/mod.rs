@@ -23,8 +23,8 @@ use std::borrow::Cow;
 /// The columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
 
-/// Everything that is averaged. All particles of a sample have to be on one rank, in the order of their ids, so that
-/// results do not depend on the number of ranks.
+/// Everything that is averaged, in the axes of the user. All particles of a sample have to be on one rank, in the order of
+/// their ids, so that results do not depend on the number of ranks.
 pub struct Statistics {
     about: About,
     /// First time, last time, and samples.
@@ -50,7 +50,7 @@ pub struct Sample<'a> {
     pub time: f64,
     /// The rate of the flow then.
     pub rate: f64,
-    /// The box.
+    /// The box, in the axes of the user.
     pub cell: &'a PeriodicBox,
     /// All particles, with the columns [`COLUMNS`].
     pub particles: &'a Particles,
@@ -195,7 +195,7 @@ impl About {
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             axis: axis(model, wanted.axis),
             angle: angle(&flow, model.flow, axis(model, wanted.axis)),
-            columns: columns(model),
+            columns: columns_of_user(model),
             wanted,
         }
     }
@@ -227,6 +227,12 @@ pub fn has_columns(model: &Model) -> bool {
 pub fn columns(model: &Model) -> SpeciesColumns {
     let (axis, width) = axis_and_width(model);
     SpeciesColumns::new(&model.cell, axis, width, model.species.len())
+}
+
+/// The same columns in the axes of the user.
+fn columns_of_user(model: &Model) -> SpeciesColumns {
+    let ((axis, width), axes) = (axis_and_width(model), model.user_axes());
+    SpeciesColumns::new(&axes.cell(&model.cell), axes.axis(axis), width, model.species.len())
 }
 
 /// What such columns take, and as many again that are counted in.

@@ -1,10 +1,11 @@
 //! What statistics come to, as tables.
 
+use super::channel::Channel;
 use super::{Statistics, Vectors};
 use simulation::Table;
 use statistics::{
-    Angle, ChannelProfile, Diffusivity, Estimate, Moduli, PairDistribution, Profile, StretchedExponential,
-    global_coefficient, mean_coefficient,
+    Angle, Diffusivity, Estimate, Moduli, PairDistribution, Profile, StretchedExponential, global_coefficient,
+    mean_coefficient,
 };
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -26,7 +27,7 @@ impl Statistics {
         ];
         tables.extend(self.pairs.iter().flat_map(|pairs| [self.radial(pairs), self.by_angle(pairs)]));
         tables.extend(self.profile.iter().map(|profile| self.concentration(profile)));
-        tables.extend(self.channel.iter().map(|channel| self.across(&channel.profile)));
+        tables.extend(self.channel.iter().map(|channel| self.across(channel)));
         tables.extend(self.measured_moduli().map(harmonics));
         tables
     }
@@ -164,13 +165,13 @@ const ACROSS: [(&str, &[&str], &str); 5] = [
 
 impl Statistics {
     /// Averages in bins across the channel.
-    fn across(&self, profile: &ChannelProfile) -> Table {
+    fn across(&self, Channel { profile, axis, .. }: &Channel) -> Table {
         let scalars = [("volume_fraction".to_owned(), ""), ("number_density".to_owned(), "1/length^3")];
         let component = |(name, of, unit): &(&str, &[&str], &'static str)| -> Vec<(String, &'static str)> {
             of.iter().map(|component| (format!("{name}_{component}"), *unit)).collect()
         };
         let quantities = scalars.into_iter().chain(ACROSS.iter().flat_map(component));
-        let mut columns = vec![(AXES[2].to_owned(), "length")];
+        let mut columns = vec![(AXES[*axis].to_owned(), "length")];
         columns.extend(quantities.flat_map(|(name, unit)| [(name.clone(), unit), (name + "_error", unit)]));
         let mut table = Table { columns, ..Table::new("profile", &["species"], &[]) };
         for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {

@@ -2,21 +2,23 @@
 
 use super::raw::{self, Raw};
 use super::{Fault, flow};
+use crate::CaseBoundary;
+use crate::case_boundaries::boundaries_of;
 use crate::scene::checks::positive;
-use domain::{Boundaries, PeriodicBox, Vector};
+use domain::{Boundaries, PeriodicBox, Turn, Vector};
 
 /// Radii of the largest sphere around those that a scene says nothing of the places of.
 const SOMEWHERE: f64 = 10.0;
 
-/// The box, which in an extension is another one of the same volume, if it repeats. Where the fluid is open along all axes it is about what is in
-/// it at the start.
-pub fn cell(raw: &Raw) -> Result<PeriodicBox, Fault> {
-    let boundaries = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
-    let edges = Vector::from_array(edges(raw, boundaries)?);
+/// The box, with its special axis last, and the turn to its axes. In an extension it is another one of the same volume, if it repeats;
+/// where the fluid is open along all axes it is about what is in it at the start.
+pub fn cell(raw: &Raw) -> Result<(PeriodicBox, Turn), Fault> {
+    let (boundaries, turn) = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
+    let edges = Vector::from_array(turn.list(edges(raw, boundaries)?));
     let extension = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind));
     match (extension, boundaries) {
         (None, _) | (Some(_), Boundaries::Open) => {}
-        (Some(extension), Boundaries::Periodic) => return Ok(extension.cell(edges)?),
+        (Some(extension), Boundaries::Periodic) => return Ok((extension.cell(edges)?, turn)),
         (Some(_), _) => {
             let message = "has walls or an open axis, but an extension needs a box that repeats along all axes, or fluid that is \
                            open along all; leave it out";
@@ -24,7 +26,8 @@ pub fn cell(raw: &Raw) -> Result<PeriodicBox, Fault> {
         }
     }
     let cell = PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))?;
-    cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))
+    let cell = cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))?;
+    Ok((cell, turn))
 }
 
 fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
@@ -74,19 +77,11 @@ fn largest(species: &raw::Species) -> f64 {
     species.radius.or(species.distribution.as_ref().map(of_list)).unwrap_or(0.0)
 }
 
-fn boundaries(axes: [raw::Boundary; 3]) -> Result<Boundaries, Fault> {
-    use raw::Boundary::{Open, Periodic, Wall, Walls};
-    match axes {
-        [Periodic, Periodic, Periodic] => Ok(Boundaries::Periodic),
-        [Periodic, Periodic, Walls] => Ok(Boundaries::Walls),
-        [Periodic, Periodic, Wall] => Ok(Boundaries::Wall),
-        [Periodic, Periodic, Open] => Ok(Boundaries::OpenAlongZ),
-        [Open, Open, Open] => Ok(Boundaries::Open),
-        _ => {
-            let message = "is none that is possible: \"periodic\" along all axes; \"open\" along all axes; or \"periodic\", \
-                           \"periodic\" and along the third axis \"walls\", one at 0 and one at the edge, \"wall\", one at 0 with \
-                           open fluid above, or \"open\"";
-            Err(Fault::new("box.boundaries", message))
-        }
-    }
+fn boundaries(axes: [raw::Boundary; 3]) -> Result<(Boundaries, Turn), Fault> {
+    boundaries_of(axes.map(CaseBoundary::from)).map_err(|_| {
+        let message = "is none that is possible: \"periodic\" along all axes; \"open\" along all axes; or along one axis \"walls\", \
+                       one at 0 and one at the edge, \"wall\", one at 0 with open fluid above, or \"open\", and \"periodic\" along \
+                       the other two";
+        Fault::new("box.boundaries", message)
+    })
 }

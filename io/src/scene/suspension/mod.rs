@@ -8,7 +8,7 @@ mod tethers;
 
 use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
-use domain::{Boundaries, PeriodicBox, Vector};
+use domain::{Boundaries, PeriodicBox, Turn, Vector};
 pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::f64::consts::PI;
@@ -36,7 +36,7 @@ pub struct SuspensionScene {
 
 impl SuspensionScene {
     pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, Fault> {
-        let cell = cell::cell(&raw)?;
+        let (cell, turn) = cell::cell(&raw)?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, room(&raw, &cell))?;
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
@@ -51,6 +51,7 @@ impl SuspensionScene {
         let parameters = Parameters {
             seed: raw.seed,
             cell,
+            turn: Turn::default(),
             viscosity: raw.fluid.viscosity,
             thermal_energy: raw.fluid.thermal_energy,
             gravity: raw.gravity.as_ref().map_or(Vector::ZERO, |g| g.acceleration.into()),
@@ -69,7 +70,8 @@ impl SuspensionScene {
             integrator: integrator(&raw.time, usual_integrator, raw.contacts.is_some())?,
             statistics: raw.statistics.as_ref().map(statistics),
             fields: output.fields != Schedule::NEVER,
-        };
+        }
+        .turned(turn);
         Ok(Self {
             title: raw.title.unwrap_or_default(),
             model: Model::new(if gap_is_given { parameters } else { parameters.apart_by_roughness() })?,

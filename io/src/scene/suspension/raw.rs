@@ -59,21 +59,9 @@ pub(super) struct Box {
     /// Edges along x, y and z; between walls their distance. In open fluid, in which the box follows the spheres, where they start
     /// if they are at random or on a lattice in it, else none.
     pub(super) edges: Option<[f64; 3]>,
-    /// What each axis is; "periodic" by default.
+    /// What each axis is: "periodic", which is the default, along all or along two of them; then the third may have "walls", two, at
+    /// 0 and at the edge, a "wall", at 0 with open fluid above it, or be "open"; or all are "open".
     pub(super) boundaries: Option<[Boundary; 3]>,
-}
-
-#[derive(Deserialize, JsonSchema, Clone, Copy)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Boundary {
-    /// The box repeats.
-    Periodic,
-    /// Two walls, at 0 and at the edge.
-    Walls,
-    /// A wall at 0, and open fluid above it.
-    Wall,
-    /// Open fluid.
-    Open,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -176,8 +164,9 @@ pub(super) enum Initial {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
-    /// The flow: none; along x the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls; or
-    /// an extension: planar, u = rate (x, -y, 0), uniaxial, u = rate (x, -y/2, -z/2), or biaxial, u = rate (x, y, -2 z).
+    /// The flow: none; along x the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls, which
+    /// with walls across y is u = rate y along x, and across x u = rate x along y; or an
+    /// extension: planar, u = rate (x, -y, 0), uniaxial, u = rate (x, -y/2, -z/2), or biaxial, u = rate (x, y, -2 z).
     pub(super) kind: FlowKind,
     /// Rate of shear or extension; or a table of times, from 0 on, and the rates from then on.
     pub(super) rate: Option<Rate>,
@@ -189,7 +178,7 @@ pub(super) struct Flow {
     pub(super) control: Option<Control>,
     /// Shear stress, for control = "stress".
     pub(super) stress: Option<f64>,
-    /// By how much the pressure falls per length along x, for "poiseuille".
+    /// By how much the pressure falls per length along the flow, for "poiseuille".
     pub(super) pressure_gradient: Option<f64>,
     /// Whether the box goes with the flow (default), or stays straight, which it can in a shear flow only.
     pub(super) lees_edwards: Option<bool>,
@@ -390,6 +379,7 @@ macro_rules! names {
     };
 }
 
+names! { Boundary for crate::CaseBoundary: Periodic Walls Wall Open }
 names! { Multipoles for suspension::Multipoles: Monopole Dipole }
 names! { Evaluation for suspension::Evaluation: Auto Direct Split }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }

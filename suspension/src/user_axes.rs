@@ -1,0 +1,126 @@
+//! The axes of the user, which a box with walls across x or y does not share with its own.
+
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
+use crate::model::Parameters;
+use domain::{Particles, PeriodicBox, Tensor, Traceless, Turn, Vector};
+use simulation::ContactForces;
+
+/// From the axes of a box to those of whoever gave it, and back; the same where [`Parameters::turn`] is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UserAxes {
+    /// From the user's to the box's.
+    turn: Turn,
+    /// Edges of the box, and as the user has them. They change along axes alone that point the same way in both.
+    edges: [Vector; 2],
+}
+
+impl UserAxes {
+    /// Those of a model.
+    pub fn of(parameters: &Parameters) -> Self {
+        let (turn, edges) = (parameters.turn, parameters.cell.edges());
+        Self { turn, edges: [edges, Vector::from_array(turn.inverse().list(edges.to_array()))] }
+    }
+
+    /// From the user's axes to those of the box.
+    pub fn turn(&self) -> Turn {
+        self.turn
+    }
+
+    /// Which of the user's axes one of the box's is: 0, 1 or 2 for x, y and z.
+    pub fn axis(&self, of_box: usize) -> usize {
+        self.turn.list([0, 1, 2])[of_box]
+    }
+
+    /// What the user calls an axis of the box.
+    pub fn name(&self, of_box: usize) -> char {
+        self.turn.list(['x', 'y', 'z'])[of_box]
+    }
+
+    /// A list of an entry for each axis.
+    pub fn list<T: Copy>(&self, of_box: [T; 3]) -> [T; 3] {
+        self.turn.inverse().list(of_box)
+    }
+
+    /// A vector.
+    pub fn vector(&self, of_box: Vector) -> Vector {
+        self.turn.inverse().vector(of_box)
+    }
+
+    /// A vector of the user's in the axes of the box.
+    pub fn vector_in(&self, of_user: Vector) -> Vector {
+        self.turn.vector(of_user)
+    }
+
+    /// A tensor.
+    pub fn tensor(&self, of_box: &Tensor) -> Tensor {
+        self.turn.inverse().tensor(of_box)
+    }
+
+    /// A place.
+    pub fn place(&self, in_box: Vector) -> Vector {
+        self.turn.inverse().place(in_box, self.edges[1])
+    }
+
+    /// A place of the user's in the box.
+    pub fn place_in(&self, of_user: Vector) -> Vector {
+        self.turn.place(of_user, self.edges[0])
+    }
+
+    /// A box, at whose faces is nothing but what a [`simulation::Frame`] says besides where axes are others.
+    pub fn cell(&self, cell: &PeriodicBox) -> PeriodicBox {
+        if self.turn.is_none() {
+            return *cell;
+        }
+        let [origin, edges] = [cell.origin(), cell.edges()].map(|v| Vector::from_array(self.list(v.to_array())));
+        PeriodicBox::new(edges).and_then(|plain| plain.spanning(origin, edges)).expect("edges of a box")
+    }
+
+    /// Particles with velocities, angular velocities and stresslets, as far as they have them.
+    pub fn particles(&self, mut particles: Particles) -> Particles {
+        if self.turn.is_none() {
+            return particles;
+        }
+        for (position, steps) in particles.positions.iter_mut().zip(&mut particles.steps) {
+            (*position, *steps) = self.inside(self.place(*position), self.turn.inverse().steps(*steps));
+        }
+        for column in &mut particles.columns {
+            match column.name.as_str() {
+                VELOCITY | ANGULAR_VELOCITY => {
+                    let vectors: &mut [Vector] = bytemuck::cast_slice_mut(&mut column.values);
+                    vectors.iter_mut().for_each(|v| *v = self.vector(*v));
+                }
+                STRESSLET => {
+                    let stresslets: &mut [Traceless] = bytemuck::cast_slice_mut(&mut column.values);
+                    stresslets.iter_mut().for_each(|s| *s = self.turn.inverse().traceless(*s));
+                }
+                other => unreachable!("\"{other}\" is for nobody outside"),
+            }
+        }
+        particles
+    }
+
+    /// A place on the near face of the box is on the far one along axes that point the other way: one step further.
+    fn inside(&self, mut place: Vector, mut steps: [i32; 3]) -> (Vector, [i32; 3]) {
+        for (axis, against) in self.turn.inverse().against().into_iter().enumerate() {
+            if against && place[axis] >= self.edges[1][axis] {
+                (place[axis], steps[axis]) = (0.0, steps[axis].wrapping_add(1));
+            }
+        }
+        (place, steps)
+    }
+
+    /// Forces of contacts.
+    pub fn contacts(&self, mut contacts: ContactForces) -> ContactForces {
+        if self.turn.is_none() {
+            return contacts;
+        }
+        let edges = self.list(contacts.lattice.map(Vector::length));
+        contacts.lattice = [Vector::X * edges[0], Vector::Y * edges[1], Vector::Z * edges[2]];
+        for contact in &mut contacts.list {
+            contact.place = self.inside(self.place(contact.place), [0; 3]).0;
+            contact.separation = self.vector(contact.separation);
+            contact.tangential = self.vector(contact.tangential);
+        }
+        contacts
+    }
+}
