@@ -61,7 +61,9 @@ impl AppliedForces {
     /// The sums of forces and torques on all particles.
     fn sums(&mut self, mut positions: Vec<Vector>, time: f64) -> Result<[Vec<Vector>; 2], String> {
         let axes = self.axes;
-        positions.iter_mut().for_each(|position| *position = axes.place(*position));
+        for position in &mut positions {
+            *position = axes.place(*position);
+        }
         let mut sums = [(); 2].map(|()| vec![Vector::ZERO; positions.len()]);
         for function in &mut self.functions {
             let AppliedLoads { forces, torques } = function(&positions, time).map_err(|error| error.to_string())?;

@@ -165,7 +165,9 @@ impl Simulation for Observed {
         if let Some((stiffness, stays)) = self.suspension.contact_stiffness().filter(|_| is_chosen) {
             let summary = set.tables.iter_mut().find(|table| table.name == "summary");
             let row = [stiffness, 0.0, f64::from(u8::from(stays))];
-            summary.into_iter().for_each(|table| table.add(&["contact_stiffness", "all", "force/length^2"], &row));
+            if let Some(table) = summary {
+                table.add(&["contact_stiffness", "all", "force/length^2"], &row);
+            }
         }
         Some(set)
     }

@@ -87,11 +87,15 @@ impl UserAxes {
             match column.name.as_str() {
                 VELOCITY | ANGULAR_VELOCITY => {
                     let vectors: &mut [Vector] = bytemuck::cast_slice_mut(&mut column.values);
-                    vectors.iter_mut().for_each(|v| *v = self.vector(*v));
+                    for vector in vectors {
+                        *vector = self.vector(*vector);
+                    }
                 }
                 STRESSLET => {
                     let stresslets: &mut [Traceless] = bytemuck::cast_slice_mut(&mut column.values);
-                    stresslets.iter_mut().for_each(|s| *s = self.turn.inverse().traceless(*s));
+                    for stresslet in stresslets {
+                        *stresslet = self.turn.inverse().traceless(*stresslet);
+                    }
                 }
                 other => unreachable!("\"{other}\" is for nobody outside"),
             }

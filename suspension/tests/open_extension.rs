@@ -86,7 +86,7 @@ fn a_sphere_alone_goes_with_the_flow() {
     }
 }
 
-/// A pair moves relative to the flow as the mobility of the same places has it.
+/// A pair moves relative to the flow as the mobility of the same places has it, to the tolerance of what the flow does over a radius.
 #[test]
 fn a_pair_moves_as_its_mobility_says() {
     let axis = Vector::new(2.0, 1.0, 2.0) / 3.0;
@@ -110,7 +110,7 @@ fn a_pair_moves_as_its_mobility_says() {
             let expected = mobility.apply(&Loads::default(), &kind.flow(0.8)).unwrap().motion.velocities;
             for (found, expected) in run.velocities_in_flow().iter().zip(&expected) {
                 let error = (*found - *expected).length();
-                assert!(error < 1e-3 * expected.length(), "{flow}, gap {gap}: {found} is not {expected}");
+                assert!(error < 1e-4 * 0.8, "{flow}, gap {gap}: {found} is not {expected}");
             }
             assert!(expected[0].length() > 0.02 && (expected[0] + expected[1]).length() < 1e-5);
         }

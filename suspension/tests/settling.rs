@@ -49,34 +49,46 @@ fn mean_overlap(suspension: &mut Suspension, steps: u64) -> f64 {
     sum / steps as f64
 }
 
-/// From estimates that are too stiff by far, and too soft, the largest overlaps come to what is aimed at in the mean. The overlap
-/// aimed at is what the estimate is made for, but not at this size: 22 spheres.
+/// The largest overlaps come to what is aimed at in the mean. In 36 spheres they go up and down by much in strains of some units, so
+/// that the mean is that of four starts.
 #[test]
 fn overlaps_settle_at_their_target() {
     for law in ["linear", "hertz"] {
-        let law = format!("contacts.law=\"{law}\"");
-        let keys = [law.as_str(), "time.step=0.0025", "contacts.settling=1.5"];
-        let model = dense(&keys);
-        let mut settled = Suspension::start(&model, &Comm::alone()).unwrap();
-        while !stiffness(&settled).1 {
-            settled.step().unwrap();
-        }
-        assert!((settled.shear()[1] - 1.5).abs() < 0.0051, "after a strain of {}", settled.shear()[1]);
-        let (found, _) = stiffness(&settled);
-        let mean = mean_overlap(&mut settled, 600);
-        assert!((mean / 0.3 - 1.0).abs() < 0.3, "{law}: {mean} with {found}");
-        let estimate = dense(&[&keys[..2], &["contacts.settling=0.0"]].concat());
-        let mut estimate = Suspension::start(&estimate, &Comm::alone()).unwrap();
-        mean_overlap(&mut estimate, 600);
-        let without = mean_overlap(&mut estimate, 600);
-        assert!((without / 0.3 - 1.0).abs() > 0.3, "{law}: the estimate alone gives {without}");
+        let of_start = |seed: u64| {
+            let keys = [
+                format!("seed={seed}"),
+                format!("contacts={{friction=0.2, roughness=0.02, settling=1.5, law=\"{law}\"}}"),
+                "box.edges=[8.0, 8.0, 8.0]".to_owned(),
+                "species=[{radius=1.0, count=24}, {radius=1.3, count=12}]".to_owned(),
+                "time.step=0.0025".to_owned(),
+            ];
+            let model = dense(&keys.each_ref().map(String::as_str));
+            let mut suspension = Suspension::start(&model, &Comm::alone()).unwrap();
+            let (estimate, _) = stiffness(&suspension);
+            while !stiffness(&suspension).1 {
+                suspension.step().unwrap();
+            }
+            assert!((suspension.shear()[1] - 1.5).abs() < 0.0051, "after a strain of {}", suspension.shear()[1]);
+            let (found, _) = stiffness(&suspension);
+            assert!((found / estimate - 1.0).abs() > 0.05, "{law}: {found} from {estimate}");
+            mean_overlap(&mut suspension, 600)
+        };
+        let means: Vec<f64> = (7..11).map(of_start).collect();
+        let mean = means.iter().sum::<f64>() / means.len() as f64;
+        assert!((mean / 0.3 - 1.0).abs() < 0.3, "{law}: {means:?}");
     }
 }
 
 #[test]
 fn ranks_agree() {
     // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
-    let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-9", "contacts.settling=0.2"];
+    let tight = [
+        "hydrodynamics.tolerance=1e-7",
+        "hydrodynamics.iteration_tolerance=1e-9",
+        "contacts.settling=0.2",
+        "box.edges=[7.4, 7.4, 7.4]",
+        "time.steps=12",
+    ];
     let model = dense(&tight);
     let all =
         [1, 2, 3, 7].map(|ranks| ended(&model, ranks, |suspension| (stiffness(suspension), suspension.gathered(None))));
@@ -84,7 +96,7 @@ fn ranks_agree() {
     let (first, _) = stiffness(&Suspension::start(&model, &Comm::alone()).unwrap());
     assert!(*stays && (alone / first - 1.0).abs() > 0.05, "{first} {alone}");
     for ((together, others_stay), others) in &all[1..] {
-        assert!((together / alone - 1.0).abs() < 1e-5 && others_stay, "{together} {alone}");
+        assert!((together / alone - 1.0).abs() < 1e-5 && *others_stay, "{together} {alone}");
         let errors = particles.positions.iter().zip(&others.positions).map(|(&a, &b)| (a - b).length());
         assert!(errors.fold(0.0, f64::max) < 1e-7);
     }
@@ -109,7 +121,7 @@ fn a_resumed_run_has_the_same_bits() {
                 assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
                 seen.push(stiffness(&whole));
             }
-            assert!(seen[0].0 != seen[5].0 && !seen[5].1, "it adapts: {seen:?}");
+            assert!((seen[5].0 / seen[0].0 - 1.0).abs() > 1e-3 && !seen[5].1, "it adapts: {seen:?}");
             assert!(ranks > 1 || keys == [STRESS] || seen[seen.len() - 1].1, "it stays: {seen:?}");
         });
     }
@@ -170,11 +182,11 @@ fn it_settles_in_flows_that_go_on() {
     let oscillating = ["flow={kind=\"shear\", oscillation={amplitude=0.1, frequency=4.0}}", none];
     for keys in [&heavy[..], &oscillating[..]] {
         let seen = stays(keys, 3);
-        assert!(seen.iter().all(|(stiffness, stays)| *stays && *stiffness == seen[0].0), "{seen:?}");
+        assert!(seen.iter().all(|(stiffness, stays)| *stays && stiffness.to_bits() == seen[0].0.to_bits()), "{seen:?}");
     }
     let seen = stays(&["flow={kind=\"shear\", rate=[[0.0, 1.0], [0.05, -2.0]]}"], 9);
-    assert!(seen[5].0 != seen[0].0 && !seen[5].1 && seen[6].1, "{seen:?}");
-    assert!(seen[6..].iter().all(|(stiffness, _)| *stiffness == seen[5].0), "{seen:?}");
+    assert!((seen[5].0 / seen[0].0 - 1.0).abs() > 1e-3 && !seen[5].1 && seen[6].1, "{seen:?}");
+    assert!(seen[6..].iter().all(|(stiffness, _)| stiffness.to_bits() == seen[5].0.to_bits()), "{seen:?}");
 }
 
 /// A step that is interrupted at any look leaves no trace in the stiffness.
@@ -205,7 +217,7 @@ fn the_stiffness_is_told() {
     let mut found = None;
     while found.is_none() {
         let row = observed.observe();
-        assert_eq!(row[place][0], stiffness(observed.suspension()).0);
+        assert_eq!(row[place][0].to_bits(), stiffness(observed.suspension()).0.to_bits());
         assert!(observed.warnings().iter().any(|words| words.contains("had not settled yet")));
         observed.advance(model.steps).unwrap();
         found = observed.found();
