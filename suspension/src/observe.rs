@@ -31,9 +31,9 @@ pub struct Observer {
     /// Thermal energy over the volume of the box, if there is heat.
     heat: Option<f64>,
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts, and whether their stiffness is
-    /// chosen; and the largest seen since that stays.
+    /// chosen; and the overlaps seen since that stays.
     aim: Option<(f64, bool)>,
-    deepest: f64,
+    pressed: Pressed,
     /// The stiffness, where it did not stay yet when it was seen last.
     unsettled: Option<f64>,
     /// Whether there are bonds, and traps.
@@ -42,8 +42,17 @@ pub struct Observer {
     axes: UserAxes,
 }
 
-/// Overlaps of contacts that are worth a word, over those aimed at.
+/// Overlaps of contacts that are worth a word, over those aimed at: one, and their mean, which is what a stiffness is chosen by.
 const SOFT: f64 = 2.5;
+const SOFT_IN_THE_MEAN: f64 = 1.5;
+
+/// The largest overlaps of contacts over the roughness, of several rows.
+#[derive(Default)]
+struct Pressed {
+    rows: f64,
+    sum: f64,
+    deepest: f64,
+}
 
 /// What a row tells of contacts.
 const CONTACTS: [(&str, &str); 5] = [
@@ -87,7 +96,7 @@ impl Observer {
             boundaries: model.cell.boundaries(),
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| (contacts.overlap, contacts.stiffness.is_none())),
-            deepest: 0.0,
+            pressed: Pressed::default(),
             unsettled: None,
             tethers: [!model.bonds.is_empty(), !model.traps.is_empty()],
             smallest_radius,
@@ -123,13 +132,18 @@ impl Observer {
 
     /// Contacts that were pressed together much more than was aimed at.
     fn soft(&self) -> Option<String> {
-        let (aim, _) = self.aim.filter(|(aim, _)| self.deepest > SOFT * aim)?;
-        Some(format!(
-            "contacts overlap by up to {:.2} of the roughness, where {:.2} was aimed at; near jamming that is what the \
-             stress depends on: look whether a larger contacts.stiffness changes it",
-            Number(self.deepest),
-            Number(aim)
-        ))
+        let (aim, is_chosen) = self.aim?;
+        let Pressed { rows, sum, deepest } = self.pressed;
+        let (overlap, most, words) =
+            if is_chosen { (sum / rows, SOFT_IN_THE_MEAN, "in the mean") } else { (deepest, SOFT, "at most") };
+        (overlap > most * aim).then(|| {
+            format!(
+                "the largest overlap of contacts is {:.2} of the roughness {words}, where {:.2} was aimed at; near jamming that is \
+                 what the stress depends on: look whether a larger contacts.stiffness changes it",
+                Number(overlap),
+                Number(aim)
+            )
+        })
     }
 
     /// A stiffness that has not settled yet.
@@ -234,7 +248,10 @@ impl Observer {
         if let Some(numbers) = suspension.contact_numbers() {
             let (stiffness, stays) = suspension.contact_stiffness().expect("spheres may touch");
             self.unsettled = (!stays).then_some(stiffness);
-            self.deepest = if stays { self.deepest.max(numbers[3]) } else { 0.0 };
+            if stays {
+                let Pressed { rows, sum, deepest } = &mut self.pressed;
+                (*rows, *sum, *deepest) = (*rows + 1.0, *sum + numbers[3], deepest.max(numbers[3]));
+            }
             row.extend(numbers.map(|number| vec![number]));
             row.extend(self.aim.filter(|(_, is_chosen)| *is_chosen).map(|_| vec![stiffness]));
         }

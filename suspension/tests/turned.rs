@@ -134,7 +134,9 @@ fn triples(numbers: &[f64]) -> Vec<Vector> {
 
 /// Whether numbers are alike to a part of about their size.
 fn near(found: f64, expected: f64, size: f64, allowed: f64) -> bool {
-    found == expected || (found - expected).abs() <= allowed * size.max(1.0) || (found.is_nan() && expected.is_nan())
+    found.to_bits() == expected.to_bits()
+        || (found - expected).abs() <= allowed * size.max(1.0)
+        || (found.is_nan() && expected.is_nan())
 }
 
 fn near_vectors(found: &[Vector], expected: &[Vector], allowed: f64) -> bool {
