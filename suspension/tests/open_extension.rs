@@ -93,7 +93,11 @@ fn a_pair_moves_as_its_mobility_says() {
     for (kind, flow) in KINDS {
         for gap in [0.01, 1.0] {
             let places = [Vector::new(4.0, -3.0, 1.0), Vector::new(4.0, -3.0, 1.0) + axis * (2.0 + gap)];
-            let model = free(METHODS[0], &places.map(|x| x.to_array()), &[flow, "repulsion.strength=0.0"]);
+            let model = free(
+                METHODS[0],
+                &places.map(|x| x.to_array()),
+                &[flow, "repulsion.strength=0.0", "hydrodynamics.tolerance=1e-5"],
+            );
             let run = Suspension::start(&model, &Comm::alone()).unwrap();
             let parameters = MobilityParameters {
                 cell: PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Open).unwrap(),
@@ -110,7 +114,7 @@ fn a_pair_moves_as_its_mobility_says() {
             let expected = mobility.apply(&Loads::default(), &kind.flow(0.8)).unwrap().motion.velocities;
             for (found, expected) in run.velocities_in_flow().iter().zip(&expected) {
                 let error = (*found - *expected).length();
-                assert!(error < 1e-4 * 0.8, "{flow}, gap {gap}: {found} is not {expected}");
+                assert!(error < 1e-5 * 0.8, "{flow}, gap {gap}: {found} is not {expected}");
             }
             assert!(expected[0].length() > 0.02 && (expected[0] + expected[1]).length() < 1e-5);
         }

@@ -77,7 +77,8 @@ fn on_grid(grid: &Grid, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync)
     transform.backward(field)
 }
 
-/// The values at separations of fewer points than half a grid has, on that grid.
+/// The values at separations of fewer points than half a grid has, on that grid. Those of half the points along x do not occur, so
+/// that their values are free: with those set here rows have nothing of the highest mode of x, which is not kept.
 fn cropped(from: &Field<f64, Physical>, long: &Grid, half: [usize; 3]) -> Field<f64, Physical> {
     let points = half.map(|n| 2 * n);
     let grid = Grid::new(points, PeriodicBox::new(Vector::ONE).expect("a cube")).expect("as the one that was given");
@@ -94,6 +95,9 @@ fn cropped(from: &Field<f64, Physical>, long: &Grid, half: [usize; 3]) -> Field<
         for x in 0..points[0] {
             to[x] = place(0, x).map_or(0.0, |x| row[x]);
         }
+        let sign = |x: usize| if x.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let highest: f64 = (0..points[0]).map(|x| sign(x) * to[x]).sum();
+        to[half[0]] = -sign(half[0]) * highest;
     }
     field
 }
