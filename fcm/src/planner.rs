@@ -19,7 +19,7 @@ const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
 /// Of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than those of a flow: eight of
-/// them between walls and in open space keep tolerances from 1e-2 to 1e-4.
+/// them between walls keep tolerances from 1e-2 to 1e-4.
 const RIGID_LEEWAY_BOUNDED: f64 = 0.04;
 
 /// Edges of the box that a cutoff may span: images are counted in bytes.
@@ -106,7 +106,9 @@ impl Problem {
         match (self.multipoles, self.rigid) {
             (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
             (Multipoles::Dipole, false) => GIVEN_LEEWAY,
-            (Multipoles::Dipole, true) if self.boundaries == Boundaries::Periodic => RIGID_LEEWAY,
+            (Multipoles::Dipole, true) if matches!(self.boundaries, Boundaries::Periodic | Boundaries::Open) => {
+                RIGID_LEEWAY
+            }
             (Multipoles::Dipole, true) => RIGID_LEEWAY_BOUNDED,
         }
     }

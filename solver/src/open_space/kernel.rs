@@ -3,22 +3,26 @@
 use crate::{Field, Grid, Physical, Spectral, Transform};
 use domain::{Comm, Partition, PeriodicBox, Vector};
 use num_complex::Complex;
+use std::f64::consts::PI;
 
 /// Entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
 pub(super) const ENTRIES: usize = 6;
+const DIAGONAL: [usize; 3] = [0, 3, 5];
 
 /// Calls `keep(mode, entry, value)` for the discrete transform of the kernel at all modes up to half the points, but for the
 /// highest of x.
 ///
-/// The biharmonic kernel `-r / 8 pi` cut off at a radius `R` has the transform (Vico, Greengard & Ferrando 2016)
+/// The biharmonic kernel `-r / 8 pi`, plus `(R^2 + r^2) / 16 pi R` so that it ends at a radius `R` without a step or a kink as
+/// `(R - r)^2 / 16 pi R`, has the transform
 ///
 /// ```text
-/// B(k) = (2 - 2 cos q - 2 q sin q + q^2 cos q) / (2 k^4),      q = k R,
+/// B(k) = (2 + cos q - 3 sin q / q) / (2 k^4),      q = k R,
 /// ```
 ///
-/// an entire function: on a grid so long that no copy of the cut reaches what is on it, the sum of
-/// `(k^2 I - k k) B(k) m(k)` over its wavevectors is the decaying kernel at every separation that there is, and no other.
-/// Separations of as many points as half the grid has do not occur.
+/// an entire function (Vico, Greengard & Ferrando 2016 have it of the kernel that ends with a step, to `R^2 / k^2`, which a grid
+/// cuts off at its highest wavenumbers): on a grid so long that no copy of the cut reaches what is on it, the sum of
+/// `(k^2 I - k k) B(k) m(k)` over its wavevectors is the decaying kernel at every separation that there is, and no other, but for
+/// `-m(0) / 4 pi R` of what was added, on the diagonal. Separations of as many points as half the grid has do not occur.
 pub(super) fn transforms(
     grid: &Grid,
     multiplier: impl Fn(Vector) -> f64 + Sync,
@@ -34,6 +38,7 @@ pub(super) fn transforms(
     let cell = PeriodicBox::new(Vector::from_array(long.map(|n| n as f64)) * spacing).expect("lengths are positive");
     let long = Grid::new(long, cell).expect("a good size is one that can be transformed");
     let over = 1.0 / long.count() as f64;
+    let added = multiplier(Vector::ZERO) / (4.0 * PI * cut) * spacing.element_product();
     for first in [0, 3] {
         let values = |mode: [usize; 3]| {
             let k = long.wavevector(mode);
@@ -46,7 +51,8 @@ pub(super) fn transforms(
                 [square - k.x * k.x, -k.x * k.y, -k.x * k.z, square - k.y * k.y, -k.y * k.z, square - k.z * k.z];
             [0, 1, 2].map(|c| Complex::new(factor * entries[first + c], 0.0))
         };
-        let kernel = cropped(&on_grid(&long, values), &long, half);
+        let diagonal = [0, 1, 2].map(|c| if DIAGONAL.contains(&(first + c)) { added } else { 0.0 });
+        let kernel = cropped((&on_grid(&long, values), diagonal), &long, half);
         let spectrum = planned(grid).forward(kernel);
         spectrum.for_each_mode(|mode, values| {
             if mode.iter().zip(half).all(|(mode, half)| *mode <= half) {
@@ -62,7 +68,7 @@ fn biharmonic(k: f64, cut: f64) -> f64 {
     if q == 0.0 {
         return 0.0;
     }
-    (2.0 - 2.0 * q.cos() - 2.0 * q * q.sin() + q * q * q.cos()) / (2.0 * k.powi(4))
+    (2.0 + q.cos() - 3.0 * q.sin() / q) / (2.0 * k.powi(4))
 }
 
 fn planned(grid: &Grid) -> Transform<f64> {
@@ -77,9 +83,9 @@ fn on_grid(grid: &Grid, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync)
     transform.backward(field)
 }
 
-/// The values at separations of fewer points than half a grid has, on that grid. Those of half the points along x do not occur, so
+/// The values at separations of fewer points than half a grid has, and a number more of each component, on that grid. Those of half the points along x do not occur, so
 /// that their values are free: with those set here rows have nothing of the highest mode of x, which is not kept.
-fn cropped(from: &Field<f64, Physical>, long: &Grid, half: [usize; 3]) -> Field<f64, Physical> {
+fn cropped((from, more): (&Field<f64, Physical>, [f64; 3]), long: &Grid, half: [usize; 3]) -> Field<f64, Physical> {
     let points = half.map(|n| 2 * n);
     let grid = Grid::new(points, PeriodicBox::new(Vector::ONE).expect("a cube")).expect("as the one that was given");
     let mut field = planned(&grid).field();
@@ -93,7 +99,7 @@ fn cropped(from: &Field<f64, Physical>, long: &Grid, half: [usize; 3]) -> Field<
         let row = from.row(c, from_y, from_z);
         let to = field.row_mut(c, y, z);
         for x in 0..points[0] {
-            to[x] = place(0, x).map_or(0.0, |x| row[x]);
+            to[x] = place(0, x).map_or(0.0, |x| row[x] + more[c]);
         }
         let sign = |x: usize| if x.is_multiple_of(2) { 1.0 } else { -1.0 };
         let highest: f64 = (0..points[0]).map(|x| sign(x) * to[x]).sum();
