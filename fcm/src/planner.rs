@@ -18,8 +18,8 @@ const MONOPOLE_LEEWAY: f64 = 0.8;
 const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
-/// Between walls and in layers, of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than those of a flow: eight of
-/// them between walls keep tolerances from 1e-2 to 1e-4.
+/// Between walls and in layers, of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than
+/// those of a flow: eight of them between walls keep tolerances from 1e-2 to 1e-4.
 const RIGID_LEEWAY_BOUNDED: f64 = 0.04;
 
 /// Edges of the box that a cutoff may span: images are counted in bytes.
