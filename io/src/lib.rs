@@ -19,8 +19,6 @@
 mod atomic_file;
 mod atomic_hdf5;
 mod case;
-mod case_boundaries;
-mod case_box;
 mod causes;
 mod checkpoint;
 mod checksum;
@@ -44,9 +42,10 @@ mod trajectory_reader;
 mod verified;
 
 pub use atomic_file::replace as replace_file;
-pub use case::{Answer, Background, Case, NOISE_NUMBERS, Noise, OneOrAll, Terms};
-pub use case_boundaries::{BoundariesError, CaseBoundary, UnknownBoundary};
-pub use case_box::{CaseBox, CaseBoxError};
+pub use case::{
+    Answer, Background, BoundariesError, Case, CaseBoundary, CaseBox, CaseBoxError, NOISE_NUMBERS, Noise, OneOrAll,
+    Terms, UnknownBoundary,
+};
 pub use causes::in_full;
 pub use checkpoint::Checkpoints;
 pub use contacts::{RecordedContacts, drop_contacts_after, write_contacts};

@@ -3,7 +3,7 @@
 use super::raw::{self, Raw};
 use super::{Fault, flow};
 use crate::CaseBoundary;
-use crate::case_boundaries::boundaries_of;
+use crate::case::boundaries_of;
 use crate::scene::checks::positive;
 use domain::{Boundaries, PeriodicBox, Turn, Vector};
 

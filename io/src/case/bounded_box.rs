@@ -1,6 +1,6 @@
 //! The box of a case: edges, or lattice vectors.
 
-use crate::case_boundaries::{BoundariesError, CaseBoundary, boundaries_of};
+use super::boundaries::{BoundariesError, CaseBoundary, boundaries_of};
 use domain::{Boundaries, BoxError, PeriodicBox, Turn, Vector};
 use serde::{Deserialize, Serialize};
 

@@ -1,0 +1,71 @@
+//! What a case has to be.
+
+use super::{Case, MOST_DRAWS, Terms, periodic};
+use domain::Number;
+
+impl Case {
+    /// Refuses what means nothing, by key.
+    pub(super) fn check(&self) -> Result<(), String> {
+        if self.cell.is_none() || self.boundaries != periodic() {
+            self.bounded_box().map_err(|error| error.to_string())?;
+        }
+        let count = self.positions.len();
+        let fits = |key: &str, found: usize, may_be_absent: bool| {
+            if found == count || (may_be_absent && found == 0) {
+                return Ok(());
+            }
+            Err(format!("{key} has {found} entries, but there are {count} positions; it needs one for each"))
+        };
+        fits("radii", self.radii().len(), false)?;
+        fits("forces", self.forces.len(), true)?;
+        fits("torques", self.torques.len(), true)?;
+        fits("stresslets", self.stresslets.len(), true)?;
+        let finite = |key: &str, mut numbers: Box<dyn Iterator<Item = f64> + '_>| {
+            let wrong = numbers.find(|n| !n.is_finite());
+            wrong.map_or(Ok(()), |n| Err(format!("{key} contains {n}; every number needs to be finite")))
+        };
+        finite("positions", Box::new(self.positions.iter().flatten().copied()))?;
+        finite("forces", Box::new(self.forces.iter().flatten().copied()))?;
+        finite("torques", Box::new(self.torques.iter().flatten().copied()))?;
+        finite("stresslets", Box::new(self.stresslets.iter().flatten().copied()))?;
+        finite("background.velocity_gradient", Box::new(self.background.velocity_gradient.into_iter().flatten()))?;
+        finite("background.pressure_gradient", Box::new(self.background.pressure_gradient.into_iter()))?;
+        if !(self.viscosity.is_finite() && self.viscosity > 0.0) {
+            return Err(format!("viscosity is {}; it needs to be positive and finite", Number(self.viscosity)));
+        }
+        let given = |list: &[[f64; 5]]| list.iter().flatten().any(|&s| s != 0.0);
+        if self.rigid && self.multipoles == Terms::Dipole && given(&self.stresslets) {
+            return Err("stresslets are given, but rigid particles have their own; set rigid to false".to_owned());
+        }
+        if self.lubrication && !(self.rigid && self.multipoles == Terms::Dipole) {
+            return Err("lubrication is true, but that is for rigid particles with dipoles; set rigid to true and \
+                        multipoles to \"dipole\", or lubrication to false"
+                .to_owned());
+        }
+        if let Some(cutoff) = self.lubrication_cutoff.filter(|c| !(self.lubrication && *c > 1e-3 && *c <= 8.0)) {
+            return Err(format!(
+                "lubrication_cutoff is {}; it needs 0.001 < lubrication_cutoff <= 8, in radii of a pair's larger sphere, and \
+                 lubrication true",
+                Number(cutoff)
+            ));
+        }
+        if self.noise.is_some_and(|noise| noise.draws == 0 || noise.draws > MOST_DRAWS) {
+            return Err(format!("noise.draws needs to be 1 to {MOST_DRAWS}"));
+        }
+        let is_rigid = self.rigid && self.multipoles == Terms::Dipole;
+        if self.noise.is_some_and(|noise| noise.drift) && !is_rigid {
+            return Err("noise.drift is true, but only rigid particles drift; set rigid to true and multipoles to \"dipole\", or \
+                        noise.drift to false"
+                .to_owned());
+        }
+        if self.multipoles == Terms::Monopole {
+            let twisted = self.torques.iter().flatten().any(|&t| t != 0.0);
+            if twisted || given(&self.stresslets) {
+                return Err(
+                    "torques or stresslets are given, but multipoles is \"monopole\"; use \"dipole\"".to_owned()
+                );
+            }
+        }
+        Ok(())
+    }
+}

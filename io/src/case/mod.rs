@@ -1,0 +1,182 @@
+//! A single configuration given by the user, and its answer: JSON, or HDF5 with the same names.
+
+mod answer;
+mod boundaries;
+mod bounded_box;
+mod check;
+mod hdf5_input;
+
+pub use answer::Answer;
+pub(crate) use boundaries::boundaries_of;
+pub use boundaries::{BoundariesError, CaseBoundary, UnknownBoundary};
+pub use bounded_box::{CaseBox, CaseBoxError};
+
+use crate::FileError;
+use domain::{PeriodicBox, Turn};
+use hdf5::File;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Particles in a box, what acts on them, and what is asked for. Lists of `N` have an entry for each particle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Edges of the box, or its lattice vectors; only spheres in open fluid need none.
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<CaseBox>,
+    /// What the box is along each axis.
+    #[serde(default = "periodic")]
+    pub boundaries: [CaseBoundary; 3],
+    /// Lees-Edwards strain of the box.
+    #[serde(default)]
+    pub strain: f64,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Centres of the particles, `N` of them.
+    pub positions: Vec<[f64; 3]>,
+    /// Their radii.
+    pub radii: OneOrAll,
+    /// Forces; zero if absent.
+    #[serde(default)]
+    pub forces: Vec<[f64; 3]>,
+    /// Torques; zero if absent.
+    #[serde(default)]
+    pub torques: Vec<[f64; 3]>,
+    /// Stresslets (xx, xy, xz, yy, yz) of particles that are not rigid; zero if absent.
+    #[serde(default)]
+    pub stresslets: Vec<[f64; 5]>,
+    /// Whether the stresslets are to be found that keep the particles rigid.
+    #[serde(default = "yes")]
+    pub rigid: bool,
+    /// `"monopole"` or `"dipole"`.
+    #[serde(default)]
+    pub multipoles: Terms,
+    /// Whether near pairs of rigid particles feel lubrication.
+    #[serde(default)]
+    pub lubrication: bool,
+    /// The gap where lubrication ends over the larger radius of the two; the program's default if absent.
+    #[serde(default)]
+    pub lubrication_cutoff: Option<f64>,
+    /// The background flow.
+    #[serde(default)]
+    pub background: Background,
+    /// Random motions whose covariance is the mobility, besides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
+}
+
+/// Random motions that are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Noise {
+    /// How many.
+    pub draws: u64,
+    /// Where random numbers start.
+    pub seed: u64,
+    /// Whether random parts of the drift are wanted besides, of rigid particles.
+    #[serde(default)]
+    pub drift: bool,
+}
+
+/// Random motions of one draw come as this many numbers of a particle, at most, and so does the drift.
+pub const NOISE_NUMBERS: usize = 11;
+
+/// A number for all particles, or one for each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum OneOrAll {
+    /// The same for all.
+    One(f64),
+    /// Each its own.
+    All(Vec<f64>),
+}
+
+/// Terms of the multipole expansion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Terms {
+    /// Forces alone.
+    Monopole,
+    /// Forces, torques and stresslets.
+    #[default]
+    Dipole,
+}
+
+/// A linear flow.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Background {
+    /// `G[i][j] = du_i / dx_j`.
+    #[serde(default)]
+    pub velocity_gradient: [[f64; 3]; 3],
+    /// `dp / dx_i`, which drives a flow between walls.
+    #[serde(default)]
+    pub pressure_gradient: [f64; 3],
+}
+
+/// Draws of a case at most.
+const MOST_DRAWS: u64 = 1_000_000;
+
+fn yes() -> bool {
+    true
+}
+
+fn periodic() -> [CaseBoundary; 3] {
+    [CaseBoundary::Periodic; 3]
+}
+
+impl Case {
+    /// Reads a case and checks it. Files whose name ends in `.h5` or `.hdf5` are HDF5, all others JSON.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        if !is_hdf5(path) {
+            let text = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
+            return Self::parse(&text, path);
+        }
+        let contents = File::open(path).and_then(|file| hdf5_input::contents(&file, true));
+        Self::checked(serde_json::from_value(contents.map_err(|e| FileError::read(path, &e))?), path)
+    }
+
+    /// Checks a case in JSON; `name` is what messages call it.
+    pub fn parse(text: &str, name: &Path) -> Result<Self, FileError> {
+        Self::checked(serde_json::from_str(text), name)
+    }
+
+    fn checked(case: serde_json::Result<Self>, name: &Path) -> Result<Self, FileError> {
+        let case = case.map_err(|e| FileError::read(name, &e))?;
+        case.check().map_err(|reason| FileError::read(name, &reason))?;
+        Ok(case)
+    }
+
+    /// The case as JSON, for other ranks.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("finite numbers and text can be written as JSON")
+    }
+
+    /// A case as another rank sent it.
+    ///
+    /// # Panics
+    /// If the text is not from [`Case::to_json`].
+    pub fn from_json(text: &str) -> Self {
+        serde_json::from_str(text).expect("a case that was checked on the first rank")
+    }
+
+    /// The radius of each particle.
+    pub fn radii(&self) -> Vec<f64> {
+        match &self.radii {
+            OneOrAll::One(radius) => vec![*radius; self.positions.len()],
+            OneOrAll::All(radii) => radii.clone(),
+        }
+    }
+
+    /// The box with its special axis last, and the turn to its axes.
+    pub fn bounded_box(&self) -> Result<(PeriodicBox, Turn), CaseBoxError> {
+        CaseBox::bounded(self.cell, self.strain, self.boundaries, (&self.positions, &self.radii()))
+    }
+}
+
+fn is_hdf5(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "h5" || e == "hdf5")
+}
+
+#[cfg(test)]
+mod tests;
