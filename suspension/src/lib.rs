@@ -31,6 +31,7 @@ mod channel_flow;
 mod cloud;
 mod columns;
 mod contacts;
+mod course;
 mod crowding;
 mod deformation;
 mod driven;
@@ -78,6 +79,7 @@ mod warm_start;
 
 pub use channel_flow::FlowRefused;
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
+pub use course::course;
 pub use error::{PlacingError, StartError};
 pub use forecast::Forecast;
 pub use hydrodynamics::{

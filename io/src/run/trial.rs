@@ -25,8 +25,9 @@ pub struct Trial {
     copy: Option<usize>,
 }
 
-/// How long steps are tried, and at most until there are some that can be timed.
+/// How long steps are tried at least, if the run has as many, the part of the run that is tried, and how long at most.
 const TIME: Duration = Duration::from_millis(300);
+const PART: f64 = 0.05;
 const MOST_TIME: Duration = Duration::from_secs(1);
 
 /// Steps that are not timed: nothing is known yet to extrapolate from.
@@ -103,7 +104,8 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
         if step <= WARM_UP {
             warm = (step, time);
         }
-        let is_enough = time > TIME.as_secs_f64() && step >= WARM_UP + TIMED;
+        let whole = time / step.max(1) as f64 * steps_of_all(scene);
+        let is_enough = time > TIME.as_secs_f64().max(PART * whole) && step >= WARM_UP + TIMED;
         if step >= last || is_enough || time > MOST_TIME.as_secs_f64() {
             break;
         }
@@ -116,6 +118,8 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     }
     let (warm_step, warm_time) = if tried > warm.0 { warm } else { (0, 0.0) };
     let step = trying.costs * (time - warm_time) / (tried - warm_step) as f64;
+    let course = if let Kind::Suspension(scene) = scene.kind() { suspension::course(&scene.model) } else { 1.0 };
+    let step = step * course;
     let steps = step * (steps_of_all(scene) - warm_step as f64).max(0.0);
     let written = written(&mut trying, scene, output);
     let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
