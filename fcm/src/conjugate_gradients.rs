@@ -6,6 +6,9 @@ use domain::{Comm, Interrupt, Traceless};
 pub trait Linear: Clone {
     /// `self += factor other`.
     fn add(&mut self, factor: f64, other: &Self);
+
+    /// `self = other + factor self`.
+    fn turn(&mut self, factor: f64, other: &Self);
 }
 
 /// A system `A x = b` with `A` symmetric positive definite, and a preconditioner `P` that resembles `A`. Methods are
@@ -22,6 +25,13 @@ pub trait System {
 
     /// `A p`.
     fn apply(&mut self, direction: &Self::Unknowns) -> Self::Residual;
+
+    /// `A p`, and this rank's part of `p . A p`.
+    fn curvature(&mut self, direction: &Self::Unknowns) -> (Self::Residual, f64) {
+        let image = self.apply(direction);
+        let curvature = self.product(&image, direction);
+        (image, curvature)
+    }
 
     /// Told of each step `x += length p` along the last direction, to follow other linear functions of `x`.
     fn stepped(&mut self, length: f64);
@@ -43,6 +53,60 @@ pub trait System {
 
     /// This rank's part of the square of the size of `x` that goes with it: `x . P x`.
     fn size(&self, x: &Self::Unknowns) -> f64;
+
+    /// Goes a step, if one is given, and looks at what is left: `z = P^-1 r`, in the place of the `z` before the step, and
+    /// this rank's sums. One pass over the unknowns can do it all.
+    fn look(
+        &mut self,
+        (x, residual): (&mut Self::Unknowns, &mut Self::Residual),
+        step: Option<Step<Self::Unknowns, Self::Residual>>,
+        z: &mut Self::Unknowns,
+    ) -> Sums {
+        let mut former = 0.0;
+        if let Some(Step { length, direction, image }) = step {
+            x.add(length, direction);
+            residual.add(-length, image);
+            former = self.product(residual, z);
+        }
+        *z = self.precondition(residual);
+        Sums { product: self.product(residual, z), former, error: self.error(residual, z), size: self.size(x) }
+    }
+}
+
+/// A step of the iteration, `x += length p` and `r -= length A p`.
+pub struct Step<'a, X, R> {
+    /// Its length.
+    pub length: f64,
+    /// `p`.
+    pub direction: &'a X,
+    /// `A p`.
+    pub image: &'a R,
+}
+
+/// What there is to know of the residual `r` and of `z = P^-1 r`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sums {
+    /// `r . z`.
+    pub product: f64,
+    /// `r` times the `z` before the step, if there was one.
+    pub former: f64,
+    /// See [`System::error`].
+    pub error: f64,
+    /// See [`System::size`].
+    pub size: f64,
+}
+
+impl std::ops::Add for Sums {
+    type Output = Self;
+
+    fn add(self, more: Self) -> Self {
+        Self {
+            product: self.product + more.product,
+            former: self.former + more.former,
+            error: self.error + more.error,
+            size: self.size + more.size,
+        }
+    }
 }
 
 /// How an iteration ended.
@@ -70,7 +134,7 @@ pub struct Limits<'a> {
 }
 
 /// Solves `A x = b` from the starting point in `x`, whose residual `b - A x` is given and left behind as it is at the
-/// end. Collective.
+/// end, with `P^-1` of it in `z`, which may be anything before. Collective.
 ///
 /// Directions are made conjugate by the rule of Polak and Ribière, which bears a preconditioner that is itself an
 /// iteration (Golub & Ye 1999). It stops when the error that the preconditioned residual estimates is small against
@@ -79,54 +143,51 @@ pub struct Limits<'a> {
 pub fn conjugate_gradients<S: System>(
     comm: &Comm,
     system: &mut S,
-    (x, residual): (&mut S::Unknowns, &mut S::Residual),
+    (x, residual, z): (&mut S::Unknowns, &mut S::Residual, &mut S::Unknowns),
     limits: Limits<'_>,
 ) -> Outcome {
-    let small = |sums: [f64; 5]| sums[4].abs() <= limits.tolerance * limits.tolerance * sums[1] || sums[4] == 0.0;
-    let (mut z, mut sums) = precondition(comm, system, (x, residual, limits.interrupt), None);
+    let small = |at: &Sums| at.error.abs() <= limits.tolerance * limits.tolerance * at.size || at.error == 0.0;
+    let (mut at, mut asked) = look(comm, system, (x, residual, z), None, limits.interrupt);
     let mut direction = z.clone();
     let mut iterations = 0;
-    let goes_on = |sums: [f64; 5]| sums[0].is_finite() && sums[0] > 0.0 && sums[3] == 0.0;
-    while !small(sums) && iterations < limits.iterations && goes_on(sums) {
-        let image = system.apply(&direction);
+    while !small(&at) && iterations < limits.iterations && at.product.is_finite() && at.product > 0.0 && !asked {
+        let (image, curvature) = system.curvature(&direction);
         iterations += 1;
-        let mut curvature = [system.product(&image, &direction)];
+        let mut curvature = [curvature];
         comm.sum(&mut curvature);
         // The residual is orthogonal to the former direction, so this is the step to the minimum along this one.
-        let length = sums[0] / curvature[0];
+        let length = at.product / curvature[0];
         system.stepped(length);
-        x.add(length, &direction);
-        residual.add(-length, &image);
-        drop(image);
-        let before = sums[0];
-        let (mut next, now) = precondition(comm, system, (x, residual, limits.interrupt), Some(&z));
-        (sums, z) = (now, next.clone());
-        next.add((sums[0] - sums[2]) / before, &direction);
-        direction = next;
+        let before = at.product;
+        let step = Step { length, direction: &direction, image: &image };
+        (at, asked) = look(comm, system, (x, residual, z), Some(step), limits.interrupt);
+        direction.turn((at.product - at.former) / before, z);
     }
     // Not a number stays none, whatever it is measured against.
-    let residual = if sums[4] == 0.0 { 0.0 } else { (sums[4] / sums[1]).abs().sqrt() };
-    let converged = small(sums);
-    Outcome { iterations, residual, converged, interrupted: !converged && sums[3] > 0.0 }
+    let residual = if at.error == 0.0 { 0.0 } else { (at.error / at.size).abs().sqrt() };
+    let converged = small(&at);
+    Outcome { iterations, residual, converged, interrupted: !converged && asked }
 }
 
-/// `z = P^-1 r`, as exact as `r . z` above zero needs, and the sums `r . z`, `x . P x`, `r` times the former `z`, and
-/// the number of ranks that are asked to stop, and the error. Collective.
-fn precondition<S: System>(
+/// [`System::look`] with a `z` as exact as `r . z` above zero needs; the sums over all ranks, and whether any is asked to
+/// stop. Collective.
+fn look<S: System>(
     comm: &Comm,
     system: &mut S,
-    (x, residual, interrupt): (&S::Unknowns, &S::Residual, &Interrupt),
-    former: Option<&S::Unknowns>,
-) -> (S::Unknowns, [f64; 5]) {
+    (x, residual, z): (&mut S::Unknowns, &mut S::Residual, &mut S::Unknowns),
+    mut step: Option<Step<S::Unknowns, S::Residual>>,
+    interrupt: &Interrupt,
+) -> (Sums, bool) {
+    let mut of_step = None;
     loop {
-        let z = system.precondition(residual);
+        let own = system.look((x, residual), step.take(), z);
         let asked = f64::from(u8::from(interrupt.is_requested()));
-        let again = former.map_or(0.0, |former| system.product(residual, former));
-        let (product, error) = (system.product(residual, &z), system.error(residual, &z));
-        let mut sums = [product, system.size(x), again, asked, error];
+        let mut sums = [own.product, own.former, own.error, own.size, asked];
         comm.sum(&mut sums);
-        if sums[0] >= 0.0 || sums[0].is_nan() || !system.sharpen() {
-            return (z, sums);
+        let [product, former, error, size, asked] = sums;
+        let former = *of_step.get_or_insert(former);
+        if product >= 0.0 || product.is_nan() || !system.sharpen() {
+            return (Sums { product, former, error, size }, asked > 0.0);
         }
     }
 }
@@ -135,6 +196,12 @@ impl Linear for Vec<Traceless> {
     fn add(&mut self, factor: f64, other: &Self) {
         for (a, &b) in self.iter_mut().zip(other) {
             *a += b * factor;
+        }
+    }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        for (a, &b) in self.iter_mut().zip(other) {
+            *a = b + *a * factor;
         }
     }
 }
@@ -147,6 +214,10 @@ mod tests {
     impl Linear for [f64; 2] {
         fn add(&mut self, factor: f64, other: &Self) {
             (0..2).for_each(|k| self[k] += factor * other[k]);
+        }
+
+        fn turn(&mut self, factor: f64, other: &Self) {
+            (0..2).for_each(|k| self[k] = other[k] + factor * self[k]);
         }
     }
 
@@ -221,7 +292,7 @@ mod tests {
     fn an_error_that_no_product_sees_ends_the_solve() {
         let (mut x, mut residual) = ([1.0, 1.0], [0.0, 0.5]);
         let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
-        let outcome = conjugate_gradients(&Comm::alone(), &mut Blind, (&mut x, &mut residual), limits);
+        let outcome = conjugate_gradients(&Comm::alone(), &mut Blind, (&mut x, &mut residual, &mut [0.0; 2]), limits);
         let residual = (0.25_f64 / 2.0).sqrt();
         assert_eq!(outcome, Outcome { iterations: 0, residual, converged: false, interrupted: false });
     }
@@ -229,7 +300,12 @@ mod tests {
     fn solved(left: usize, can: usize) -> ([f64; 2], Outcome) {
         let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
         let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
-        let outcome = conjugate_gradients(&Comm::alone(), &mut Wrong { left, can }, (&mut x, &mut residual), limits);
+        let outcome = conjugate_gradients(
+            &Comm::alone(),
+            &mut Wrong { left, can },
+            (&mut x, &mut residual, &mut [0.0; 2]),
+            limits,
+        );
         (x, outcome)
     }
 
@@ -263,7 +339,12 @@ mod tests {
                 let interrupt = Interrupt::when(asked);
                 let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &interrupt };
                 let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
-                conjugate_gradients(&comm, &mut Wrong { left: 0, can: 0 }, (&mut x, &mut residual), limits)
+                conjugate_gradients(
+                    &comm,
+                    &mut Wrong { left: 0, can: 0 },
+                    (&mut x, &mut residual, &mut [0.0; 2]),
+                    limits,
+                )
             });
             for outcome in outcomes {
                 assert_eq!((outcome.interrupted, outcome.converged), (looks < 2, looks == 2), "{outcome:?}");

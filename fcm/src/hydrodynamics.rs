@@ -151,8 +151,9 @@ impl Hydrodynamics {
         let diagonal: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
         let tolerance = self.mobility.plan().iteration_tolerance;
         let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &self.interrupt };
+        let mut z = Vec::new();
         let mut strain = Strain { mobility: &mut self.mobility, diagonal, motion, step: Motion::default() };
-        let outcome = conjugate_gradients(&self.comm, &mut strain, (&mut resistances, &mut residual), limits);
+        let outcome = conjugate_gradients(&self.comm, &mut strain, (&mut resistances, &mut residual, &mut z), limits);
         let motion = strain.motion;
         if outcome.interrupted {
             return Err(Interrupted.into());

@@ -72,7 +72,7 @@ mod window;
 mod work;
 
 pub use bounded::{NEAREST_WALL, OutsideError, check_inside};
-pub use conjugate_gradients::{Limits, Linear, Outcome, System, conjugate_gradients};
+pub use conjugate_gradients::{Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};
 pub use costs::Costs;
 pub use described::is_same_way;
 pub use envelope::Envelope;

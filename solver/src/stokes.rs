@@ -5,6 +5,7 @@ mod leaning;
 use crate::simd::{Vector, Work};
 use crate::{Channel, Grid, OpenSpace, Real};
 use leaning::Leaning;
+use rayon::prelude::*;
 
 /// The Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`], which it
 /// completes with the factor `1 / (nx ny nz)`: a force density goes to the velocity that it drives.
@@ -62,7 +63,7 @@ impl<T: Real> Stokes<T> {
     /// The solve with a multiplier.
     pub fn with_multiplier<P, A>(grid: &Grid, viscosity: f64, multiplier: &Multiplier<P, A>) -> Self
     where
-        P: Fn(f64, f64) -> f64,
+        P: Fn(f64, f64) -> f64 + Sync,
         A: Fn(f64) -> f64,
     {
         let Multiplier { plane, axis, widening, width } = multiplier;
@@ -80,6 +81,8 @@ impl<T: Real> Stokes<T> {
             let plane = if leans { 1.0 } else { plane(k.x, k.y) };
             if mode[0] >= nx / 2 || grid.is_nyquist(1, mode[1]) { 0.0 } else { scale * plane }
         };
+        // The multiplier may take long.
+        let plane_at = |at: usize| T::from_f64(factor([at % columns, at / columns, 0]));
         let inverse = |mode: [usize; 3]| {
             let k = in_plane(mode);
             if k.x == 0.0 && k.y == 0.0 { 0.0 } else { 1.0 / (k.x * k.x + k.y * k.y + k.z * k.z) }
@@ -91,7 +94,7 @@ impl<T: Real> Stokes<T> {
             points: grid.points(),
             k1: (0..columns).map(|m1| T::from_f64(in_plane([m1, 0, 0]).x)).collect(),
             k2: modes().map(|mode| T::from_f64(in_plane(mode).y)).collect(),
-            plane: modes().map(|mode| T::from_f64(factor(mode))).collect(),
+            plane: (0..columns * ny).into_par_iter().with_min_len(columns).map(plane_at).collect(),
             inverse: modes().map(|mode| T::from_f64(inverse(mode))).collect(),
             k3: (0..nz).map(|m3| T::from_f64(k3(m3))).collect(),
             axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),

@@ -177,7 +177,7 @@ impl Suspension {
 
     /// Does something, or leaves all as it was before.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
-        let (particles, moving) = (self.particles.clone(), self.dynamics.moving_box().clone());
+        let (particles, moving) = (self.particles.copied(), self.dynamics.moving_box().clone());
         let settling = self.dynamics.settling();
         let changed = change(self);
         if changed.is_err() {

@@ -5,6 +5,7 @@ use crate::extrapolation;
 use crate::hydrodynamics::{Guess, Solved};
 use domain::{Comm, Particles, Vector};
 use fcm::{Loads, Motion};
+use rayon::prelude::*;
 
 /// With forces between near spheres in the solve: the stresslets of the far field, the forces and torques that the fluid
 /// feels, the velocities that the loads of all others induce at each sphere, and those relative to the background flow.
@@ -19,6 +20,9 @@ const PAST: usize = 3;
 
 /// The column that says of each of those how much of the parabola its extrapolation has.
 const CURVATURE: &str = "curvature of the past";
+
+/// Values that one thread works through at a time; sums of so many are added up in their order.
+const BATCH: usize = 4096;
 
 /// The newest share of the parabola counts as much as all before.
 const NEWEST: f64 = 0.5;
@@ -125,7 +129,8 @@ impl WarmStart {
         let lists = names.iter().enumerate().map(|(k, &(name, width))| {
             let share = curvature.get(k).copied().unwrap_or_default();
             let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
-            Past::of(particles, (name, width), (ages, ahead)).extrapolated().map(mixed).collect()
+            let past = Past::of(particles, (name, width), (ages, ahead));
+            (0..past.len()).into_par_iter().with_min_len(BATCH).map(|i| mixed(past.extrapolated(i))).collect()
         });
         Self::guessed(lists)
     }
@@ -160,10 +165,20 @@ impl WarmStart {
         let mut sums = vec![[0.0; 2]; names.len()];
         for (sums, &(name, width)) in sums.iter_mut().zip(&names) {
             let past = Past::of(particles, (name, width), (ages, ahead));
-            for (found, [line, parabola]) in past.found.iter().zip(past.extrapolated()) {
-                let curved = parabola - line;
-                sums[0] += (found - line) * curved;
-                sums[1] += curved * curved;
+            let of_batch = |batch: usize| {
+                let mut sums = [0.0; 2];
+                for i in batch * BATCH..past.len().min((batch + 1) * BATCH) {
+                    let [line, parabola] = past.extrapolated(i);
+                    let curved = parabola - line;
+                    sums[0] += (past.found[i] - line) * curved;
+                    sums[1] += curved * curved;
+                }
+                sums
+            };
+            let of_batches: Vec<_> = (0..past.len().div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+            for [along, square] in of_batches {
+                sums[0] += along;
+                sums[1] += square;
             }
         }
         comm.sum(sums.as_flattened_mut());
@@ -200,11 +215,14 @@ impl<'a> Past<'a> {
         Self { found: values(particles, name), values: std::array::from_fn(column), weights }
     }
 
-    /// The values by the line and by the parabola.
-    fn extrapolated(&self) -> impl Iterator<Item = [f64; 2]> {
-        let Self { values, weights, .. } = *self;
-        let sum = move |i: usize| weights.map(|w| (0..PAST).fold(0.0, |sum, k| sum + w[k] * values[k][i]));
-        (0..values[0].len()).map(sum)
+    /// How many values there are.
+    fn len(&self) -> usize {
+        self.values[0].len()
+    }
+
+    /// A value by the line and by the parabola.
+    fn extrapolated(&self, i: usize) -> [f64; 2] {
+        self.weights.map(|w| (0..PAST).fold(0.0, |sum, k| sum + w[k] * self.values[k][i]))
     }
 }
 

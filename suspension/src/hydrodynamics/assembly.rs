@@ -30,20 +30,20 @@ pub struct Arrangement<'a> {
     pub slope: f64,
 }
 
-/// Rows of a rank's particles: their stiff pairs, the others, and their loads and moments by all of them in the ambient
-/// flow if they do not move relative to it.
+/// Rows of a rank's particles: their stiff pairs, and the others.
 pub struct Assembled<T> {
     pub stiff: Part<f64>,
     pub soft: Part<T>,
-    pub loads: Vec<Screw>,
-    pub moments: Vec<Traceless>,
 }
 
-/// The rows of one part, from `first` on, of so many particles, with soft pairs stored as such numbers.
+/// The rows of one part, from `first` on, of so many particles, with soft pairs stored as such numbers; and where their loads
+/// and moments by all of them are added, in the ambient flow if they do not move relative to it.
 pub struct Assembly<'a, T> {
     arrangement: &'a Arrangement<'a>,
     first: usize,
     rows: usize,
+    loads: &'a mut [Screw],
+    moments: &'a mut [Traceless],
     stored: PhantomData<T>,
 }
 
@@ -60,25 +60,23 @@ impl<T: Stored> Work<f64> for Assembly<'_, T> {
     type Output = Assembled<T>;
 
     #[inline(always)]
-    fn run<V: Width<f64>>(self) -> Assembled<T> {
+    fn run<V: Width<f64>>(mut self) -> Assembled<T> {
         let [stiff, soft] = self.listed();
-        let (mut loads, mut moments) = (vec![Screw::default(); self.rows], vec![Traceless::ZERO; self.rows]);
-        let (lubrication, sums) = (self.arrangement.lubrication, (&mut loads[..], &mut moments[..]));
-        let stiff = self.part::<V, _, _, STIFF>(&stiff, || Stiff::new(lubrication), sums);
-        let sums = (&mut loads[..], &mut moments[..]);
-        let soft = self.part::<V, _, _, SIDE>(&soft, || Soft(lubrication), sums);
-        Assembled { stiff, soft, loads, moments }
+        let lubrication = self.arrangement.lubrication;
+        let stiff = self.part::<V, _, _, STIFF>(&stiff, || Stiff::new(lubrication));
+        let soft = self.part::<V, _, _, SIDE>(&soft, || Soft(lubrication));
+        Assembled { stiff, soft }
     }
 }
 
 impl<T: Stored> Assembly<'_, T> {
-    /// All rows of so many particles that a rank owns.
-    pub fn of_all(arrangement: &Arrangement, owned: usize) -> Vec<Assembled<T>> {
-        let part = |k: usize| {
-            let first = k * ROWS;
-            f64::dispatch(Assembly { arrangement, first, rows: ROWS.min(owned - first), stored: PhantomData })
+    /// The rows of all particles that a rank owns, whose loads and moments are added to those given.
+    pub fn of_all(arrangement: &Arrangement, (loads, moments): (&mut [Screw], &mut [Traceless])) -> Vec<Assembled<T>> {
+        let part = |(k, (loads, moments)): (usize, (&mut [Screw], &mut [Traceless]))| {
+            let (first, rows) = (k * ROWS, loads.len());
+            f64::dispatch(Assembly { arrangement, first, rows, loads, moments, stored: PhantomData })
         };
-        (0..owned.div_ceil(ROWS)).into_par_iter().map(part).collect()
+        loads.par_chunks_mut(ROWS).zip(moments.par_chunks_mut(ROWS)).enumerate().map(part).collect()
     }
 
     /// The stiff pairs and the others.
@@ -126,10 +124,9 @@ impl<T: Stored> Assembly<'_, T> {
     /// Makes rows of pairs of one kind, and adds their loads and moments in the ambient flow.
     #[inline(always)]
     fn part<V: Width<f64>, S: Stored, K: Kind<N>, const N: usize>(
-        &self,
+        &mut self,
         listed: &Listed,
         kind: impl Fn() -> K,
-        (loads, moments): (&mut [Screw], &mut [Traceless]),
     ) -> Part<S> {
         let order = listed.order();
         let groups = order.chunks(LANES).map(|rows| listed.of(rows[0]).len()).sum();
@@ -145,8 +142,8 @@ impl<T: Stored> Assembly<'_, T> {
             part.end_slice(slice, &sums.totals());
             let (added, moved) = strained.totals();
             for (lane, &row) in rows.iter().enumerate() {
-                loads[row as usize] += added[lane];
-                moments[row as usize] += moved[lane];
+                self.loads[row as usize] += added[lane];
+                self.moments[row as usize] += moved[lane];
             }
         }
         part

@@ -65,8 +65,10 @@ impl Hydrodynamics {
             let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt };
             let count = found.stresslets.len();
             let mut change = unknowns(near, &Screws::zero(count), vec![Traceless::ZERO; count]);
-            ended(&conjugate_gradients(&comm, &mut system, (&mut change, &mut residual), limits), limits)?;
-            let (motion, change) = system.finish(change, &residual, tolerance, &comm);
+            let mut correction = Unknowns::default();
+            let unknowns = (&mut change, &mut residual, &mut correction);
+            ended(&conjugate_gradients(&comm, &mut system, unknowns, limits), limits)?;
+            let (motion, change) = system.finish((change, &residual, correction), tolerance, &comm);
             let mut motion = scaled::motion_back(&motion, &units);
             motion.strain_rates.clear();
             motion.add(1.0, &found.motion);

@@ -6,6 +6,7 @@ use super::scaled::Scaled;
 use super::screw::{Screw, Screws};
 use domain::{Comm, Traceless};
 use fcm::{Linear, Loads, Motion, System};
+use rayon::prelude::*;
 
 /// Motions of the particles that a rank owns, and what some pairs resist to them.
 #[derive(Debug, Clone, Default)]
@@ -41,6 +42,11 @@ impl Linear for Resisted {
         self.motions.add(factor, &other.motions);
         self.loads.add(factor, &other.loads);
     }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        self.motions.turn(factor, &other.motions);
+        self.loads.turn(factor, &other.loads);
+    }
 }
 
 impl Linear for Unknowns {
@@ -49,6 +55,12 @@ impl Linear for Unknowns {
         self.soft.add(factor, &other.soft);
         self.moments.add(factor, &other.moments);
     }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        self.stiff.turn(factor, &other.stiff);
+        self.soft.turn(factor, &other.soft);
+        self.moments.turn(factor, &other.moments);
+    }
 }
 
 impl Linear for Residual {
@@ -56,6 +68,12 @@ impl Linear for Residual {
         self.stiff.add(factor, &other.stiff);
         self.soft.add(factor, &other.soft);
         self.strain_rates.add(factor, &other.strain_rates);
+    }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        self.stiff.turn(factor, &other.stiff);
+        self.soft.turn(factor, &other.soft);
+        self.strain_rates.turn(factor, &other.strain_rates);
     }
 }
 
@@ -110,7 +128,6 @@ pub struct Coupled<'a> {
     strain_resistance: &'a [f64],
     motion: Motion,
     step: Motion,
-    correction: Unknowns,
 }
 
 impl<'a> Coupled<'a> {
@@ -127,8 +144,7 @@ impl<'a> Coupled<'a> {
         all.add(1.0, loads);
         let mut motion = mobility.apply(&far_loads(&all, &start.moments));
         motion.add(1.0, ambient);
-        let (step, correction) = (Motion::default(), Unknowns::default());
-        Self { mobility, near, matrix, single, strain_resistance, motion, step, correction }
+        Self { mobility, near, matrix, single, strain_resistance, motion, step: Motion::default() }
     }
 
     /// What the unknowns of the start leave over, in an ambient flow of a rate of strain.
@@ -140,20 +156,25 @@ impl<'a> Coupled<'a> {
     }
 
     /// The motions of the particles, with an error of `tolerance` besides that of the loads and moments found, and the unknowns,
-    /// after a last step of the preconditioner alone: lubrication is that of these motions exactly, so that near pairs do
-    /// not run into each other by the error of their forces. Collective.
-    pub fn finish(mut self, mut x: Unknowns, residual: &Residual, tolerance: f64, comm: &Comm) -> (Motion, Unknowns) {
-        let mut sizes = [self.size(&x), self.size(&self.correction)];
+    /// after a last step by the correction that the preconditioner made of a residual alone: lubrication is that of these
+    /// motions exactly, so that near pairs do not run into each other by the error of their forces. Collective.
+    pub fn finish(
+        mut self,
+        (mut x, residual, mut correction): (Unknowns, &Residual, Unknowns),
+        tolerance: f64,
+        comm: &Comm,
+    ) -> (Motion, Unknowns) {
+        let mut sizes = [self.size(&x), self.size(&correction)];
         comm.sum(&mut sizes);
         let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
         if let Some(matrix) = &mut self.matrix
             && matrix.needs(needed)
         {
-            let Resisted { motions, loads } = std::mem::take(&mut self.correction.stiff);
+            let Resisted { motions, loads } = correction.stiff;
             let [motions, loads] = matrix.go_on([motions, loads], &residual.stiff.resisted(self.single));
-            self.correction.stiff = Resisted { motions, loads };
+            correction.stiff = Resisted { motions, loads };
         }
-        x.add(1.0, &self.correction);
+        x.add(1.0, &correction);
         let rigid = x.stiff.motions.negative();
         let (velocities, angular_velocities) = (rigid.linear(), rigid.angular());
         (Motion { velocities, angular_velocities, strain_rates: self.motion.strain_rates }, x)
@@ -175,8 +196,8 @@ impl System for Coupled<'_> {
     type Residual = Residual;
 
     fn product(&self, residual: &Residual, x: &Unknowns) -> f64 {
-        let strained = residual.strain_rates.iter().zip(&x.moments).map(|(&e, &d)| e.contract(d));
-        residual.stiff.dot(&x.stiff.loads) + residual.soft.dot(&x.soft.loads) + strained.sum::<f64>()
+        let strained = sum(x.moments.len(), |k| residual.strain_rates[k].contract(x.moments[k]));
+        residual.stiff.dot(&x.stiff.loads) + residual.soft.dot(&x.soft.loads) + strained
     }
 
     fn apply(&mut self, direction: &Unknowns) -> Residual {
@@ -191,9 +212,9 @@ impl System for Coupled<'_> {
     fn precondition(&mut self, residual: &Residual) -> Unknowns {
         let stiff = self.of_stiff(&residual.stiff);
         let soft = resisted(self.near, Pairs::Soft, &residual.soft);
-        let moments = residual.strain_rates.iter().zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
-        self.correction = Unknowns { stiff, soft, moments };
-        self.correction.clone()
+        let rates = residual.strain_rates.par_iter().with_min_len(BATCH);
+        let moments = rates.zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
+        Unknowns { stiff, soft, moments }
     }
 
     fn sharpen(&mut self) -> bool {
@@ -204,16 +225,15 @@ impl System for Coupled<'_> {
     /// no pair resists to follow from the others in the end. The energy norm would see stiff pairs above all, which resist
     /// to what hardly moves them.
     fn error(&self, _: &Residual, z: &Unknowns) -> f64 {
-        let loads = |((a, b), single): ((&Screw, &Screw), &Screw)| -> f64 {
-            (0..6).map(|k| (a.0[k] + b.0[k]).powi(2) / single.0[k]).sum()
-        };
-        z.stiff.loads.0.iter().zip(&z.soft.loads.0).zip(self.single).map(loads).sum::<f64>() + self.strained(z)
+        let (stiff, soft) = (&z.stiff.loads.0, &z.soft.loads.0);
+        let squared = |i: usize, k: usize| (stiff[i].0[k] + soft[i].0[k]).powi(2) / self.single[i].0[k];
+        sum(stiff.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(z)
     }
 
     /// That of the motions and moments, as single spheres resist to them.
     fn size(&self, x: &Unknowns) -> f64 {
-        let moved = |(y, single): (&Screw, &Screw)| -> f64 { (0..6).map(|k| single.0[k] * y.0[k].powi(2)).sum() };
-        x.stiff.motions.0.iter().zip(self.single).map(moved).sum::<f64>() + self.strained(x)
+        let squared = |i: usize, k: usize| self.single[i].0[k] * x.stiff.motions.0[i].0[k].powi(2);
+        sum(x.stiff.motions.0.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(x)
     }
 }
 
@@ -227,8 +247,18 @@ impl Coupled<'_> {
 
     /// The rate of strain of single spheres under moments, times these.
     fn strained(&self, x: &Unknowns) -> f64 {
-        x.moments.iter().zip(self.strain_resistance).map(|(d, resistance)| d.contract(*d) / resistance).sum()
+        sum(x.moments.len(), |i| x.moments[i].contract(x.moments[i]) / self.strain_resistance[i])
     }
+}
+
+/// Particles whose terms one thread sums.
+const BATCH: usize = 1024;
+
+/// The sum of terms of so many particles, the same on any number of threads.
+fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let of_batch = |batch: usize| (batch * BATCH..count.min((batch + 1) * BATCH)).map(&term).sum();
+    let sums: Vec<f64> = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+    sums.iter().sum()
 }
 
 /// Motions and what some pairs resist to them. Collective.
@@ -238,6 +268,6 @@ pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &Screws) -> Resisted {
 
 /// Loads on the far field: forces, torques, and stresslets `-D`.
 pub fn far_loads(loads: &Screws, moments: &[Traceless]) -> Loads {
-    let stresslets = moments.iter().map(|&d| -d).collect();
+    let stresslets = moments.par_iter().with_min_len(BATCH).map(|&d| -d).collect();
     Loads { forces: loads.linear(), torques: loads.angular(), stresslets }
 }

@@ -289,9 +289,10 @@ fn lubricated(
     let mut x = start(near, (matrix.as_mut(), START * limits.tolerance), (&single, &known), (guess, is_rigid));
     let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
     let mut residual = system.residual(&x, background);
-    let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual), limits);
+    let mut correction = Unknowns::default();
+    let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual, &mut correction), limits);
     ended(&outcome, limits)?;
-    let (motion, x) = system.finish(x, &residual, END * limits.tolerance, comm);
+    let (motion, x) = system.finish((x, &residual, correction), END * limits.tolerance, comm);
     if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
         return Err(SolveError::NotFinite);
     }

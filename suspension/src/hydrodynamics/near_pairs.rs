@@ -5,11 +5,11 @@ use super::at_walls::{self, AtWall};
 use super::lanes::Stored;
 use super::own::Own;
 use super::pair_lubrication::PairLubrication;
-use super::pair_matrix::{Padded, PairMatrix, Resistance};
-use super::screw::Screws;
+use super::pair_matrix::{Padded, PairMatrix, ROWS, Resistance};
+use super::screw::{Screw, Screws};
 use super::springs::Springs;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
-use fcm::{Linear, Precision};
+use fcm::Precision;
 use lubrication::WallForce;
 use rayon::prelude::*;
 
@@ -76,25 +76,16 @@ pub struct NearPairs {
     has_traps: bool,
 }
 
-/// The rows of all particles that a rank owns.
+/// Stiff pairs, and the others.
 struct Resisting {
     stiff: PairMatrix<f64>,
     soft: Box<dyn Resistance>,
-    loads: Screws,
-    moments: Vec<Traceless>,
 }
 
 impl Resisting {
     fn of<T: Stored + 'static>(parts: Vec<Assembled<T>>) -> Self {
-        let (mut loads, mut moments) = (Vec::new(), Vec::new());
-        let (mut stiff, mut soft) = (Vec::with_capacity(parts.len()), Vec::with_capacity(parts.len()));
-        for part in parts {
-            loads.extend_from_slice(&part.loads);
-            moments.extend_from_slice(&part.moments);
-            stiff.push(part.stiff);
-            soft.push(part.soft);
-        }
-        Self { stiff: PairMatrix::new(stiff), soft: Box::new(PairMatrix::new(soft)), loads: Screws(loads), moments }
+        let (stiff, soft) = parts.into_iter().map(|part| (part.stiff, part.soft)).unzip();
+        Self { stiff: PairMatrix::new(stiff), soft: Box::new(PairMatrix::new(soft)) }
     }
 }
 
@@ -116,9 +107,11 @@ impl NearPairs {
         let ids = &ids;
         let arrangement =
             Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient, slope };
-        let Resisting { mut stiff, soft, mut loads, mut moments } = match field.precision {
-            Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, owned)),
-            Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, owned)),
+        let (mut loads, mut moments) = (Screws::zero(owned), vec![Traceless::ZERO; owned]);
+        let sums = (&mut loads.0[..], &mut moments[..]);
+        let Resisting { mut stiff, soft } = match field.precision {
+            Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, sums)),
+            Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, sums)),
         };
         let at_walls = at_walls::find(at_walls.as_ref(), springs, particles, cell);
         for at_wall in &at_walls {
@@ -163,16 +156,31 @@ impl NearPairs {
 
     /// What some pairs resist to the motions of the particles that this rank owns. Collective.
     pub fn times(&self, pairs: &[Pairs], motions: &Screws) -> Screws {
+        self.times_and(pairs, motions, |_, _| 0.0).0
+    }
+
+    /// As [`Self::times`], changed then by a function of the first row and the loads of some rows, and the sum of what that
+    /// is, the same on any number of threads. Collective.
+    pub fn times_and(
+        &self,
+        pairs: &[Pairs],
+        motions: &Screws,
+        change: impl Fn(usize, &mut [Screw]) -> f64 + Sync,
+    ) -> (Screws, f64) {
         let present = self.present(motions);
-        let of = |pairs: &Pairs| match pairs {
-            Pairs::Stiff => Screws(self.stiff.times(&present)),
-            Pairs::Soft => Screws(self.soft.times(&present)),
+        let mut loads = Screws::zero(motions.0.len());
+        let (stiff, soft) = (&self.stiff, &self.soft);
+        let of_part = |(part, loads): (usize, &mut [Screw])| {
+            for which in pairs {
+                match which {
+                    Pairs::Stiff => stiff.add_loads(part, &present, loads),
+                    Pairs::Soft => soft.add_loads(part, &present, loads),
+                }
+            }
+            change(part * ROWS, loads)
         };
-        let plus = |mut loads: Screws, more: Screws| {
-            loads.add(1.0, &more);
-            loads
-        };
-        pairs.iter().map(of).reduce(plus).unwrap_or_else(|| Screws::zero(motions.0.len()))
+        let sums: Vec<f64> = loads.0.par_chunks_mut(ROWS).enumerate().map(of_part).collect();
+        (loads, sums.iter().sum())
     }
 
     /// Loads of lubrication on the fluid in the ambient flow, with the particles not moving relative to it.
@@ -188,7 +196,8 @@ impl NearPairs {
         self.stiff.add_moments(&present, &mut by_motions);
         self.soft.add_moments(&present, &mut by_motions);
         self.at_walls.iter().for_each(|at_wall| by_motions[at_wall.row] += at_wall.moment(motions));
-        self.moments.iter().zip(by_motions).map(|(&by_strain, by_motion)| by_strain - by_motion).collect()
+        let moments = self.moments.par_iter().with_min_len(BATCH).zip(by_motions);
+        moments.map(|(&by_strain, by_motion)| by_strain - by_motion).collect()
     }
 
     fn present(&self, motions: &Screws) -> Vec<Padded> {

@@ -130,15 +130,16 @@ fn inverse<X: Arithmetic>(mut work: [[X; 6]; 6]) -> [[X; 6]; 6] {
 pub struct Inverses<'a> {
     pub own: &'a [Own<f64>],
     pub single: &'a [Screw],
+    pub blocks: &'a mut [Block],
 }
 
 impl Work<f64> for Inverses<'_> {
-    type Output = Vec<Block>;
+    type Output = ();
 
     #[inline(always)]
-    fn run<V: Width<f64>>(self) -> Vec<Block> {
-        let mut blocks = Vec::with_capacity(self.own.len());
-        for (own, single) in self.own.chunks(LANES).zip(self.single.chunks(LANES)) {
+    fn run<V: Width<f64>>(self) {
+        let given = self.own.chunks(LANES).zip(self.single.chunks(LANES));
+        for ((own, single), blocks) in given.zip(self.blocks.chunks_mut(LANES)) {
             let mut matrix = Own::<Lanes<V>>::of(own).matrix();
             for k in 0..6 {
                 // Empty lanes have an inverse too.
@@ -153,15 +154,12 @@ impl Work<f64> for Inverses<'_> {
             for (lanes, number) in lanes.iter_mut().zip(inverse.as_flattened()) {
                 number.write(lanes);
             }
-            let mut records = [Block::default(); LANES];
-            for (lane, record) in records.iter_mut().enumerate() {
+            for (lane, block) in blocks.iter_mut().enumerate() {
                 for k in 0..Block::NUMBERS {
-                    record.0[k] = lanes[k][lane];
+                    block.0[k] = lanes[k][lane];
                 }
             }
-            blocks.extend_from_slice(&records[..own.len()]);
         }
-        blocks
     }
 }
 
@@ -182,7 +180,8 @@ mod tests {
             })
             .collect();
         let single = [Screw([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]); 11];
-        let blocks = solver::Real::dispatch(Inverses { own: &own, single: &single });
+        let mut blocks = [Block::default(); 11];
+        solver::Real::dispatch(Inverses { own: &own, single: &single, blocks: &mut blocks });
         for (own, block) in own.iter().zip(blocks) {
             let x = [1.0, -2.0, 3.0, 0.5, -0.25, 4.0];
             let mut loads = own.times([[1.0, -2.0, 3.0], [0.5, -0.25, 4.0]]);

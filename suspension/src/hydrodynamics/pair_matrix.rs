@@ -134,9 +134,10 @@ impl<T: Stored> PairMatrix<T> {
 
     /// The inverses of the blocks on the diagonal with what particles resist alone.
     pub fn inverses(&self, single: &[Screw]) -> Vec<Block> {
-        let of_part = |(part, single): (&Part<T>, &[Screw])| f64::dispatch(Inverses { own: &part.own, single });
-        let parts: Vec<Vec<Block>> = self.parts.par_iter().zip(single.par_chunks(ROWS)).map(of_part).collect();
-        parts.concat()
+        let mut inverses = vec![Block::default(); single.len()];
+        let parts = self.parts.par_iter().zip(single.par_chunks(ROWS)).zip(inverses.par_chunks_mut(ROWS));
+        parts.for_each(|((part, single), blocks)| f64::dispatch(Inverses { own: &part.own, single, blocks }));
+        inverses
     }
 }
 
@@ -145,8 +146,8 @@ pub trait Resistance: Sync {
     /// Whether there is no pair.
     fn is_empty(&self) -> bool;
 
-    /// The loads by the motions of all particles present of those that the rank owns.
-    fn times(&self, present: &[Padded]) -> Vec<Screw>;
+    /// Adds the loads by the motions of all particles present to those of the rows of a part.
+    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [Screw]);
 
     /// Adds the first moments by the motions of all particles present to those of the particles that the rank owns.
     fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]);
@@ -157,12 +158,10 @@ impl<T: Stored> Resistance for PairMatrix<T> {
         self.parts.iter().all(|part| part.groups.is_empty())
     }
 
-    fn times(&self, present: &[Padded]) -> Vec<Screw> {
-        let mut loads = vec![Screw::default(); self.parts.iter().map(|part| part.own.len()).sum()];
-        loads.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (loads, part))| {
-            f64::dispatch(Product { part, first: k * ROWS, present, loads });
-        });
-        loads
+    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [Screw]) {
+        if let Some(rows) = self.parts.get(part) {
+            f64::dispatch(Product { part: rows, first: part * ROWS, present, loads });
+        }
     }
 
     fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]) {
@@ -246,7 +245,9 @@ impl<T: Stored> Work<f64> for Product<'_, T> {
             (0..own.len()).for_each(|lane| rows[lane] += lane as u32);
             let records = scattered(&Own::<Lanes<V>>::of(own).times(gathered(self.present, &rows)));
             for (load, record) in loads.iter_mut().zip(&records) {
-                load.0.copy_from_slice(&record[..6]);
+                for k in 0..6 {
+                    load.0[k] += record[k];
+                }
             }
         }
         for (slice, groups) in self.part.slices() {

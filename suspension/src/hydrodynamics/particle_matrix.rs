@@ -2,11 +2,12 @@
 
 use super::block::{Block, Products};
 use super::near_pairs::{NearPairs, Pairs};
-use super::screw::{Screw, Screws};
+use super::screw::{Screw, Screws, dot};
 use domain::{Comm, Interrupt};
-use fcm::{Limits, Linear, System, conjugate_gradients};
+use fcm::{Limits, Linear, Step, Sums, System, conjugate_gradients};
 use rayon::prelude::*;
 use solver::Real;
+use solver::simd::{Vector as Width, Work};
 
 /// `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs: what particles
 /// resist to their rigid motions if they feel one another by the lubrication of these alone.
@@ -66,7 +67,8 @@ impl<'a> ParticleMatrix<'a> {
     /// As [`Self::solve`], from motions that leave a residual.
     fn solve_from(&mut self, mut motions: Screws, loads: &Screws, mut residual: Screws, limits: Limits) -> [Screws; 2] {
         let comm = self.comm.clone();
-        conjugate_gradients(&comm, self, (&mut motions, &mut residual), limits);
+        let mut z = Screws::zero(loads.0.len());
+        conjugate_gradients(&comm, self, (&mut motions, &mut residual, &mut z), limits);
         let resisted = self.remainder(loads, &residual, &motions);
         [motions, resisted]
     }
@@ -111,9 +113,21 @@ impl System for ParticleMatrix<'_> {
     }
 
     fn apply(&mut self, direction: &Screws) -> Screws {
-        let mut loads = self.near.times(self.pairs, direction);
-        loads.add_resisted(1.0, self.single, direction);
-        loads
+        self.curvature(direction).0
+    }
+
+    fn curvature(&mut self, direction: &Screws) -> (Screws, f64) {
+        self.near.times_and(self.pairs, direction, |first, loads| {
+            let of_rows = loads.iter_mut().zip(&self.single[first..]).zip(&direction.0[first..]);
+            let mut sums = [0.0; 6];
+            for ((load, single), motion) in of_rows {
+                for k in 0..6 {
+                    load.0[k] += single.0[k] * motion.0[k];
+                    sums[k] += load.0[k] * motion.0[k];
+                }
+            }
+            sums.iter().sum()
+        })
     }
 
     fn stepped(&mut self, _: f64) {}
@@ -126,16 +140,91 @@ impl System for ParticleMatrix<'_> {
         motions
     }
 
-    /// That of the motions of single spheres under the residual: the energy norm would see stiff pairs above all, and their
-    /// loads on the far field would be far off before their motions are.
     fn error(&self, residual: &Screws, _: &Screws) -> f64 {
-        let product =
-            |(load, single): (&Screw, &Screw)| -> f64 { (0..6).map(|k| load.0[k].powi(2) / single.0[k]).sum() };
-        residual.0.iter().zip(self.single).map(product).sum()
+        error(&residual.0, self.single)
     }
 
     fn size(&self, x: &Screws) -> f64 {
-        let product = |(x, single): (&Screw, &Screw)| -> f64 { (0..6).map(|k| x.0[k].powi(2) * single.0[k]).sum() };
-        x.0.iter().zip(self.single).map(product).sum()
+        size(&x.0, self.single)
     }
+
+    fn look(
+        &mut self,
+        (x, residual): (&mut Screws, &mut Screws),
+        step: Option<Step<Screws, Screws>>,
+        z: &mut Screws,
+    ) -> Sums {
+        let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
+        let given = self.inverse.par_chunks(BATCH).zip(self.single.par_chunks(BATCH));
+        let of_batch = |(batch, (((x, residual), z), (blocks, single))): (usize, (Unknowns, Given))| {
+            let from = batch * BATCH;
+            let step = step.as_ref().map(|step| (step.length, [&step.direction.0[from..], &step.image.0[from..]]));
+            f64::dispatch(Look { blocks, single, step, x, residual, z })
+        };
+        let sums: Vec<Sums> = places.zip(given).enumerate().map(of_batch).collect();
+        sums.into_iter().fold(Sums::default(), |all, of_batch| all + of_batch)
+    }
+}
+
+/// Motions, residuals and preconditioned residuals of some particles.
+type Unknowns<'a> = ((&'a mut [Screw], &'a mut [Screw]), &'a mut [Screw]);
+
+/// Their preconditioners and resistances alone.
+type Given<'a> = (&'a [Block], &'a [Screw]);
+
+/// [`System::look`] at some particles.
+struct Look<'a> {
+    blocks: &'a [Block],
+    single: &'a [Screw],
+    /// The length of a step, its direction and its image.
+    step: Option<(f64, [&'a [Screw]; 2])>,
+    x: &'a mut [Screw],
+    residual: &'a mut [Screw],
+    z: &'a mut [Screw],
+}
+
+impl Work<f64> for Look<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) -> Sums {
+        let Self { blocks, single, step, x, residual, z } = self;
+        let mut former = 0.0;
+        if let Some((length, [direction, image])) = step {
+            add(x, length, direction);
+            add(residual, -length, image);
+            former = dot(residual, z);
+        }
+        Products { blocks, screws: residual, results: z }.run::<V>();
+        Sums { product: dot(residual, z), former, error: error(residual, single), size: size(x, single) }
+    }
+}
+
+#[inline(always)]
+fn add(screws: &mut [Screw], factor: f64, others: &[Screw]) {
+    for (a, b) in screws.iter_mut().zip(others) {
+        (0..6).for_each(|k| a.0[k] += factor * b.0[k]);
+    }
+}
+
+/// The square of the error that a residual says: that of the motions of single spheres under it. The energy norm would see stiff
+/// pairs above all, and their loads on the far field would be far off before their motions are.
+#[inline(always)]
+fn error(residual: &[Screw], single: &[Screw]) -> f64 {
+    squares(residual, single, |load, single| load * load / single)
+}
+
+/// The square of the size of motions, as single spheres resist to them.
+#[inline(always)]
+fn size(motions: &[Screw], single: &[Screw]) -> f64 {
+    squares(motions, single, |motion, single| motion * motion * single)
+}
+
+#[inline(always)]
+fn squares(screws: &[Screw], single: &[Screw], square: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut sums = [0.0; 6];
+    for (screw, single) in screws.iter().zip(single) {
+        (0..6).for_each(|k| sums[k] += square(screw.0[k], single.0[k]));
+    }
+    sums.iter().sum()
 }

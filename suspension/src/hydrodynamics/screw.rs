@@ -75,17 +75,8 @@ impl Screws {
 
     /// This rank's part of the inner product.
     pub fn dot(&self, other: &Self) -> f64 {
-        let product = |(a, b): (&[Screw], &[Screw])| {
-            let (a, b): (&[[f64; 6]], &[[f64; 6]]) = (bytemuck::cast_slice(a), bytemuck::cast_slice(b));
-            let mut sums = [0.0; 6];
-            for (a, b) in a.iter().zip(b) {
-                for k in 0..6 {
-                    sums[k] += a[k] * b[k];
-                }
-            }
-            sums.iter().sum::<f64>()
-        };
-        let sums: Vec<f64> = self.0.par_chunks(BATCH).zip(other.0.par_chunks(BATCH)).map(product).collect();
+        let products = self.0.par_chunks(BATCH).zip(other.0.par_chunks(BATCH)).map(|(a, b)| dot(a, b));
+        let sums: Vec<f64> = products.collect();
         sums.iter().sum()
     }
 
@@ -119,11 +110,31 @@ impl Screws {
     }
 }
 
+/// The inner product.
+#[inline(always)]
+pub fn dot(screws: &[Screw], others: &[Screw]) -> f64 {
+    let mut sums = [0.0; 6];
+    for (a, b) in screws.iter().zip(others) {
+        (0..6).for_each(|k| sums[k] += a.0[k] * b.0[k]);
+    }
+    sums.iter().sum()
+}
+
 impl Linear for Screws {
     fn add(&mut self, factor: f64, other: &Self) {
+        self.changed(other, |a, b| *a += factor * b);
+    }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        self.changed(other, |a, b| *a = b + factor * *a);
+    }
+}
+
+impl Screws {
+    fn changed(&mut self, other: &Self, change: impl Fn(&mut f64, f64) + Sync) {
         self.0.par_chunks_mut(BATCH).zip(other.0.par_chunks(BATCH)).for_each(|(a, b)| {
             let (a, b): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(a), bytemuck::cast_slice(b));
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+            a.iter_mut().zip(b).for_each(|(a, b)| change(a, *b));
         });
     }
 }
