@@ -74,12 +74,13 @@ impl Footprint {
     }
 
     /// The tables of the operator in open space, of which every rank has whole ones, and what it takes to make them: a vector
-    /// field in `f64` on a grid as long as the one that is on this one and its diagonal, and a bit.
+    /// field in `f64` on a grid as long as the one that is on this one and its diagonal, and a bit, and a number for each mode of an
+    /// octant of it.
     pub fn open_space<T: Real>(&self) -> Bytes {
         let half = self.points.map(|n| 0.5 * n as f64);
         let diagonal = half.iter().map(|n| n * n).sum::<f64>().sqrt();
         let long = half.map(|n| n + 1.2 * diagonal).iter().product::<f64>();
-        Bytes::list::<T>(OpenSpace::<T>::values(self.points)).then(Bytes::list::<f64>(3.0 * long).freed())
+        Bytes::list::<T>(OpenSpace::<T>::values(self.points)).then(Bytes::list::<f64>(3.125 * long).freed())
     }
 
     /// Points of this rank.

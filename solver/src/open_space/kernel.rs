@@ -3,11 +3,15 @@
 use crate::{Field, Grid, Physical, Spectral, Transform};
 use domain::{Comm, Partition, PeriodicBox, Vector};
 use num_complex::Complex;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
 pub(super) const ENTRIES: usize = 6;
 const DIAGONAL: [usize; 3] = [0, 3, 5];
+
+/// Modes that one thread works through at a time.
+const BATCH: usize = 1024;
 
 /// Calls `keep(mode, entry, value)` for the discrete transform of the kernel at all modes up to half the points, but for the
 /// highest of x.
@@ -39,13 +43,21 @@ pub(super) fn transforms(
     let long = Grid::new(long, cell).expect("a good size is one that can be transformed");
     let over = 1.0 / long.count() as f64;
     let added = multiplier(Vector::ZERO) / (4.0 * PI * cut) * spacing.element_product();
+    // Even along each axis: those of an octant stand for all.
+    let [mx, my, mz] = long.points().map(|n| n / 2);
+    let factor = |at: usize| {
+        let k = long.wavevector([at % mx, at / mx % my, at / (mx * my)]);
+        biharmonic(k.length(), cut) * multiplier(k) * over
+    };
+    let factors: Vec<f64> = (0..mx * my * mz).into_par_iter().with_min_len(BATCH).map(factor).collect();
     for first in [0, 3] {
         let values = |mode: [usize; 3]| {
             let k = long.wavevector(mode);
             if (0..3).any(|axis| long.is_nyquist(axis, mode[axis])) {
                 return [Complex::new(0.0, 0.0); 3];
             }
-            let factor = biharmonic(k.length(), cut) * multiplier(k) * over;
+            let [m1, m2, m3] = [0, 1, 2].map(|axis| mode[axis].min(long.points()[axis] - mode[axis]));
+            let factor = factors[m1 + mx * (m2 + my * m3)];
             let square = k.length_squared();
             let entries =
                 [square - k.x * k.x, -k.x * k.y, -k.x * k.z, square - k.y * k.y, -k.y * k.z, square - k.z * k.z];
