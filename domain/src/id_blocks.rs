@@ -63,6 +63,23 @@ impl IdBlocks {
         self.own().map(|block| block as u64).map(|b| before(b * self.size)..before((b + 1) * self.size)).collect()
     }
 
+    /// Sums over the blocks before each of this rank's, of whole numbers that each rank brings for each of its own: as many for each
+    /// block. Collective.
+    pub fn before(&self, parts: &[Vec<u64>]) -> Vec<Vec<u64>> {
+        let (ranks, all) = (self.comm.size(), self.comm.exchange(&vec![parts.concat(); self.comm.size()]));
+        let width = all[0].len() / self.count.div_ceil(ranks);
+        let mut sums = vec![0; width];
+        let mut before = Vec::new();
+        for block in 0..self.count {
+            if block % ranks == self.comm.rank() {
+                before.push(sums.clone());
+            }
+            let part = &all[block % ranks][block / ranks * width..][..width];
+            sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        }
+        before
+    }
+
     /// Sums over all blocks in their order, on every rank, of what each rank brings for each of its own: as many numbers for each
     /// block. No rank has more than its share of the blocks' numbers at a time. Collective.
     pub fn total(&self, parts: &[Vec<f64>]) -> Vec<f64> {
@@ -153,6 +170,19 @@ mod tests {
             let alone = total(1);
             assert!((alone[2] - 50.0).abs() < 1e-15);
             assert!([2, 3, 7, 13, 60].into_iter().all(|ranks| total(ranks) == alone), "blocks of {size}");
+        }
+    }
+
+    #[test]
+    fn what_comes_before_a_block_is_summed() {
+        for ranks in [1, 2, 3, 7, 13] {
+            Comm::threads(ranks, |comm| {
+                let blocks = IdBlocks::of(&share(&numbered(50), &comm), &comm, 5);
+                let parts: Vec<Vec<u64>> = blocks.own().map(|block| vec![1, block as u64]).collect();
+                let expected: Vec<Vec<u64>> =
+                    blocks.own().map(|block| block as u64).map(|b| vec![b, (0..b).sum()]).collect();
+                assert_eq!(blocks.before(&parts), expected);
+            });
         }
     }
 

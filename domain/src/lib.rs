@@ -59,7 +59,7 @@ pub use given_positions::GivenPositions;
 pub use halo::{Halo, Reach};
 pub use id_blocks::IdBlocks;
 pub use interrupt::{Interrupt, Interrupted};
-pub use memory::packing_bytes;
+pub use memory::{packing_bytes, shared_pairs_bytes};
 pub use neighbour::Neighbour;
 pub use neighbours::Neighbours;
 pub use number::Number;

@@ -5,7 +5,7 @@ use crate::{Halo, Particles, Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
 
 /// Ghosts that are no matter of memory.
-const FEW: usize = 1 << 16;
+pub(crate) const FEW: usize = 1 << 16;
 
 /// Folds over the pairs of different particles of all ranks within a cutoff as [`crate::fold_pairs`] does: each pair, and each image
 /// of it, is visited once, on the rank that owns the particle with the smaller id, by the species of both, that of the smaller
