@@ -85,18 +85,22 @@ impl Averages {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Species};
-    use domain::{Comm, PeriodicBox, Vector};
+    use domain::{Boundaries, PeriodicBox, Turn, Vector};
+    use simulation::Table;
+
+    /// So many spheres, in a box that the axes of the user are those of or with walls across x.
+    fn model(count: u64, boundaries: Boundaries) -> Model {
+        let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(boundaries).unwrap();
+        let species = vec![Species::new("one", 1.0, count)];
+        let turn = if boundaries == Boundaries::Walls { Turn::to_last(0) } else { Turn::default() };
+        let statistics = Some(Wanted::ALL);
+        Model::new(Parameters { statistics, turn, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
+    }
 
     /// What is taken up again gives the same bytes and tables; of another scene's it is refused.
     #[test]
     fn a_state_is_taken_up_whole() {
-        let model = |count| {
-            let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
-            let species = vec![Species::new("one", 1.0, count)];
-            let statistics = Some(Wanted::ALL);
-            Model::new(Parameters { statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
-        };
-        let scene = model(3);
+        let scene = model(3, Boundaries::Periodic);
         let suspension = Suspension::start(&scene, &Comm::alone()).unwrap();
         let none = || Averages::new(&scene, Wanted::ALL, &suspension);
         let (mut first, mut second) = (none(), none());
@@ -107,5 +111,34 @@ mod tests {
         assert!(second.tables().is_some() && none().tables().is_none());
         assert!(none().take_up(&[vec![1]]).is_err());
         assert_eq!(none().take_up(&[]), Ok(()));
+    }
+
+    /// By ranks that have several blocks of ids, one or none.
+    #[test]
+    fn ranks_take_their_pieces_up() {
+        for (boundaries, ranks) in [(Boundaries::Periodic, 2), (Boundaries::Walls, 2), (Boundaries::Walls, 5)] {
+            let scene = model(13, boundaries);
+            let tables = Comm::threads(ranks, |comm| {
+                let mut suspension = Suspension::start(&scene, &comm).unwrap();
+                let none = |suspension: &Suspension| Averages::in_blocks_of(4, (&scene, Wanted::ALL), suspension);
+                let (mut whole, mut half) = (none(&suspension), none(&suspension));
+                for step in 0..4 {
+                    if step == 2 {
+                        let state = half.state();
+                        assert_eq!(state.len(), (comm.rank()..4).step_by(ranks).count());
+                        half = none(&suspension);
+                        assert_eq!(half.take_up(&state), Ok(()));
+                    }
+                    whole.sample(&suspension);
+                    half.sample(&suspension);
+                    suspension.step().unwrap();
+                }
+                assert!(whole.state() == half.state());
+                let text = |set: TableSet| set.tables.iter().map(Table::to_csv).collect::<String>();
+                [&mut whole, &mut half].map(|averages| averages.tables().map(text))
+            });
+            assert!(tables[0][0].is_some() && tables[0][0] == tables[0][1]);
+            assert!(tables[1..].iter().flatten().all(Option::is_none));
+        }
     }
 }
