@@ -15,7 +15,13 @@ pub struct ById<'a> {
     /// Particles of all ranks, and one more than their last id.
     count: usize,
     ids: u64,
+    /// This rank's pieces, and the lengths of those of all ranks.
+    pieces: &'a [Vec<u8>],
+    lengths: Vec<usize>,
 }
+
+/// Bytes of pieces that are sent at a time.
+const PART: usize = 1 << 20;
 
 /// What is read; columns by their places.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +31,7 @@ enum Property {
     Steps,
     Radii,
     Species,
+    Piece,
     Column(usize),
 }
 
@@ -36,7 +43,8 @@ impl Property {
             Self::Steps => 2,
             Self::Radii => 3,
             Self::Species => 4,
-            Self::Column(place) => 5 + place as u64,
+            Self::Piece => 5,
+            Self::Column(place) => 6 + place as u64,
         }
     }
 
@@ -47,7 +55,8 @@ impl Property {
             2 => Self::Steps,
             3 => Self::Radii,
             4 => Self::Species,
-            column => Self::Column(column as usize - 5),
+            5 => Self::Piece,
+            column => Self::Column(column as usize - 6),
         }
     }
 }
@@ -56,7 +65,12 @@ impl Particles {
     /// What `read` makes of all particles on the first rank, which the others send it; nothing on those. All ranks have the
     /// same columns, and no two particles the same id. Collective.
     pub fn by_id<R>(&self, comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
-        ById::new(self, comm, ById::BLOCK).read(read)
+        self.by_id_with(&[], comm, read)
+    }
+
+    /// The same, which also reads pieces of bytes, of which number `k` of all ranks is on rank `k mod ranks`.
+    pub fn by_id_with<R>(&self, pieces: &[Vec<u8>], comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
+        ById::new((self, pieces), comm, ById::BLOCK).read(read)
     }
 }
 
@@ -64,14 +78,15 @@ impl<'a> ById<'a> {
     /// Ids of a block.
     pub(crate) const BLOCK: u64 = 1 << 16;
 
-    fn new(particles: &'a Particles, comm: &'a Comm, block: u64) -> Self {
+    fn new((particles, pieces): (&'a Particles, &'a [Vec<u8>]), comm: &'a Comm, block: u64) -> Self {
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_unstable_by_key(|&row| particles.ids[row]);
         let end = order.last().map_or(0, |&row| particles.ids[row] + 1);
         let all = comm.all_gather(&[[particles.len() as u64, end]]);
         let count = all.iter().map(|[count, _]| *count as usize).sum();
         let ids = all.iter().map(|[_, end]| *end).max().unwrap_or(0);
-        Self { particles, comm, block, order, count, ids }
+        let lengths = lengths(pieces, comm);
+        Self { particles, comm, block, order, count, ids, pieces, lengths }
     }
 
     fn read<R>(&self, read: impl FnOnce(&Self) -> R) -> Option<R> {
@@ -125,6 +140,34 @@ impl<'a> ById<'a> {
         self.each_block(Property::Column(place), (&column.values, column.width), each)
     }
 
+    /// The lengths of the pieces.
+    pub fn lengths(&self) -> &[usize] {
+        &self.lengths
+    }
+
+    /// Passes the bytes of the pieces on, one piece after another, a MiB at a time.
+    pub fn pieces<E>(&self, mut each: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
+        for (piece, &length) in self.lengths.iter().enumerate() {
+            for part in 0..length.div_ceil(PART) {
+                let number = part_number(piece, part);
+                self.ask(Some((Property::Piece, number)));
+                each(&self.part(number))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A part of a piece, on the first rank. Collective.
+    fn part(&self, number: u64) -> Vec<u8> {
+        let (piece, start) = ((number >> 32) as usize, PART * (number as u32) as usize);
+        let ranks = self.comm.size();
+        if piece % ranks != self.comm.rank() {
+            return self.comm.gather(&[]);
+        }
+        let own = &self.pieces[piece / ranks];
+        self.comm.gather(&own[start..own.len().min(start + PART)])
+    }
+
     fn each_block<T: Value, E>(
         &self,
         property: Property,
@@ -162,6 +205,7 @@ impl<'a> ById<'a> {
                 Property::Steps => drop(self.gathered(block, (&p.steps, 1))),
                 Property::Radii => drop(self.gathered(block, (&p.radii, 1))),
                 Property::Species => drop(self.gathered(block, (&p.species, 1))),
+                Property::Piece => drop(self.part(block)),
                 Property::Column(place) => {
                     drop(self.gathered(block, (&p.columns[place].values, p.columns[place].width)));
                 }
@@ -184,6 +228,19 @@ impl<'a> ById<'a> {
         order.sort_unstable_by_key(|&row| places[row]);
         Picked(&order).of(&all, width)
     }
+}
+
+/// A number for a part of a piece.
+fn part_number(piece: usize, part: usize) -> u64 {
+    ((piece as u64) << 32) | part as u64
+}
+
+/// The lengths of the pieces of all ranks. Collective.
+fn lengths(pieces: &[Vec<u8>], comm: &Comm) -> Vec<usize> {
+    let own: Vec<usize> = pieces.iter().map(Vec::len).collect();
+    let all = comm.exchange(&vec![own; comm.size()]);
+    let count = all.iter().map(Vec::len).sum();
+    (0..count).map(|piece| all[piece % all.len()][piece / all.len()]).collect()
 }
 
 #[cfg(test)]
@@ -245,7 +302,7 @@ mod tests {
                 let rows: Vec<usize> = (0..60).rev().filter(|r| r % ranks == comm.rank()).collect();
                 let mut particles = alone.selected(&rows);
                 particles.migrate(&partition, &cell);
-                ById::new(&particles, &comm, block).read(collected)
+                ById::new((&particles, &[]), &comm, block).read(collected)
             });
             let (all, most) = found[0].clone().unwrap();
             assert_eq!(all, alone, "{ranks} ranks, blocks of {block}");
@@ -262,7 +319,7 @@ mod tests {
             let rows: Vec<usize> = (0..20).filter(|r| r % 3 == comm.rank()).collect();
             let particles = alone.selected(&rows);
             let mut blocks = 0;
-            let read = ById::new(&particles, &comm, 5).read(|rows| {
+            let read = ById::new((&particles, &[]), &comm, 5).read(|rows| {
                 rows.radii(|_| {
                     blocks += 1;
                     if blocks == 2 { Err("no more") } else { Ok(()) }
@@ -271,5 +328,28 @@ mod tests {
             (read, particles.by_id(&comm, |rows| [rows.count(), rows.columns().count()]))
         });
         assert_eq!(found[0], (Some(Err("no more")), Some([20, alone.columns.len()])));
+    }
+
+    /// Pieces of any length, longer than what is sent at a time too, come in the order of their numbers.
+    #[test]
+    fn pieces_are_read_in_their_order() {
+        let all: Vec<Vec<u8>> =
+            (0..9_u8).map(|k| vec![k; if k == 4 { 2 * PART + 7 } else { usize::from(k) * 3 }]).collect();
+        for (ranks, count) in [(1, 9), (2, 9), (3, 8), (7, 9), (13, 9), (3, 1), (2, 0)] {
+            let found = Comm::threads(ranks, |comm| {
+                let own: Vec<Vec<u8>> = all[..count].iter().skip(comm.rank()).step_by(ranks).cloned().collect();
+                Particles::default().by_id_with(&own, &comm, |rows| {
+                    let mut bytes = Vec::new();
+                    rows.pieces(|part| {
+                        assert!(part.len() <= PART);
+                        append(&mut bytes, part)
+                    })
+                    .unwrap();
+                    (bytes, rows.lengths().to_vec())
+                })
+            });
+            let lengths = all[..count].iter().map(Vec::len).collect();
+            assert_eq!(found[0], Some((all[..count].concat(), lengths)), "{ranks} ranks, {count} pieces");
+        }
     }
 }

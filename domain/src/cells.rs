@@ -74,8 +74,13 @@ impl Cells {
     /// Sorts particles into cells about as wide as the cutoff, or half as wide where such cells would hold many
     /// particles.
     pub fn sort(cell: &PeriodicBox, positions: &[Vector], cutoff: f64) -> Self {
+        Self::sort_among(cell, positions, (cutoff, positions.len()))
+    }
+
+    /// The same of those in a part of the box, which has so many particles in all.
+    pub fn sort_among(cell: &PeriodicBox, positions: &[Vector], (cutoff, total): (f64, usize)) -> Self {
         let edges = cell.edges();
-        let expected = positions.len() as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
+        let expected = total as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
         let fineness = if expected > CROWDED { 2.0 } else { 1.0 };
         let widest = cell.slant() * cutoff;
         let most = (positions.len() as f64).cbrt().ceil().max(1.0);

@@ -1,7 +1,7 @@
 //! The halo of a rank: its ghosts, which are copies of other ranks' particles, and the return of sums from ghosts to
 //! owners.
 
-use crate::{Partition, PeriodicBox, Vector};
+use crate::{Partition, PeriodicBox, Vector, block};
 use bytemuck::Pod;
 use std::ops::AddAssign;
 
@@ -33,6 +33,14 @@ impl Halo {
         let counts: Vec<Vec<usize>> = leaving.iter().map(|list| vec![list.len()]).collect();
         let arriving = comm.exchange(&counts).concat();
         Self { comm, owned: positions.len(), leaving, arriving }
+    }
+
+    /// One of so many parts of this halo, about as large as each other, which are together the whole.
+    pub(crate) fn part(&self, index: usize, parts: usize) -> Self {
+        let share = |length: usize| block(length, parts, index);
+        let leaving = self.leaving.iter().map(|list| list[share(list.len())].to_vec()).collect();
+        let arriving = self.arriving.iter().map(|&count| share(count).len()).collect();
+        Self { comm: self.comm.clone(), owned: self.owned, leaving, arriving }
     }
 
     /// Particles that this rank owns.

@@ -1,7 +1,8 @@
 //! Predicted memory of particles, ghosts and neighbour lists.
 
+use crate::shared_pairs::FEW;
 use crate::verlet_list::SPARSEST;
-use crate::{ById, Bytes, GROWING, Halo, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
+use crate::{ById, Bytes, GROWING, Halo, IdBlocks, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
 
 /// The most numbers that a column of particles has in this project.
 const WIDEST: f64 = 6.0;
@@ -38,6 +39,34 @@ impl Particles {
         let block = (ById::BLOCK as f64).min(total);
         Bytes::list::<usize>(owned).then(Bytes::list::<[f64; 4]>(WIDEST * block)).freed()
     }
+}
+
+impl IdBlocks {
+    /// How many of all particles, whose ids are without gaps, are in the blocks of a rank.
+    pub fn expected(total: f64, (rank, ranks): (usize, usize)) -> f64 {
+        let (size, ranks) = (Self::SIZE as f64, ranks as f64);
+        let whole = (total / size).floor();
+        let own = ((whole - rank as f64) / ranks).ceil().max(0.0);
+        let has_last = (whole % ranks - rank as f64).abs() < 0.5;
+        own * size + if has_last { total - whole * size } else { 0.0 }
+    }
+
+    /// The memory of [`IdBlocks::dealt`] on a rank that owns so many particles and has so many in its blocks.
+    pub fn dealing_bytes([owned, dealt]: [f64; 2], numbers: usize) -> Bytes {
+        let lists = Bytes::list::<[usize; 2]>(owned).then(Bytes::list::<[u64; 2]>(dealt));
+        let property = Bytes::list::<f64>(WIDEST * (owned + 2.0 * dealt));
+        Particles::bytes(dealt, numbers).then(lists.then(property).freed())
+    }
+}
+
+/// The memory of [`crate::fold_shared_pairs`] on a rank that owns so many particles and has so many within the cutoff: ghosts, no more
+/// at a time than are its own or few, and all in the order of their ids and in cells.
+pub fn shared_pairs_bytes(owned: f64, present: f64) -> Bytes {
+    let ghosts = (present - owned).min(owned.max(FEW as f64));
+    let all = owned + ghosts;
+    let listed = Bytes::list::<u32>(present - owned);
+    let near = Bytes::list::<([Vector; 2], [u32; 3], u64, bool)>(all).then(Halo::bytes(owned, all).freed());
+    listed.then(near).then(Bytes::list::<(usize, [f64; 3], [u32; 2])>(all)).freed()
 }
 
 impl Halo {
@@ -101,4 +130,23 @@ pub fn packing_bytes(count: f64, is_dense: bool) -> Bytes {
     let moved = Bytes::list::<(f64, f64, usize, [u32; 2], Vector)>(count);
     let descent = Bytes::list::<(u64, [Vector; 3])>(count).then(Pairs::bytes(count, count, 12.0));
     one_by_one.freed().or(moved.then(descent).freed())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As many as there are, on any ranks: those of each block of ids that is theirs.
+    #[test]
+    fn blocks_have_all_particles() {
+        for total in [0_u64, 1, 65_535, 65_536, 65_537, 300_000, 393_216] {
+            for ranks in [1, 2, 3, 7] {
+                for rank in 0..ranks {
+                    let own = (0..total).filter(|id| (id / IdBlocks::SIZE) as usize % ranks == rank).count();
+                    let found = IdBlocks::expected(total as f64, (rank, ranks));
+                    assert!((found - own as f64).abs() < 1e-9, "{total} on {rank} of {ranks}");
+                }
+            }
+        }
+    }
 }

@@ -87,7 +87,18 @@ pub fn fold_pairs<T: Send>(
     start: impl Fn() -> T + Sync,
     visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
 ) -> Vec<T> {
-    let cells = Cells::sort(cell, positions, cutoff);
+    fold_some_pairs((cell, positions, positions.len()), cutoff, |_| true, start, visit)
+}
+
+/// The same of particles among so many in the whole box, and of pairs alone whose smaller row is meant.
+pub(crate) fn fold_some_pairs<T: Send>(
+    (cell, positions, total): (&PeriodicBox, &[Vector], usize),
+    cutoff: f64,
+    is_meant: impl Fn(u32) -> bool + Sync,
+    start: impl Fn() -> T + Sync,
+    visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
+) -> Vec<T> {
+    let cells = Cells::sort_among(cell, positions, (cutoff, total));
     let share = cells.count().div_ceil(4 * rayon::current_num_threads());
     (0..cells.count().div_ceil(share))
         .into_par_iter()
@@ -97,7 +108,7 @@ pub fn fold_pairs<T: Send>(
                 if !cells.members(home).is_empty() {
                     cells.collect_around(cell, home, &mut around);
                 }
-                for &i in cells.members(home) {
+                for &i in cells.members(home).iter().filter(|row| is_meant(**row)) {
                     let other = |j: u32, separation: Vector| visit(&mut seen, [i, j], separation);
                     around.each_later((positions[i as usize], i), cutoff, other);
                 }

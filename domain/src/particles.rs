@@ -218,7 +218,7 @@ impl Particles {
     }
 
     /// A new store with the moved rows of this one and the columns that are wanted.
-    fn mapped(&self, way: &impl Way, wanted: impl Fn(&str) -> bool) -> Self {
+    pub(crate) fn mapped(&self, way: &impl Way, wanted: impl Fn(&str) -> bool) -> Self {
         let column = |c: &Column| Column { name: c.name.clone(), width: c.width, values: way.of(&c.values, c.width) };
         Self {
             ids: way.of(&self.ids, 1),

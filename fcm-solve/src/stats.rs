@@ -4,13 +4,12 @@ use crate::causes::in_full;
 use crate::number::{finite, positive};
 use crate::streams::{self, json};
 use anyhow::{Context, anyhow, bail, ensure};
-use domain::{Comm, Need, Particles, Process};
+use domain::{Comm, Need, Particles, Partition, Process};
 use io::{Kind, Scene, TrajectoryReader, provenance, write_tables};
 use simulation::Table;
 use std::path::PathBuf;
 use suspension::{
-    Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsWanted, column_bytes, sample_bytes,
-    statistics_bytes,
+    Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsOfRank, StatisticsWanted, column_bytes,
 };
 
 /// Which run, and what of it.
@@ -68,7 +67,8 @@ fn take(args: &Args) -> anyhow::Result<()> {
     let frames: Vec<(usize, f64)> = recorded.times().iter().copied().enumerate().collect();
     let meant: Vec<_> = frames.into_iter().filter(|(_, time)| (wanted.from..=until).contains(time)).collect();
     let samples = meant.len() as u64;
-    let mut statistics: Option<Statistics> = None;
+    let (alone, mut statistics) = (Comm::alone(), None::<Statistics>);
+    let everything = Partition::new(&alone, [1, 1]);
     for (frame, time) in meant {
         let (cell, particles) = match recorded.frame(frame) {
             Ok(frame) => frame,
@@ -81,19 +81,20 @@ fn take(args: &Args) -> anyhow::Result<()> {
         if statistics.is_none() {
             check_memory(model, particles.len() as f64, samples)?;
         }
-        let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles));
-        let rate = model.shear_rates().before_time(time);
-        statistics.sample(&Sample { time, rate, cell: &cell, particles: &particles, shear_stress: None });
+        let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles, &alone));
+        let (rate, cell, particles) = (model.shear_rates().before_time(time), &cell, &particles);
+        statistics.sample(&Sample { time, rate, cell, particles, partition: &everything, shear_stress: None });
     }
-    let Some(statistics) = statistics else {
+    let Some(mut statistics) = statistics else {
         bail!("the trajectory has no whole frame in that span; change --from and --to")
     };
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("stats"));
     ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
-    let provenance = provenance(&scene, recorded.provenance().plan.clone(), &Comm::alone());
-    write_tables(&out, "statistics", &provenance, &statistics.tables()).context("the statistics are lost")?;
-    let summary = statistics.summary();
-    let words = || format!("{}tables     {}\n", in_columns(&summary), out.display());
+    let provenance = provenance(&scene, recorded.provenance().plan.clone(), &alone);
+    let tables = statistics.tables();
+    write_tables(&out, "statistics", &provenance, &tables).context("the statistics are lost")?;
+    let summary = &tables[0];
+    let words = || format!("{}tables     {}\n", in_columns(summary), out.display());
     let values = || json(&serde_json::json!({ "summary": summary.to_json(), "tables": out }));
     streams::print_here(&if args.json { values() } else { words() })
 }
@@ -114,8 +115,10 @@ fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
 
 /// Refuses samples of so many particles of a model that there is no memory for.
 fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
-    let kept = statistics_bytes(model, particles, (samples, rayon::current_num_threads()));
-    let peak = kept.then(column_bytes(model)).then(Particles::bytes(particles, 11)).then(sample_bytes(particles));
+    let share = StatisticsOfRank::alone(particles);
+    let kept = share.bytes(model, (samples, rayon::current_num_threads()));
+    let frame = Particles::bytes(particles, 11);
+    let peak = kept.then(column_bytes(model)).then(frame).then(share.sample_bytes(model));
     let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
     Comm::check_memory_of(&[need]).with_context(|| {
         format!("{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from and --to",

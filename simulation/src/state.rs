@@ -13,7 +13,7 @@ pub struct State {
     pub plan: String,
     /// Particles with all their columns: those of this rank, in any order.
     pub particles: Particles,
-    /// The counts and averages of the run so far, in the simulation's own format, on the first rank; empty if there are
-    /// none.
-    pub statistics: Vec<u8>,
+    /// The counts and averages of the run so far, in the simulation's own format, in pieces of which number `k` of all ranks is on
+    /// rank `k mod ranks`, in this order; empty if there are none.
+    pub statistics: Vec<Vec<u8>>,
 }

@@ -1,7 +1,9 @@
 //! Profiles across a channel, above a bottom, or through a layer.
 
+use crate::moments::COMPONENTS;
 use crate::profile::cap;
-use crate::{Blocks, Estimate, Fluctuations, State, Store};
+use crate::{Blocks, Estimate, Fluctuations, Spread, State, Store, VectorSum};
+use bytemuck::{Pod, Zeroable};
 use domain::{Tensor, Vector};
 
 /// Averages over bins of equal width across a channel, of each species and of all spheres, with errors by blocks of the samples.
@@ -75,15 +77,24 @@ pub struct ChannelRow {
     pub stress: [Estimate; 6],
 }
 
-/// The components of a symmetric tensor, in the order xx, xy, xz, yy, yz, zz.
-const COMPONENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-
-/// The volume and the stresslets of the slices in a bin.
-#[derive(Clone, Copy)]
-struct Slices {
+/// The sums over spheres in a bin.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+struct Sums {
+    /// Of the volumes of slices, and of the stresslets in them.
     volume: f64,
-    stress: Tensor,
+    stress: [f64; 6],
+    velocities: VectorSum,
+    slips: VectorSum,
+    angular_velocities: VectorSum,
 }
+
+/// The sums of squares in a bin: of velocities, slips and angular velocities.
+type Spreads = [Spread; 3];
+
+/// Numbers of a bin in either.
+const OF_SUMS: usize = size_of::<Sums>() / size_of::<f64>();
+const OF_SPREADS: usize = size_of::<Spreads>() / size_of::<f64>();
 
 impl ChannelProfile {
     /// Series of numbers in a bin.
@@ -98,60 +109,94 @@ impl ChannelProfile {
 
     /// Adds all spheres at one time.
     pub fn add(&mut self, sample: &ChannelSample) {
-        self.add_slices(sample);
-        self.add_centres(sample);
+        let sums = self.sums(sample);
+        let spreads = self.spreads(sample, &sums);
+        self.add_sums(&sums, &spreads, !sample.stresslets.is_empty());
     }
 
-    fn add_slices(&mut self, sample: &ChannelSample) {
-        let groups = self.bins.len();
-        let mut slices = vec![vec![Slices { volume: 0.0, stress: Tensor::ZERO }; self.count]; groups];
-        let [mut inside, mut whole] = [0.0; 2];
-        for (n, (&height, &radius)) in sample.heights.iter().zip(sample.radii).enumerate() {
-            let volume = cap(radius, radius);
-            let stresslet = sample.stresslets.get(n).copied().unwrap_or(Tensor::ZERO);
-            let edge = |bin: usize| cap(self.bottom + bin as f64 * self.width - height, radius);
-            let [first, last] = [height - radius, height + radius].map(|z| (z - self.bottom) / self.width);
-            for bin in first.max(0.0) as usize..(last.max(0.0).ceil() as usize).min(self.count) {
-                let part = edge(bin + 1) - edge(bin);
-                for group in [sample.species[n] as usize, groups - 1] {
-                    slices[group][bin].volume += part;
-                    slices[group][bin].stress += stresslet * (part / volume);
+    /// Sums over some of the spheres at one time; those of parts are added number by number.
+    pub fn sums(&self, sample: &ChannelSample) -> Vec<f64> {
+        let mut all = vec![0.0; 2 + OF_SUMS * self.bins.len() * self.count];
+        let (whole, bins) = all.split_at_mut(2);
+        let bins: &mut [Sums] = bytemuck::cast_slice_mut(bins);
+        for n in 0..sample.heights.len() {
+            self.add_slices((bins, &mut whole[0]), sample, n);
+            whole[1] += cap(sample.radii[n], sample.radii[n]);
+            for place in self.places_of_centre(sample, n).into_iter().flatten() {
+                bins[place].velocities.add(sample.velocities[n]);
+                bins[place].slips.add(sample.slips[n]);
+                if let Some(&angular_velocity) = sample.angular_velocities.get(n) {
+                    bins[place].angular_velocities.add(angular_velocity);
                 }
-                inside += part;
             }
-            whole += volume;
         }
-        self.outside.add(1.0 - inside / whole);
+        all
+    }
+
+    /// Adds a sphere's slices to each bin of its species, and of all, and to the volume that is inside.
+    fn add_slices(&self, (bins, inside): (&mut [Sums], &mut f64), sample: &ChannelSample, n: usize) {
+        let (height, radius) = (sample.heights[n], sample.radii[n]);
+        let volume = cap(radius, radius);
+        let stresslet = sample.stresslets.get(n).copied().unwrap_or(Tensor::ZERO);
+        let edge = |bin: usize| cap(self.bottom + bin as f64 * self.width - height, radius);
+        let [first, last] = [height - radius, height + radius].map(|z| (z - self.bottom) / self.width);
+        for bin in first.max(0.0) as usize..(last.max(0.0).ceil() as usize).min(self.count) {
+            let part = edge(bin + 1) - edge(bin);
+            let share = stresslet * (part / volume);
+            for place in self.places(sample, n, bin) {
+                bins[place].volume += part;
+                for (sum, (i, j)) in bins[place].stress.iter_mut().zip(COMPONENTS) {
+                    *sum += share.col(i)[j];
+                }
+            }
+            *inside += part;
+        }
+    }
+
+    /// A bin of a sphere's species, and of all.
+    fn places(&self, sample: &ChannelSample, n: usize, bin: usize) -> [usize; 2] {
+        [sample.species[n] as usize, self.bins.len() - 1].map(|group| group * self.count + bin)
+    }
+
+    /// Those in which its centre is.
+    fn places_of_centre(&self, sample: &ChannelSample, n: usize) -> Option<[usize; 2]> {
+        let bin = ((sample.heights[n] - self.bottom) / self.width).floor();
+        (0.0..self.count as f64).contains(&bin).then(|| self.places(sample, n, bin as usize))
+    }
+
+    /// Sums of squares over some of the spheres, about the means by the sums of all; those of parts are added number by number.
+    pub fn spreads(&self, sample: &ChannelSample, sums: &[f64]) -> Vec<f64> {
+        let sums: &[Sums] = bytemuck::cast_slice(&sums[2..]);
+        let mean = |sums: &Sums| [sums.velocities, sums.slips, sums.angular_velocities].map(|sum| sum.mean());
+        let means: Vec<[Vector; 3]> = sums.iter().map(mean).collect();
+        let mut all = vec![0.0; OF_SPREADS * sums.len()];
+        let bins: &mut [Spreads] = bytemuck::cast_slice_mut(&mut all);
+        for n in 0..sample.heights.len() {
+            for place in self.places_of_centre(sample, n).into_iter().flatten() {
+                for (spread, (value, mean)) in
+                    bins[place].iter_mut().zip(motion(sample, n).into_iter().zip(means[place]))
+                {
+                    spread.add(value - mean);
+                }
+            }
+        }
+        all
+    }
+
+    /// Adds all spheres at one time by their sums, which may be without stresslets.
+    pub fn add_sums(&mut self, sums: &[f64], spreads: &[f64], has_stresslets: bool) {
+        self.outside.add(1.0 - sums[0] / sums[1]);
         let over = 1.0 / self.bin_volume;
-        for (bin, slices) in self.bins.iter_mut().flatten().zip(slices.iter().flatten()) {
-            bin.fraction.add(slices.volume * over);
-            if !sample.stresslets.is_empty() {
-                for (blocks, (i, j)) in bin.stress.iter_mut().zip(COMPONENTS) {
-                    blocks.add(slices.stress.col(i)[j] * over);
-                }
+        let (sums, spreads): (&[Sums], &[Spreads]) = (bytemuck::cast_slice(&sums[2..]), bytemuck::cast_slice(spreads));
+        for ((bin, sums), spreads) in self.bins.iter_mut().flatten().zip(sums).zip(spreads) {
+            bin.fraction.add(sums.volume * over);
+            if has_stresslets {
+                bin.stress.iter_mut().zip(sums.stress).for_each(|(blocks, sum)| blocks.add(sum * over));
             }
-        }
-    }
-
-    fn add_centres(&mut self, sample: &ChannelSample) {
-        let mut rows = vec![Vec::new(); self.count];
-        for (n, height) in sample.heights.iter().enumerate() {
-            let bin = ((height - self.bottom) / self.width).floor();
-            if (0.0..self.count as f64).contains(&bin) {
-                rows[bin as usize].push(n);
-            }
-        }
-        let all = self.bins.len() - 1;
-        for (group, bins) in self.bins.iter_mut().enumerate() {
-            for (bin, rows) in bins.iter_mut().zip(&rows) {
-                let own = rows.iter().copied().filter(|&n| group == all || sample.species[n] as usize == group);
-                bin.density.add(own.clone().count() as f64 / self.bin_volume);
-                bin.velocities.add(own.clone().map(|n| sample.velocities[n]));
-                bin.slips.add(own.clone().map(|n| sample.slips[n]));
-                if !sample.angular_velocities.is_empty() {
-                    bin.angular_velocities.add(own.map(|n| sample.angular_velocities[n]));
-                }
-            }
+            bin.density.add(sums.velocities.count / self.bin_volume);
+            bin.velocities.add_sums(&sums.velocities, &spreads[0]);
+            bin.slips.add_sums(&sums.slips, &spreads[1]);
+            bin.angular_velocities.add_sums(&sums.angular_velocities, &spreads[2]);
         }
     }
 
@@ -176,6 +221,11 @@ impl ChannelProfile {
     }
 }
 
+/// Velocity, slip and angular velocity.
+fn motion(sample: &ChannelSample, n: usize) -> [Vector; 3] {
+    [sample.velocities[n], sample.slips[n], sample.angular_velocities.get(n).copied().unwrap_or(Vector::ZERO)]
+}
+
 impl State for ChannelProfile {
     fn visit(&mut self, store: &mut dyn Store) {
         self.outside.visit(store);
@@ -191,121 +241,4 @@ impl State for ChannelProfile {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use domain::Random;
-    use std::f64::consts::PI;
-
-    const NONE: ChannelSample = ChannelSample {
-        heights: &[],
-        radii: &[],
-        species: &[],
-        velocities: &[],
-        slips: &[],
-        angular_velocities: &[],
-        stresslets: &[],
-    };
-
-    fn close(a: f64, b: f64) -> bool {
-        (a - b).abs() < 1e-12 * (1.0 + b.abs())
-    }
-
-    /// A sphere over several bins, a smaller one within one bin, one of which half is above the top: known slices.
-    #[test]
-    fn spheres_at_given_heights_have_known_profiles() {
-        let mut profile = ChannelProfile::new([1.0, 9.0], 5.0, (2, 8));
-        let spin = [Vector::Y, 2.0 * Vector::Y, Vector::ZERO];
-        let sample = ChannelSample {
-            heights: &[4.0, 6.5, 9.0],
-            radii: &[1.0, 0.25, 1.0],
-            species: &[0, 1, 1],
-            velocities: &[Vector::X, Vector::new(3.0, 0.0, 1.0), Vector::ZERO],
-            slips: &[-Vector::X, Vector::X, Vector::ZERO],
-            angular_velocities: &spin,
-            stresslets: &[Tensor::from_diagonal(Vector::new(2.0, -1.0, -1.0)), Tensor::ZERO, Tensor::ZERO],
-        };
-        profile.add(&sample);
-        profile.add(&sample);
-        let rows: Vec<ChannelRow> = profile.rows(Some(0)).collect();
-        for (k, row) in rows.iter().enumerate() {
-            assert!(close(row.height, 1.5 + k as f64));
-            let half = if k == 2 || k == 3 { 2.0 / 3.0 * PI / 5.0 } else { 0.0 };
-            assert!(close(row.volume_fraction.mean, half) && row.volume_fraction.error == 0.0, "{k}");
-            // Half of the stresslet over the volume of the bin.
-            assert!(close(row.stress[0].mean, if half > 0.0 { 0.2 } else { 0.0 }));
-            assert!(close(row.number_density.mean, if k == 3 { 0.2 } else { 0.0 }), "{k}");
-            assert_eq!(row.velocity[0].mean.is_nan(), k != 3);
-        }
-        assert!(close(rows[3].slip[0].mean, -1.0) && close(rows[3].angular_velocity[1].mean, 1.0));
-        let small: Vec<ChannelRow> = profile.rows(Some(1)).collect();
-        assert!(
-            close(small[5].volume_fraction.mean, PI / 48.0 / 5.0)
-                && close(small[7].volume_fraction.mean, 2.0 / 15.0 * PI)
-        );
-        let all: Vec<ChannelRow> = profile.rows(None).collect();
-        assert!(close(all[5].velocity[2].mean, 1.0) && close(all[5].fluctuations[0].mean, 0.0));
-        let volumes = 4.0 / 3.0 * PI * (2.0 + 1.0 / 64.0);
-        assert!(close(profile.outside().mean, 2.0 / 3.0 * PI / volumes));
-    }
-
-    /// Whatever bins there are, slices of spheres between the walls add up to their volume, and centres to their number; means
-    /// over bins weighed by their numbers are those of all.
-    #[test]
-    fn profiles_integrate_to_what_is_there() {
-        let mut random = Random::new(5, 1);
-        for count in [1, 7, 64] {
-            let mut profile = ChannelProfile::new([0.0, 10.0], 36.0, (1, count));
-            let (mut sum, mut moment, mut squares) = (0.0, Vector::ZERO, 0.0);
-            for _ in 0..5 {
-                let radii: Vec<f64> = (0..30).map(|_| 0.5 + random.uniform()).collect();
-                let heights: Vec<f64> = radii.iter().map(|a| a + (10.0 - 2.0 * a) * random.uniform()).collect();
-                let velocities: Vec<Vector> = (0..30).map(|_| random.point()).collect();
-                sum += radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum::<f64>() / 360.0 / 5.0;
-                moment += velocities.iter().sum::<Vector>();
-                squares += velocities.iter().map(|v| v.x * v.x).sum::<f64>();
-                let (slips, radii, heights) = (&velocities, &radii, &heights);
-                profile.add(&ChannelSample {
-                    heights,
-                    radii,
-                    species: &[0; 30],
-                    velocities: &velocities,
-                    slips,
-                    ..NONE
-                });
-            }
-            let rows: Vec<ChannelRow> = profile.rows(None).collect();
-            let mean = |of: &dyn Fn(&ChannelRow) -> f64| {
-                rows.iter().map(of).filter(|x| !x.is_nan()).sum::<f64>() / count as f64
-            };
-            assert!(
-                close(mean(&|r| r.volume_fraction.mean), sum) && close(mean(&|r| r.number_density.mean), 30.0 / 360.0)
-            );
-            let by_number = |of: &dyn Fn(&ChannelRow) -> f64| mean(&|r| r.number_density.mean * of(r)) * 360.0 * 5.0;
-            assert!(close(by_number(&|r| r.velocity[1].mean), moment.y), "{count}");
-            let second = |r: &ChannelRow| r.fluctuations[0].mean + r.slip[0].mean.powi(2);
-            assert!(close(by_number(&second), squares), "{count}");
-            assert!(profile.outside().mean.abs() < 1e-14);
-            assert!(rows[0].stress[0].mean.is_nan(), "there were no stresslets");
-        }
-    }
-
-    #[test]
-    fn the_state_lasts_bit_for_bit() {
-        let new = || ChannelProfile::new([0.0, 4.0], 9.0, (1, 4));
-        let add = |profile: &mut ChannelProfile, k: i32| {
-            let heights = [1.0 + 0.3 * f64::from(k)];
-            let velocities = [Vector::X * f64::from(k)];
-            let sample =
-                ChannelSample { heights: &heights, radii: &[1.0], species: &[0], velocities: &velocities, ..NONE };
-            profile.add(&ChannelSample { slips: &velocities, stresslets: &[Tensor::IDENTITY], ..sample });
-        };
-        let (mut whole, mut first) = (new(), new());
-        (0..7).for_each(|k| add(&mut whole, k));
-        (0..3).for_each(|k| add(&mut first, k));
-        let mut resumed = new();
-        assert!(resumed.load(&first.save()));
-        (3..7).for_each(|k| add(&mut resumed, k));
-        assert_eq!(resumed, whole);
-        assert!(!ChannelProfile::new([0.0, 4.0], 9.0, (1, 5)).load(&whole.save()));
-    }
-}
+mod tests;

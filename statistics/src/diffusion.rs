@@ -1,6 +1,6 @@
 //! Diffusivities from correlations and displacements.
 
-use crate::{Estimate, Lag, Lagrangian};
+use crate::{Estimate, Lag, LagSums};
 
 /// The diffusivity along each axis, in two ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Diffusivity {
 impl Diffusivity {
     /// The diffusivity of a species or of all particles, from the lags in a time window in which motion is diffusive.
     /// NaN if there are fewer than two such lags.
-    pub fn of(lagrangian: &Lagrangian, species: Option<usize>, window: [f64; 2]) -> Self {
+    pub fn of(sums: &LagSums, species: Option<usize>, window: [f64; 2]) -> Self {
         let inside = |lag: &&Lag| (window[0]..=window[1]).contains(&lag.time);
         let integral = |lags: &[Lag], i: usize| {
             let values: Vec<f64> = lags.iter().filter(inside).map(|lag| lag.integral[i]).collect();
@@ -27,8 +27,8 @@ impl Diffusivity {
             )
         };
         Self {
-            by_integral: [0, 1, 2].map(|i| lagrangian.estimate(species, |lags| integral(lags, i))),
-            by_slope: [0, 1, 2].map(|i| lagrangian.estimate(species, |lags| slope(lags, i))),
+            by_integral: [0, 1, 2].map(|i| sums.estimate(species, |lags| integral(lags, i))),
+            by_slope: [0, 1, 2].map(|i| sums.estimate(species, |lags| slope(lags, i))),
         }
     }
 }

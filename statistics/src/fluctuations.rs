@@ -1,6 +1,7 @@
 //! Means and fluctuation tensors of vectors.
 
-use crate::{Blocks, Estimate, State, Store};
+use crate::moments::COMPONENTS;
+use crate::{Blocks, Estimate, Spread, State, Store, VectorSum};
 use domain::{Tensor, Vector};
 
 /// The mean and the fluctuation tensor of a vector over particles and time,
@@ -21,23 +22,21 @@ pub struct Fluctuations {
     seconds: [Blocks; 6],
 }
 
-/// The components of a symmetric tensor, in the order xx, xy, xz, yy, yz, zz.
-const COMPONENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-
 impl Fluctuations {
     /// Adds the vectors of all particles at one time.
     pub fn add(&mut self, vectors: impl Iterator<Item = Vector> + Clone) {
-        let count = vectors.clone().count() as f64;
+        let (mut sum, mut spread) = (VectorSum::default(), Spread::default());
+        vectors.clone().for_each(|vector| sum.add(vector));
+        let mean = sum.mean();
+        vectors.for_each(|vector| spread.add(vector - mean));
+        self.add_sums(&sum, &spread);
+    }
+
+    /// Adds them by sums over all of them at one time, the latter about their mean.
+    pub fn add_sums(&mut self, sum: &VectorSum, spread: &Spread) {
+        let (count, mean, Spread(spread)) = (sum.count, sum.mean(), *spread);
         if count == 0.0 {
             return;
-        }
-        let mean = vectors.clone().sum::<Vector>() / count;
-        let mut spread = [0.0; 6];
-        for vector in vectors {
-            let from_mean = vector - mean;
-            for (sum, (i, j)) in spread.iter_mut().zip(COMPONENTS) {
-                *sum += from_mean[i] * from_mean[j];
-            }
         }
         self.merge(count, mean, spread);
         for i in 0..3 {

@@ -44,6 +44,24 @@ impl Histogram {
         self.exponent += 1;
     }
 
+    /// Adds the numbers that another has.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        if self.counts.is_empty() || other.counts.is_empty() {
+            if self.counts.is_empty() {
+                self.clone_from(other);
+            }
+            return;
+        }
+        let mut other = other.clone();
+        while self.exponent < other.exponent {
+            self.widen();
+        }
+        while other.exponent < self.exponent {
+            other.widen();
+        }
+        self.counts.iter_mut().zip(&other.counts).for_each(|(count, more)| *count += more);
+    }
+
     fn width(&self) -> f64 {
         libm::exp2(f64::from(self.exponent as i32 - OFFSET))
     }
@@ -102,6 +120,7 @@ impl State for Histogram {
 #[allow(clippy::float_cmp, reason = "counts are whole")]
 mod tests {
     use super::*;
+    use crate::Counts;
     use domain::Random;
 
     fn numbers() -> Vec<f64> {
@@ -128,6 +147,28 @@ mod tests {
         let mut again = Histogram::default();
         assert!(again.load(&forwards.save()));
         assert_eq!(again, forwards);
+    }
+
+    /// Whichever has the wider bins, or none.
+    #[test]
+    fn counts_of_parts_are_those_of_all() {
+        let mut numbers = numbers();
+        numbers.truncate(500);
+        numbers[77] = 1e3;
+        let of = |numbers: &[f64]| {
+            let mut histogram = Histogram::default();
+            for &x in numbers {
+                histogram.add(x);
+            }
+            histogram
+        };
+        for middle in [0, 50, 200, 500] {
+            let mut first = of(&numbers[..middle]);
+            first.take_in(&of(&numbers[middle..]));
+            assert_eq!(first, of(&numbers), "{middle}");
+            first.clear();
+            assert_eq!(first, Histogram::default());
+        }
     }
 
     #[test]

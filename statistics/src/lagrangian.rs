@@ -1,7 +1,10 @@
 //! Lagrangian statistics: velocity autocorrelations and mean square displacements.
 
-use crate::{Estimate, State, Store};
+use crate::{State, Store};
 use domain::Vector;
+
+mod sums;
+pub use sums::LagSums;
 
 /// A particle's velocity and path at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -114,11 +117,16 @@ impl Lagrangian {
 
     /// For particles of the species given.
     pub fn new(species: &[u32]) -> Self {
-        let mut seen = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];
+        Self::after(vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)], species)
+    }
+
+    /// For a part of the particles, before which so many of each species come in other parts. The sums of parts are added by their
+    /// numbers, see [`LagSums`].
+    pub fn after(mut seen: Vec<u64>, species: &[u32]) -> Self {
         let class_count = seen.len() * GROUPS;
         let class = |&s: &u32| {
             seen[s as usize] += 1;
-            s as usize * GROUPS + (seen[s as usize] - 1) % GROUPS
+            s as usize * GROUPS + (seen[s as usize] - 1) as usize % GROUPS
         };
         Self { classes: species.iter().map(class).collect(), class_count, samples: 0, levels: Vec::new() }
     }
@@ -136,56 +144,24 @@ impl Lagrangian {
         }
     }
 
-    /// The averages over the particles of a species, or over all, at all lags that there are samples for, in ascending
-    /// order.
-    pub fn lags(&self, species: Option<usize>) -> Vec<Lag> {
-        let of_species = |s: usize| s * GROUPS..(s + 1) * GROUPS;
-        self.averages(&species.map_or(0..self.class_count, of_species).collect::<Vec<_>>())
+    /// The sums so far.
+    pub fn sums(&self) -> LagSums {
+        let numbers = self.levels.iter().flat_map(|level| &level.sums).copied().collect();
+        LagSums::of_numbers(self.class_count / GROUPS, numbers)
     }
 
-    /// A number made of averages, with its error from what it is in each group of a species, or of all particles.
-    pub fn estimate(&self, species: Option<usize>, number: impl Fn(&[Lag]) -> f64) -> Estimate {
-        let is_meant = |class: &usize| species.is_none_or(|s| class / GROUPS == s);
-        let group = |group: usize| {
-            let classes: Vec<usize> = (0..self.class_count).filter(is_meant).filter(|c| c % GROUPS == group).collect();
-            let lags = self.averages(&classes);
-            (!lags.is_empty()).then(|| number(&lags))
+    /// How many particles it is for.
+    pub fn particles(&self) -> usize {
+        self.classes.len()
+    }
+
+    /// Whether what was restored is of as many particles as this is for.
+    pub fn fits(&self) -> bool {
+        let [history, sums] = [self.classes.len() * WIDTH, self.class_count * SUMS].map(|width| width * KEPT);
+        let fits = |level: &Level| {
+            level.times.len() == KEPT && level.history.len() == history && level.sums.len() == sums && level.pushed > 0
         };
-        let groups: Vec<f64> = (0..GROUPS).filter_map(group).collect();
-        let count = groups.len() as f64;
-        let mean = groups.iter().sum::<f64>() / count;
-        let squares: f64 = groups.iter().map(|value| (value - mean).powi(2)).sum();
-        let error = if groups.len() > 1 { (squares / count / (count - 1.0)).sqrt() } else { f64::INFINITY };
-        let mean = number(&self.lags(species));
-        Estimate { mean, error, converged: groups.len() == GROUPS && mean.is_finite() }
-    }
-
-    fn averages(&self, classes: &[usize]) -> Vec<Lag> {
-        let lag = |level: &Level, lag: usize| {
-            let mut sums = [0.0; SUMS];
-            for class in classes {
-                let own = &level.sums[(lag * self.class_count + class) * SUMS..][..SUMS];
-                sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            }
-            (sums[0] > 0.0).then(|| average(&sums))
-        };
-        let firsts = (0..self.levels.len()).map(|level| if level == 0 { 0 } else { KEPT / 2 });
-        let all = self.levels.iter().zip(firsts);
-        all.flat_map(|(level, first)| (first..KEPT).filter_map(move |k| lag(level, k))).collect()
-    }
-}
-
-fn average(sums: &[f64; SUMS]) -> Lag {
-    let mean = |sum: usize, component: usize| sums[2 + 6 * component + sum] / sums[0];
-    let covariance = |product: usize, a: usize, b: usize| {
-        let at = |i: usize| mean(product, i) - mean(a, i) * mean(b, i);
-        Vector::new(at(0), at(1), at(2))
-    };
-    Lag {
-        time: sums[1] / sums[0],
-        correlation: covariance(2, 0, 1),
-        mean_square_displacement: covariance(4, 3, 3),
-        integral: covariance(5, 0, 3),
+        self.levels.iter().all(fits)
     }
 }
 

@@ -2,7 +2,8 @@
 //! memory is constant or grows as the logarithm of the length of the run. Their state can be stored and restored bit
 //! for bit ([`State`]), and results are those of all samples at once, up to round-off.
 //!
-//! They know nothing of scenes, files or ranks: the caller provides all particles.
+//! They know nothing of scenes, files or ranks: the caller provides all particles, or parts of them whose sums it adds up
+//! ([`VectorSum`], [`LagSums`], [`ChannelProfile::sums`]) or whose counts ([`Counts`]).
 //!
 //! The mean of a correlated series, in its own unit, with an error that takes the correlation into account:
 //! ```
@@ -20,11 +21,13 @@
 
 mod blocks;
 mod channel;
+mod counts;
 mod diffusion;
 mod fluctuations;
 mod histogram;
 mod lagrangian;
 mod memory;
+mod moments;
 mod oscillation;
 mod pair_distribution;
 mod profile;
@@ -34,10 +37,12 @@ mod stretched_exponential;
 
 pub use blocks::{Blocks, Estimate};
 pub use channel::{ChannelProfile, ChannelRow, ChannelSample};
+pub use counts::Counts;
 pub use diffusion::{Diffusivity, global_coefficient, mean_coefficient, mean_radius};
 pub use fluctuations::Fluctuations;
 pub use histogram::Histogram;
-pub use lagrangian::{Lag, Lagrangian, Motion};
+pub use lagrangian::{Lag, LagSums, Lagrangian, Motion};
+pub use moments::{Spread, VectorSum};
 pub use oscillation::{FEWEST_SAMPLES, Moduli};
 pub use pair_distribution::{Angle, PairDistribution};
 pub use profile::Profile;

@@ -58,12 +58,8 @@ impl PairDistribution {
     /// Bins of one pair of species.
     pub(crate) const BINS: usize = DISTANCES * ANGLES;
 
-    /// For distances up to `cutoff` between particles of these species, in a box of a volume.
-    pub fn new(cutoff: f64, angle: Angle, species: &[u32], volume: f64) -> Self {
-        let mut counts = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];
-        for &s in species {
-            counts[s as usize] += 1;
-        }
+    /// For distances up to `cutoff` between particles, so many of each species, in a box of a volume.
+    pub fn new(cutoff: f64, angle: Angle, counts: Vec<u64>, volume: f64) -> Self {
         let pairs = counts.len() * (counts.len() + 1) / 2;
         Self { cutoff, angle, counts, samples: 0.0, found: vec![0.0; pairs * DISTANCES * ANGLES], volume }
     }
@@ -71,13 +67,42 @@ impl PairDistribution {
     /// Adds the pairs of all particles at one time.
     pub fn add(&mut self, cell: &PeriodicBox, positions: &[Vector], species: &[u32]) {
         let count = |found: &mut Vec<u32>, pair: [u32; 2], separation| {
-            found[self.bin(pair.map(|row| species[row as usize] as usize), separation)] += 1;
+            self.count(found, pair.map(|row| species[row as usize]), separation);
         };
-        let parts = fold_pairs(cell, positions, self.cutoff, || vec![0; self.found.len()], count);
+        self.add_counted(fold_pairs(cell, positions, self.cutoff, || self.no_pairs(), count));
+    }
+
+    /// The largest distance.
+    pub fn cutoff(&self) -> f64 {
+        self.cutoff
+    }
+
+    /// The counts of no pairs.
+    pub fn no_pairs(&self) -> Vec<u32> {
+        vec![0; self.found.len()]
+    }
+
+    /// Counts a pair of particles of two species, by the vector from the first to the second.
+    pub fn count(&self, found: &mut [u32], species: [u32; 2], separation: Vector) {
+        found[self.bin(species.map(|s| s as usize), separation)] += 1;
+    }
+
+    /// Adds the pairs at one time by their counts, which may be in parts.
+    pub fn add_counted(&mut self, parts: impl IntoIterator<Item = Vec<u32>>) {
         for part in parts {
             self.found.iter_mut().zip(part).for_each(|(found, more)| *found += f64::from(more));
         }
         self.samples += 1.0;
+    }
+
+    /// Adds what another has found at the same times.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.found.iter_mut().zip(&other.found).for_each(|(found, more)| *found += more);
+    }
+
+    /// Leaves no pairs, but the number of times.
+    pub(crate) fn forget(&mut self) {
+        self.found.fill(0.0);
     }
 
     fn bin(&self, [a, b]: [usize; 2], separation: Vector) -> usize {
@@ -143,13 +168,23 @@ impl State for PairDistribution {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Counts;
     use domain::Random;
+
+    /// Of pairs of which each species has so many.
+    fn new(cutoff: f64, angle: Angle, species: &[u32], volume: f64) -> PairDistribution {
+        let mut counts = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];
+        for &s in species {
+            counts[s as usize] += 1;
+        }
+        PairDistribution::new(cutoff, angle, counts, volume)
+    }
 
     fn ideal_gas(angle: Angle, strain: f64) -> PairDistribution {
         let cell = PeriodicBox::sheared(Vector::new(4.0, 5.0, 6.0), strain).unwrap();
         let species: Vec<u32> = (0..300).map(|i| u32::from(i % 3 == 0)).collect();
         // Beyond half the box on purpose: images are pairs of their own.
-        let mut found = PairDistribution::new(3.0, angle, &species, cell.volume());
+        let mut found = new(3.0, angle, &species, cell.volume());
         for sample in 0..10 {
             let place = |id| cell.wrap(Random::new(sample, id).point() * cell.edges()).0;
             found.add(&cell, &(0..300).map(place).collect::<Vec<_>>(), &species);
@@ -159,7 +194,7 @@ mod tests {
 
     #[test]
     fn pairs_of_species_come_in_the_order_of_their_counts() {
-        let pairs = PairDistribution::new(1.0, Angle::Cosine(2), &[0, 1, 2, 0, 1, 2], 8.0).species_pairs();
+        let pairs = new(1.0, Angle::Cosine(2), &[0, 1, 2, 0, 1, 2], 8.0).species_pairs();
         assert_eq!(pairs, [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]]);
         assert!(pairs.iter().enumerate().all(|(k, &[a, b])| pair_index(a, b) == k));
     }
@@ -189,7 +224,7 @@ mod tests {
         let cell = PeriodicBox::sheared(Vector::splat(10.0), 0.2).unwrap();
         let separation = Vector::new(-1.0, 1.0, 0.0);
         let second = cell.wrap(Vector::new(9.5, 9.8, 5.0) + separation).0;
-        let mut found = PairDistribution::new(4.0, Angle::Azimuth, &[0, 0], cell.volume());
+        let mut found = new(4.0, Angle::Azimuth, &[0, 0], cell.volume());
         found.add(&cell, &[Vector::new(9.5, 9.8, 5.0), second], &[0, 0]);
         let hits: Vec<_> = found.angular([0, 0]).into_iter().filter(|(_, _, g)| *g > 0.0).collect();
         assert_eq!(hits.len(), 1);
@@ -198,8 +233,29 @@ mod tests {
 
     #[test]
     fn a_lone_particle_has_no_distribution_of_its_own() {
-        let found = PairDistribution::new(4.0, Angle::Azimuth, &[0, 2, 0], 1000.0);
+        let found = new(4.0, Angle::Azimuth, &[0, 2, 0], 1000.0);
         assert_eq!(found.species_pairs(), [[0, 0], [0, 2]]);
+    }
+
+    /// Of three particles the pair within reach, and with the third there are two, counted in two parts.
+    #[test]
+    fn pairs_may_be_counted_in_parts() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        let (places, species) = ([1.0, 2.0, 4.5].map(|x| Vector::splat(2.0).with_x(x)), [0, 1, 0]);
+        let empty = new(3.0, Angle::Azimuth, &species, cell.volume());
+        let (mut whole, mut first, mut second) = (empty.clone(), empty.clone(), empty.clone());
+        whole.add(&cell, &places, &species);
+        let counted = |pair: [usize; 2]| {
+            let mut found = empty.no_pairs();
+            empty.count(&mut found, pair.map(|row| species[row]), places[pair[1]] - places[pair[0]]);
+            [found]
+        };
+        first.add_counted(counted([0, 1]));
+        second.add_counted(counted([1, 2]));
+        first.take_in(&second);
+        assert_eq!(first, whole);
+        second.clear();
+        assert_eq!(second, PairDistribution { samples: 1.0, ..empty });
     }
 
     #[test]

@@ -42,6 +42,17 @@ impl Profile {
         self.samples += 1.0;
     }
 
+    /// The sums of the volumes, which parts of the particles may have of their own.
+    pub fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// The same samples with these sums.
+    #[must_use]
+    pub fn with_volumes(&self, volumes: Vec<f64>) -> Self {
+        Self { volumes, ..self.clone() }
+    }
+
     /// Places along the axis and the volume fractions of a species there.
     pub fn fractions(&self, species: usize) -> Vec<(f64, f64)> {
         let place = |slab: usize| (slab as f64 + 0.5) * self.edge / SLABS as f64;

@@ -5,11 +5,11 @@ use crate::model::{Flow, Model, Statistics as Wanted};
 use crate::sampling::{Sample, Statistics, needed_columns};
 use crate::stress::ParticleStress;
 use crate::user_axes::UserAxes;
-use domain::Particles;
+use domain::{Comm, IdBlocks};
 use simulation::{Schedule, TableSet};
-use statistics::State;
+use std::borrow::Cow;
 
-/// The statistics that a scene wants. The first rank has them; samples are taken by all together.
+/// The statistics that a scene wants. Samples are taken by all ranks together, and each keeps its share.
 pub struct Averages {
     samples: Schedule,
     from: f64,
@@ -20,50 +20,62 @@ pub struct Averages {
     columns: Vec<&'static str>,
     statistics: Statistics,
     axes: UserAxes,
+    comm: Comm,
 }
 
 impl Averages {
-    /// Nothing so far; `frame` has all particles on the first rank.
-    pub fn new(model: &Model, wanted: Wanted, frame: &Particles) -> Self {
+    /// Nothing so far. Collective.
+    pub fn new(model: &Model, wanted: Wanted, suspension: &Suspension) -> Self {
+        Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), suspension)
+    }
+
+    fn in_blocks_of(size: u64, of: (&Model, Wanted), suspension: &Suspension) -> Self {
+        let ((model, wanted), comm) = (of, suspension.comm().clone());
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
-        let statistics = Statistics::new(model, wanted, frame);
+        let statistics = Statistics::in_blocks_of(size, of, suspension.particles(), &comm);
         let columns = needed_columns(model);
         let (samples, from, axes) = (wanted.samples, wanted.from, model.user_axes());
-        Self { samples, from, sheared, flow: model.flow, columns, statistics, axes }
+        Self { samples, from, sheared, flow: model.flow, columns, statistics, axes, comm }
     }
 
     /// Takes a sample if it is time for one. Collective.
     pub fn sample(&mut self, suspension: &Suspension) {
         let clock = suspension.clock();
         if self.samples.is_due(clock.step()) && clock.time() >= self.from {
-            let particles = self.axes.particles(suspension.gathered(Some(&self.columns)));
             let [rate, _] = suspension.shear();
             let shear_stress = self.sheared.map(|(species, viscosity)| {
                 let total = ParticleStress::sum(&suspension.stress(species));
                 viscosity * rate + self.flow.driving_stress(&total, suspension.cell().gradient_axis())
             });
-            if suspension.comm().is_first() {
-                let (time, cell, particles) = (clock.time(), &self.axes.cell(suspension.cell()), &particles);
-                self.statistics.sample(&Sample { time, rate, cell, particles, shear_stress });
+            let mut particles = Cow::Borrowed(suspension.particles());
+            if !self.axes.turn().is_none() {
+                let own = particles.with_columns(|name| self.columns.contains(&name));
+                particles = Cow::Owned(self.axes.particles(own));
             }
+            let (time, cell, particles) = (clock.time(), &self.axes.cell(suspension.cell()), &*particles);
+            let partition = suspension.partition();
+            self.statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress });
         }
     }
 
-    /// What has been taken in, as bytes.
-    pub fn state(&mut self) -> Vec<u8> {
-        self.statistics.save()
+    /// What has been taken in, as [`simulation::State`] has it. Collective.
+    pub fn state(&mut self) -> Vec<Vec<u8>> {
+        self.statistics.pieces()
     }
 
-    /// Takes up a state that was stored; none leaves the statistics without samples.
-    pub fn take_up(&mut self, state: &[u8]) -> Result<(), &'static str> {
-        if state.is_empty() || self.statistics.load(state) {
+    /// Takes up a state that was stored; none on any rank leaves the statistics without samples. Collective.
+    pub fn take_up(&mut self, state: &[Vec<u8>]) -> Result<(), &'static str> {
+        if !self.comm.any(!state.is_empty()) || self.statistics.restore(state) {
             return Ok(());
         }
-        Err("the checkpoint's statistics do not fit the scene: leave [statistics] as it was when the run started")
+        Err(
+            "the checkpoint's statistics do not fit the scene: leave [statistics] as it was when the run started; of more than \
+             65,536 spheres they do not go on from a version before this one",
+        )
     }
 
-    /// The tables, once there was a sample.
-    pub fn tables(&self) -> Option<TableSet> {
+    /// The tables, once there was a sample, on the first rank. Collective.
+    pub fn tables(&mut self) -> Option<TableSet> {
         let tables = self.statistics.tables();
         (!tables.is_empty()).then_some(TableSet { folder: Some("statistics"), name: "statistics", tables })
     }
@@ -73,28 +85,60 @@ impl Averages {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Species};
-    use domain::{Comm, PeriodicBox, Vector};
+    use domain::{Boundaries, PeriodicBox, Turn, Vector};
+    use simulation::Table;
+
+    /// So many spheres, in a box that the axes of the user are those of or with walls across x.
+    fn model(count: u64, boundaries: Boundaries) -> Model {
+        let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(boundaries).unwrap();
+        let species = vec![Species::new("one", 1.0, count)];
+        let turn = if boundaries == Boundaries::Walls { Turn::to_last(0) } else { Turn::default() };
+        let statistics = Some(Wanted::ALL);
+        Model::new(Parameters { statistics, turn, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
+    }
 
     /// What is taken up again gives the same bytes and tables; of another scene's it is refused.
     #[test]
     fn a_state_is_taken_up_whole() {
-        let model = |count| {
-            let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
-            let species = vec![Species::new("one", 1.0, count)];
-            let statistics = Some(Wanted::ALL);
-            Model::new(Parameters { statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
-        };
-        let scene = model(3);
+        let scene = model(3, Boundaries::Periodic);
         let suspension = Suspension::start(&scene, &Comm::alone()).unwrap();
-        let frame = suspension.gathered(None);
-        let none = || Averages::new(&scene, Wanted::ALL, &frame);
+        let none = || Averages::new(&scene, Wanted::ALL, &suspension);
         let (mut first, mut second) = (none(), none());
         first.sample(&suspension);
         let state = first.state();
         assert_eq!(second.take_up(&state), Ok(()));
         assert_eq!(second.state(), state);
         assert!(second.tables().is_some() && none().tables().is_none());
-        assert!(none().take_up(&[1]).is_err());
+        assert!(none().take_up(&[vec![1]]).is_err());
         assert_eq!(none().take_up(&[]), Ok(()));
+    }
+
+    /// By ranks that have several blocks of ids, one or none.
+    #[test]
+    fn ranks_take_their_pieces_up() {
+        for (boundaries, ranks) in [(Boundaries::Periodic, 2), (Boundaries::Walls, 2), (Boundaries::Walls, 5)] {
+            let scene = model(13, boundaries);
+            let tables = Comm::threads(ranks, |comm| {
+                let mut suspension = Suspension::start(&scene, &comm).unwrap();
+                let none = |suspension: &Suspension| Averages::in_blocks_of(4, (&scene, Wanted::ALL), suspension);
+                let (mut whole, mut half) = (none(&suspension), none(&suspension));
+                for step in 0..4 {
+                    if step == 2 {
+                        let state = half.state();
+                        assert_eq!(state.len(), (comm.rank()..4).step_by(ranks).count());
+                        half = none(&suspension);
+                        assert_eq!(half.take_up(&state), Ok(()));
+                    }
+                    whole.sample(&suspension);
+                    half.sample(&suspension);
+                    suspension.step().unwrap();
+                }
+                assert!(whole.state() == half.state());
+                let text = |set: TableSet| set.tables.iter().map(Table::to_csv).collect::<String>();
+                [&mut whole, &mut half].map(|averages| averages.tables().map(text))
+            });
+            assert!(tables[0][0].is_some() && tables[0][0] == tables[0][1]);
+            assert!(tables[1..].iter().flatten().all(Option::is_none));
+        }
     }
 }

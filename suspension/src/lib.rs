@@ -97,9 +97,7 @@ pub use model::{
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values};
 pub use overlaps::Overlaps;
-pub use sampling::{
-    COLUMNS as SAMPLE_COLUMNS, Sample, Statistics, bytes as statistics_bytes, column_bytes, sample_bytes,
-};
+pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
 pub use single_evaluation::SingleEvaluation;
 pub use steadiness::longest_step;
 pub use step_error::StepError;

@@ -18,8 +18,8 @@ use crate::sampling;
 use crate::tethers::TRAP_NUMBERS;
 use crate::warm_start::WarmStart;
 use domain::{
-    Bytes, ExpectedCounts, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList, packing_bytes,
-    readable_bytes,
+    Bytes, ExpectedCounts, IdBlocks, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList,
+    packing_bytes, readable_bytes,
 };
 use fcm::{Footprint, Plan};
 use lubrication::Range;
@@ -53,7 +53,8 @@ pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: u
     let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, (&place, ranks.threads), &expected);
-    let share = Share { model, far, expected: &expected, threads: ranks.threads, is_first: rank == 0 };
+    let (threads, rank_of) = (ranks.threads, (rank, ranks.count));
+    let share = Share { model, far, expected: &expected, threads, rank_of };
     of_peak(share.peak(), &share.far, (rank, ranks.count))
 }
 
@@ -112,7 +113,8 @@ struct Share<'a> {
     far: Footprint<'a>,
     expected: &'a ExpectedCounts,
     threads: usize,
-    is_first: bool,
+    /// The rank, of how many.
+    rank_of: (usize, usize),
 }
 
 /// Vectors of Lanczos's iteration for random motions.
@@ -133,7 +135,7 @@ impl Share<'_> {
             Start::Random { minimum_gap } if filled(self.model, minimum_gap) <= DENSE => {
                 self.shared_placing(minimum_gap)
             }
-            _ if self.is_first => placing_bytes(self.model, self.expected.total()),
+            _ if self.is_first() => placing_bytes(self.model, self.expected.total()),
             _ => Bytes::default(),
         };
         let own = Particles::bytes(self.expected.owned(), 0);
@@ -273,14 +275,14 @@ impl Share<'_> {
         self.near(self.gap_search()).freed()
     }
 
-    fn gathered(&self, numbers: usize) -> Bytes {
-        Particles::gathering_bytes(self.expected.owned(), self.expected.total(), numbers, self.is_first)
+    fn is_first(&self) -> bool {
+        self.rank_of.0 == 0
     }
 
     fn frame(&self) -> Bytes {
         let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
         let numbers: usize = widths.sum();
-        let buffers = if self.is_first { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
+        let buffers = if self.is_first() { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
         self.by_id(numbers).then(buffers).freed()
     }
 
@@ -290,42 +292,41 @@ impl Share<'_> {
             .then(Particles::by_id_bytes(self.expected.owned(), self.expected.total()))
     }
 
-    /// Samples that the statistics of the scene will have at its end.
-    fn samples(&self) -> Option<u64> {
-        self.model.statistics.map(|wanted| wanted.samples.count_until(self.model.steps))
+    /// The statistics of the scene, the rank's part of them and samples.
+    fn statistics(&self) -> Option<(sampling::OfRank, u64)> {
+        let wanted = self.model.statistics?;
+        let distance = sampling::distance((self.model, wanted), self.expected.largest_radius());
+        let of_rank = sampling::OfRank {
+            owned: self.expected.owned(),
+            present: self.expected.present(distance),
+            dealt: IdBlocks::expected(self.expected.total(), self.rank_of),
+            is_first: self.is_first(),
+            is_in_order: false,
+        };
+        Some((of_rank, wanted.samples.count_until(self.model.steps)))
     }
 
-    /// What statistics keep on the first rank.
+    /// What statistics keep.
     fn estimators(&self) -> Bytes {
-        match self.samples() {
-            Some(samples) if self.is_first => {
-                sampling::bytes(self.model, self.expected.total(), (samples, self.threads))
-            }
-            _ => Bytes::default(),
-        }
+        let kept = |(share, samples): (sampling::OfRank, u64)| share.bytes(self.model, (samples, self.threads));
+        self.statistics().map_or_else(Bytes::default, kept)
     }
 
-    /// Columns for the time series, on each rank, and those of statistics.
+    /// Columns for the time series, and those of statistics.
     fn segregation(&self) -> Bytes {
         let columns = sampling::column_bytes(self.model);
         let series = if sampling::has_columns(self.model) { columns } else { Bytes::default() };
-        let sampled = if self.samples().is_some() && self.is_first { columns } else { Bytes::default() };
+        let sampled = if self.model.statistics.is_some() { columns } else { Bytes::default() };
         series.then(sampled)
     }
 
     fn sample(&self) -> Bytes {
-        if self.samples().is_none() {
-            return Bytes::default();
-        }
-        let own = if self.is_first { sampling::sample_bytes(self.expected.total()) } else { Bytes::default() };
-        self.gathered(sampling::numbers(self.model)).then(own).freed()
+        self.statistics().map_or_else(Bytes::default, |(share, _)| share.sample_bytes(self.model).freed())
     }
 
     fn checkpoint(&self) -> Bytes {
-        let state =
-            self.samples().map_or(0.0, |samples| sampling::state_bytes(self.model, self.expected.total(), samples));
-        let statistics = Bytes::keep(if self.is_first { 2.0 * state } else { 0.0 });
-        statistics.then(self.by_id(self.numbers())).freed()
+        let state = self.statistics().map_or(0.0, |(share, samples)| share.state_bytes(self.model, samples));
+        Bytes::keep(2.0 * state).then(self.by_id(self.numbers())).freed()
     }
 
     /// The flow on a grid of its own, which is gathered.
@@ -337,7 +338,7 @@ impl Share<'_> {
         let place = self.far.place_of(&plan);
         let far = Footprint::new(&plan, (&place, self.threads), self.expected);
         let moved = Particles::bytes(self.expected.owned(), 11);
-        let all = if self.is_first { plan.grid.iter().map(|&n| n as f64).product() } else { 0.0 };
+        let all = if self.is_first() { plan.grid.iter().map(|&n| n as f64).product() } else { 0.0 };
         let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
         // In a sheared box the places of the points are written too.
         moved

@@ -38,7 +38,7 @@ impl Observed {
         Ok(Self::of(model, Suspension::start_with(model, placed, comm)?))
     }
 
-    /// A model in a state, as [`Suspension::resume`] takes it; the first rank brings the statistics. Collective.
+    /// A model in a state, as [`Suspension::resume`] takes it; each rank its statistics. Collective.
     pub fn resume(model: &Model, mut state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let statistics = state.as_mut().map(|state| std::mem::take(&mut state.statistics)).unwrap_or_default();
         let mut resumed = Self::of(model, Suspension::resume(model, state, comm)?);
@@ -52,7 +52,7 @@ impl Observed {
         let observer = Observer::new(model, suspension.clock().step(), radii.smallest());
         let resumed = suspension.caution().map(str::to_owned);
         let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
-        let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension.gathered(Some(&[]))));
+        let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension));
         let chosen = model.contacts.is_some_and(|contacts| contacts.stiffness.is_none());
         let chooses_stiffness = [chosen, chosen && model.contacts.is_some_and(|contacts| contacts.settles(model))];
         Self { suspension, observer, averages, cautions, chooses_stiffness, axes: model.user_axes() }
@@ -159,8 +159,7 @@ impl Simulation for Observed {
     }
 
     fn averages(&mut self) -> Option<TableSet> {
-        let first = self.suspension.comm().is_first();
-        let mut set = self.averages.as_ref().filter(|_| first).and_then(Averages::tables)?;
+        let mut set = self.averages.as_mut().and_then(Averages::tables)?;
         let [is_chosen, _] = self.chooses_stiffness;
         if let Some((stiffness, stays)) = self.suspension.contact_stiffness().filter(|_| is_chosen) {
             let summary = set.tables.iter_mut().find(|table| table.name == "summary");

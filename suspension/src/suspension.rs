@@ -14,7 +14,7 @@ use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::stress::ParticleStress;
 use crate::{adaptive, given_positions, implicit, initial, near, tethers};
-use domain::{Comm, GivenPositions, Interrupt, Particles, PeriodicBox, Tensor, Vector};
+use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::PlanError;
 use simulation::{Clock, ContactForces, LoadFunction, State};
 
@@ -229,6 +229,11 @@ impl Suspension {
     /// The particles of this rank.
     pub fn particles(&self) -> &Particles {
         &self.particles
+    }
+
+    /// Which share of the box each rank has.
+    pub(crate) fn partition(&self) -> &Partition {
+        self.dynamics.partition()
     }
 
     /// How the fluid is computed, in words.

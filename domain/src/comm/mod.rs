@@ -17,6 +17,7 @@ mod processes;
 #[path = "no_processes.rs"]
 mod processes;
 
+use crate::block;
 use bytemuck::Pod;
 use std::ops::Range;
 use std::sync::Arc;
@@ -310,14 +311,17 @@ impl Comm {
         if self.size() == 1 || values.is_empty() {
             return;
         }
-        let width = values.len();
-        let all = self.all_gather(values);
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = all[i];
-            for other in all[i..].iter().step_by(width).skip(1) {
-                *value = operation(*value, *other);
-            }
+        if values.len() > WIDE {
+            // Each rank combines a share of the values, so that none has more at a time than twice as many as these.
+            let shares: Vec<_> = (0..self.size()).map(|rank| block(values.len(), self.size(), rank)).collect();
+            let parts = self.exchange(&shares.iter().map(|share| values[share.clone()].to_vec()).collect::<Vec<_>>());
+            let own = shares[self.rank()].len();
+            let combined = combined(&parts.concat(), own, operation);
+            values.copy_from_slice(&self.all_gather(&combined));
+            return;
         }
+        let all = self.all_gather(values);
+        values.copy_from_slice(&combined(&all, values.len(), operation));
     }
 
     /// Whether `yes` is true on any rank.
@@ -342,6 +346,15 @@ impl Comm {
         let message = String::from_utf8_lossy(&messages[rank]).into_owned();
         Err(Failure { rank, ranks: self.size(), message })
     }
+}
+
+/// Values that are combined by shares if they are more.
+const WIDE: usize = 4096;
+
+/// The values of all ranks, `width` of each, combined in rank order.
+fn combined(all: &[f64], width: usize, operation: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let of_place = |i: usize| all[i..].iter().step_by(width).copied().reduce(&operation).unwrap_or_default();
+    (0..width).map(of_place).collect()
 }
 
 /// Consecutive ranges of the given lengths.

@@ -45,6 +45,23 @@ fn sums_are_the_same_bits_everywhere() {
     }
 }
 
+/// Of more values than are sent to every rank as they are, too.
+#[test]
+fn many_sums_have_the_bits_of_few() {
+    let of_rank = |rank: usize| (0..10_007).map(move |k| 1.0 / (k * 17 % 101 + rank + 1) as f64);
+    for ranks in RANKS {
+        let expected: Vec<f64> = (0..ranks)
+            .map(|rank| of_rank(rank).collect())
+            .reduce(|a: Vec<f64>, b| a.iter().zip(b).map(|(a, b)| a + b).collect())
+            .unwrap();
+        Comm::threads(ranks, |comm| {
+            let mut values: Vec<f64> = of_rank(comm.rank()).collect();
+            comm.sum(&mut values);
+            assert!(values == expected);
+        });
+    }
+}
+
 #[test]
 fn a_split_keeps_the_order_and_the_groups_apart() {
     Comm::threads(7, |comm| {

@@ -69,7 +69,7 @@ impl DiskRun {
     ) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
         let mut kept = Kept { progress: Vec::new(), profile: AveragedProfile::new(course.profile_strips) };
-        let fits = kept.load(&state.statistics);
+        let fits = kept.load(&state.statistics.concat());
         let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(StartError::State)?;
         let model = if from_file {
             Model::with_particles(model.parameters().clone(), &state.particles)?
@@ -184,7 +184,7 @@ impl Simulation for DiskRun {
             strain: self.disks.cell().strain(),
             plan: self.plan.clone(),
             particles,
-            statistics: Kept { progress: progress.to_numbers(), profile: self.profile.clone() }.save(),
+            statistics: vec![Kept { progress: progress.to_numbers(), profile: self.profile.clone() }.save()],
         }
     }
 

@@ -99,7 +99,7 @@ impl CellRun {
         StartError::unless_alone(comm)?;
         let Experiment { model, collisions, sampling, .. } = experiment;
         let grains = Grains::from_particles(model, &state.particles)?;
-        let run = Run::resume(model, &grains, (*collisions, *sampling), &state.statistics)?;
+        let run = Run::resume(model, &grains, (*collisions, *sampling), &state.statistics.concat())?;
         Ok(Self::of(experiment, run, (state.step, comm)))
     }
 
@@ -189,7 +189,7 @@ impl Simulation for CellRun {
             strain: 0.0,
             plan: self.plan.clone(),
             particles: self.run.engine().grains().to_particles(&self.model),
-            statistics: self.run.save(),
+            statistics: vec![self.run.save()],
         }
     }
 

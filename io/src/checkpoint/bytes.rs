@@ -26,22 +26,40 @@ pub(super) struct Header {
     columns: Vec<(String, usize)>,
     #[serde(default)]
     statistics: usize,
+    /// The lengths of the pieces of the statistics, where these are not one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pieces: Vec<usize>,
 }
 
 impl Header {
-    fn of<'a>(state: &State, columns: impl Iterator<Item = (&'a str, usize)>, particles: usize) -> Self {
+    fn of<'a>(
+        state: &State,
+        columns: impl Iterator<Item = (&'a str, usize)>,
+        particles: usize,
+        pieces: &[usize],
+    ) -> Self {
         Self {
             step: state.step,
             strain: state.strain.to_bits(),
             plan: state.plan.clone(),
             particles,
             columns: columns.map(|(name, width)| (name.to_owned(), width)).collect(),
-            statistics: state.statistics.len(),
+            statistics: pieces.iter().sum(),
+            pieces: if pieces.len() > 1 { pieces.to_vec() } else { Vec::new() },
         }
     }
 
     fn text(&self) -> Vec<u8> {
         serde_json::to_vec(self).expect("a header is JSON")
+    }
+
+    /// The lengths of the pieces of the statistics.
+    fn lengths(&self) -> Vec<usize> {
+        match (&self.pieces[..], self.statistics) {
+            ([], 0) => Vec::new(),
+            ([], all) => vec![all],
+            (pieces, _) => pieces.to_vec(),
+        }
     }
 
     /// Bytes of the arrays; none where there would be too many to count.
@@ -52,17 +70,18 @@ impl Header {
     }
 }
 
-/// Bytes of a checkpoint of a state whose particles are all here.
+/// Bytes of a checkpoint of a state that is all here.
 pub(super) fn count(state: &State) -> usize {
     let columns = state.particles.columns.iter().map(|column| (column.name.as_str(), column.width));
-    let header = Header::of(state, columns, state.particles.len());
+    let pieces: Vec<usize> = state.statistics.iter().map(Vec::len).collect();
+    let header = Header::of(state, columns, state.particles.len(), &pieces);
     MAGIC.len() + 8 + header.text().len() + header.arrays().unwrap_or(usize::MAX) + 8
 }
 
 /// Writes a state with all its particles.
 pub(super) fn write(file: &mut File, state: &State, rows: &ById) -> std::io::Result<()> {
     let mut out = Summed { file: BufWriter::new(file), sum: Xxh3::new() };
-    let header = Header::of(state, rows.columns(), rows.count()).text();
+    let header = Header::of(state, rows.columns(), rows.count(), rows.lengths()).text();
     out.write(MAGIC)?;
     out.write(&(header.len() as u64).to_le_bytes())?;
     out.write(&header)?;
@@ -74,7 +93,7 @@ pub(super) fn write(file: &mut File, state: &State, rows: &ById) -> std::io::Res
     for place in 0..rows.columns().count() {
         rows.column(place, |values| out.write(bytemuck::cast_slice(values)))?;
     }
-    out.write(&state.statistics)?;
+    rows.pieces(|bytes| out.write(bytes))?;
     let sum = out.sum.digest();
     out.write(&sum.to_le_bytes())?;
     out.file.flush()
@@ -112,6 +131,10 @@ impl Whole {
         let header: Header = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
         if header.arrays().is_none_or(|arrays| arrays > left - 8 - size) {
             return Err("it is cut short".into());
+        }
+        let mut pieces = header.lengths().into_iter();
+        if pieces.try_fold(0_usize, usize::checked_add) != Some(header.statistics) {
+            return Err("its pieces of the statistics do not add up".into());
         }
         let mut whole = Self { file, header };
         let start = whole.file.stream_position().map_err(|e| e.to_string())?;
@@ -183,8 +206,9 @@ fn values<T: Pod>(file: &mut impl Read, count: usize, left: usize) -> Result<Vec
 pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<State, String> {
     let header = whole.as_ref().map_or_else(Vec::new, |whole| whole.header.text());
     let header = comm.broadcast_text(&String::from_utf8(header).expect("JSON is text"));
-    let Header { step, strain, plan, particles: count, columns, statistics } =
-        serde_json::from_str(&header).map_err(|e| e.to_string())?;
+    let header: Header = serde_json::from_str(&header).map_err(|e| e.to_string())?;
+    let lengths = header.lengths();
+    let Header { step, strain, plan, particles: count, columns, .. } = header;
     let mut deal = Deal { file: whole.map(|whole| whole.file), count, comm, failed: None };
     let mut particles = Particles {
         ids: deal.rows(1),
@@ -197,10 +221,10 @@ pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<State, String> 
     for (name, width) in columns {
         particles.columns.push(Column { name, width, values: deal.rows(width) });
     }
-    let statistics = deal.file.as_mut().map_or_else(|| Ok(Vec::new()), |file| values(file, statistics, usize::MAX));
+    let statistics = deal.pieces(&lengths);
     match deal.failed {
         Some(reason) => Err(reason),
-        None => Ok(State { step, strain: f64::from_bits(strain), plan, particles, statistics: statistics? }),
+        None => Ok(State { step, strain: f64::from_bits(strain), plan, particles, statistics }),
     }
 }
 
@@ -218,12 +242,31 @@ impl Deal<'_> {
         let ranks = self.comm.size();
         let mut own = Vec::new();
         for rank in 0..ranks {
-            let rows = block(self.count, ranks, rank).len();
-            for start in (0..rows).step_by(BLOCK) {
-                let mut send: Vec<Vec<T>> = vec![Vec::new(); ranks];
-                send[rank] = self.next(width * BLOCK.min(rows - start));
-                own.extend(self.comm.exchange(&send).swap_remove(0));
+            own.extend(self.sent_to::<T>(rank, block(self.count, ranks, rank).len(), width));
+        }
+        own
+    }
+
+    /// This rank's pieces of bytes of these lengths, of which number `k` goes to rank `k mod ranks`. Collective.
+    fn pieces(&mut self, lengths: &[usize]) -> Vec<Vec<u8>> {
+        let (rank, ranks) = (self.comm.rank(), self.comm.size());
+        let mut own = Vec::new();
+        for (number, &length) in lengths.iter().enumerate() {
+            let piece = self.sent_to(number % ranks, length, 1);
+            if number % ranks == rank {
+                own.push(piece);
             }
+        }
+        own
+    }
+
+    /// The next rows, which go to a rank; none on the others. Collective.
+    fn sent_to<T: Pod>(&mut self, rank: usize, rows: usize, width: usize) -> Vec<T> {
+        let mut own = Vec::new();
+        for start in (0..rows).step_by(BLOCK) {
+            let mut send: Vec<Vec<T>> = vec![Vec::new(); self.comm.size()];
+            send[rank] = self.next(width * BLOCK.min(rows - start));
+            own.extend(self.comm.exchange(&send).swap_remove(0));
         }
         own
     }

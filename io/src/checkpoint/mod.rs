@@ -17,7 +17,7 @@ pub(crate) const KEPT: usize = 2;
 #[derive(Debug, Clone, Copy)]
 pub struct Checkpoints<'a>(&'a Path);
 
-/// Bytes of a checkpoint of a state whose particles are all here.
+/// Bytes of a checkpoint of a state that is all here.
 pub(crate) fn bytes_of(state: &State) -> usize {
     bytes::count(state)
 }
@@ -33,7 +33,7 @@ impl<'a> Checkpoints<'a> {
     pub fn write(&self, state: &State, comm: &Comm) -> Result<(), FileError> {
         let path = self.path(state.step);
         let put = |rows: &domain::ById| atomic_file::put(&path, |file, _| bytes::write(file, state, rows));
-        let Some(written) = state.particles.by_id(comm, put) else { return Ok(()) };
+        let Some(written) = state.particles.by_id_with(&state.statistics, comm, put) else { return Ok(()) };
         written?;
         for old in self.paths()?.iter().rev().skip(KEPT) {
             // What can't be removed now will be after the next one; that is no reason to end a run.

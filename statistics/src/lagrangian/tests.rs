@@ -41,7 +41,7 @@ fn an_ornstein_uhlenbeck_process_has_its_correlation_and_diffusivity() {
     let samples = ornstein_uhlenbeck(200, 2000, dt);
     let mut lagrangian = Lagrangian::new(&vec![0; 200]);
     samples.iter().enumerate().for_each(|(k, motions)| lagrangian.add(k as f64 * dt, motions));
-    for lag in lagrangian.lags(Some(0)).iter().filter(|lag| lag.time <= 8.0) {
+    for lag in lagrangian.sums().lags(Some(0)).iter().filter(|lag| lag.time <= 8.0) {
         let t = lag.time;
         for i in 0..3 {
             // 200 particles over 500 correlation times: 1/sqrt(50,000) = 0.0045.
@@ -53,7 +53,7 @@ fn an_ornstein_uhlenbeck_process_has_its_correlation_and_diffusivity() {
             );
         }
     }
-    let found = Diffusivity::of(&lagrangian, None, [6.0, 20.0]);
+    let found = Diffusivity::of(&lagrangian.sums(), None, [6.0, 20.0]);
     for estimate in found.by_slope.iter().chain(&found.by_integral) {
         assert!((estimate.mean - 1.0).abs() < 4.0 * estimate.error && estimate.error < 0.05, "{estimate:?}");
     }
@@ -67,7 +67,7 @@ fn ballistic_particles_do_not_diffuse() {
         let time = 0.3 * f64::from(step);
         lagrangian.add(time, &velocities.map(|velocity| Motion { velocity, path: time * velocity }));
     }
-    let lags = lagrangian.lags(None);
+    let lags = lagrangian.sums().lags(None);
     assert!(lags.last().unwrap().time > 15.0 && lags.is_sorted_by(|a, b| a.time < b.time));
     for lag in lags {
         let square = Vector::new(0.5, 4.5, 8.0);
@@ -91,7 +91,7 @@ fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
         }
         lagrangian.add(0.5 * k as f64, motions);
     }
-    for lag in lagrangian.lags(Some(1)) {
+    for lag in lagrangian.sums().lags(Some(1)) {
         let steps = (lag.time / 0.5).round() as usize;
         let stride = if steps < 16 { 1 } else { 1 << (steps / 8).ilog2() };
         let starts: Vec<usize> = (stride..=samples.len() - steps).step_by(stride).map(|n| n - 1).collect();
@@ -107,6 +107,33 @@ fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
         let square = over(&|a, b| (b.path.z - a.path.z).powi(2)) - over(&|a, b| b.path.z - a.path.z).powi(2);
         assert!((lag.mean_square_displacement.z - square).abs() < 1e-11 * (1.0 + square), "lag {steps}");
     }
+}
+
+/// Parts of any size have the sums of all when they are added up: exactly where all numbers are whole.
+#[test]
+fn parts_add_up_to_the_whole() {
+    let species = [0, 1, 1, 0, 1, 1, 1, 0, 1, 0, 0, 1, 1];
+    let motion = |k: u32, row: usize| {
+        let number = |axis: u32| f64::from((7 * k + 5 * row as u32 + 3 * axis) % 11);
+        let [velocity, path] = [0, 3].map(|first| Vector::new(number(first), number(first + 1), number(first + 2)));
+        Motion { velocity, path }
+    };
+    let sums = |rows: std::ops::Range<usize>| {
+        let mut before = vec![0; 2];
+        species[..rows.start].iter().for_each(|&s| before[s as usize] += 1);
+        let mut lagrangian = Lagrangian::after(before, &species[rows.clone()]);
+        assert!(lagrangian.fits());
+        for k in 0..40 {
+            lagrangian.add(f64::from(k), &rows.clone().map(|row| motion(k, row)).collect::<Vec<_>>());
+        }
+        assert!(lagrangian.fits() && !Lagrangian { classes: vec![0; 14], ..lagrangian.clone() }.fits());
+        lagrangian.sums().into_numbers()
+    };
+    let mut total = sums(0..4);
+    for part in [4..4, 4..5, 5..13] {
+        total.iter_mut().zip(sums(part)).for_each(|(sum, more)| *sum += more);
+    }
+    assert_eq!(LagSums::of_numbers(2, total), LagSums::of_numbers(2, sums(0..13)));
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! Profiles between walls, above one, or through a layer in unbounded fluid.
 
 use super::column;
+use super::vectors::in_parts;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::model::{Model, Statistics as Wanted};
-use domain::{Boundaries, Particles, Tensor, Traceless, Vector};
+use domain::{Boundaries, IdBlocks, Particles, Tensor, Traceless, Vector};
 use statistics::{ChannelProfile, ChannelSample};
+use std::ops::Range;
 
 /// The columns that a sample needs besides [`super::COLUMNS`].
 pub const MORE_COLUMNS: [&str; 1] = [STRESSLET];
@@ -30,27 +32,34 @@ impl Channel {
         Some(Self { profile, is_layer, axis: model.user_axes().axis(2) })
     }
 
-    /// Adds all spheres at one time, in the order of their ids, which move so relative to the flow.
-    pub fn add(&mut self, particles: &Particles, slips: &[Vector]) {
+    /// Adds all spheres at one time, which move so relative to the flow, of which each rank brings those of its blocks. Collective.
+    pub fn add(&mut self, (blocks, rows): (&IdBlocks, &[Range<usize>]), particles: &Particles, slips: &[Vector]) {
         let mut heights: Vec<f64> = particles.positions.iter().map(|x| x[self.axis]).collect();
         if self.is_layer {
-            let middle = heights.iter().sum::<f64>() / heights.len() as f64;
+            let sum = |rows: Range<usize>| vec![heights[rows.clone()].iter().sum::<f64>(), rows.len() as f64];
+            let [sum, count] = blocks.total(&in_parts(rows, sum)).try_into().expect("two sums");
             for height in &mut heights {
-                *height -= middle;
+                *height -= sum / count;
             }
         }
         let of_name = |name: &str| particles.columns.iter().find(|column| column.name == name);
         let stresslets: &[Traceless] = of_name(STRESSLET).map_or(&[], |column| bytemuck::cast_slice(&column.values));
         let stresslets: Vec<Tensor> = stresslets.iter().map(|s| s.tensor()).collect();
-        self.profile.add(&ChannelSample {
-            heights: &heights,
-            radii: &particles.radii,
-            species: &particles.species,
-            velocities: column(particles, VELOCITY),
-            slips,
-            angular_velocities: column(particles, ANGULAR_VELOCITY),
-            stresslets: &stresslets,
-        });
+        let sample = |rows: Range<usize>| ChannelSample {
+            heights: &heights[rows.clone()],
+            radii: &particles.radii[rows.clone()],
+            species: &particles.species[rows.clone()],
+            velocities: &column(particles, VELOCITY)[rows.clone()],
+            slips: &slips[rows.clone()],
+            angular_velocities: column(particles, ANGULAR_VELOCITY).get(rows.clone()).unwrap_or_default(),
+            stresslets: stresslets.get(rows).unwrap_or_default(),
+        };
+        let profile = &self.profile;
+        let sums = blocks.total(&in_parts(rows, |rows| profile.sums(&sample(rows))));
+        let spreads = blocks.total(&in_parts(rows, |rows| profile.spreads(&sample(rows), &sums)));
+        if blocks.comm().is_first() {
+            self.profile.add_sums(&sums, &spreads, of_name(STRESSLET).is_some());
+        }
     }
 }
 

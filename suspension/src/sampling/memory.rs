@@ -1,33 +1,68 @@
 //! What statistics take.
 
-use super::channel_bins;
+use super::{channel_bins, numbers};
 use crate::model::Model;
-use domain::{Boundaries, Bytes, Vector};
+use domain::{Boundaries, Bytes, IdBlocks, Particles, Tensor, Vector, shared_pairs_bytes};
 use statistics::{ChannelProfile, Lagrangian, Motion, PairDistribution};
 
-/// What they keep of so many particles of a scene after so many samples, with so many threads.
-pub fn bytes(model: &Model, particles: f64, (samples, threads): (u64, usize)) -> Bytes {
-    let is_periodic = model.cell.boundaries() == Boundaries::Periodic;
-    let pairs = if is_periodic { PairDistribution::bytes(model.species.len(), threads) } else { Bytes::default() };
-    paths(particles).then(Lagrangian::bytes(particles, samples)).then(pairs).then(profile(model, samples))
+/// The particles of a rank, for its part of the statistics.
+#[derive(Debug, Clone, Copy)]
+pub struct OfRank {
+    /// Those that it owns.
+    pub owned: f64,
+    /// These and the ghosts within the distance of pairs.
+    pub present: f64,
+    /// Those of its blocks of ids.
+    pub dealt: f64,
+    /// Whether it is the first, which has what is of no block.
+    pub is_first: bool,
+    /// Whether it has all particles in the order of their ids, so that they need not be dealt out.
+    pub is_in_order: bool,
 }
 
-/// Places, velocities and ways of [`super::Paths`].
-fn paths(particles: f64) -> Bytes {
-    Bytes::list::<[Vector; 3]>(particles)
+impl OfRank {
+    /// Of a rank that has so many, all that there are, in the order of their ids.
+    pub fn alone(particles: f64) -> Self {
+        Self { owned: particles, present: particles, dealt: particles, is_first: true, is_in_order: true }
+    }
+
+    /// What it keeps of a scene after so many samples, with so many threads.
+    pub fn bytes(self, model: &Model, (samples, threads): (u64, usize)) -> Bytes {
+        let species = model.species.len();
+        let pairs = if has_pairs(model) { PairDistribution::bytes(species, threads) } else { Bytes::default() };
+        self.followed(samples).then(pairs).then(self.profile(model, samples))
+    }
+
+    /// Paths and former velocities of its blocks.
+    fn followed(self, samples: u64) -> Bytes {
+        // Places, velocities and ways of [`super::Paths`].
+        Bytes::list::<[Vector; 3]>(self.dealt).then(Lagrangian::bytes(self.dealt, samples))
+    }
+
+    /// A profile across a channel.
+    fn profile(self, model: &Model, samples: u64) -> Bytes {
+        let bins = channel_bins(model).filter(|_| self.is_first).unwrap_or(0);
+        ChannelProfile::bytes(model.species.len(), bins, samples)
+    }
+
+    /// What a sample takes: pairs, or particles dealt out, with their velocities, turning and motions.
+    pub fn sample_bytes(self, model: &Model) -> Bytes {
+        let copy = Particles::bytes(self.owned, 0).then(Particles::migration_bytes(self.owned));
+        let copy = if self.present > self.owned { copy } else { Bytes::default() };
+        let pairs = copy.then(shared_pairs_bytes(self.owned, self.present));
+        let dealt = IdBlocks::dealing_bytes([self.owned, self.dealt], numbers(model));
+        let dealt = if self.is_in_order { Bytes::default() } else { dealt };
+        let stresslets = Bytes::list::<(Tensor, f64)>(if channel_bins(model).is_some() { self.dealt } else { 0.0 });
+        let passes = Bytes::list::<([Vector; 5], Motion)>(self.dealt).then(stresslets);
+        if has_pairs(model) { pairs.freed().or(dealt.then(passes).freed()) } else { dealt.then(passes).freed() }
+    }
+
+    /// Its part of the state as bytes.
+    pub fn state_bytes(self, model: &Model, samples: u64) -> f64 {
+        self.followed(samples).then(self.profile(model, samples)).kept
+    }
 }
 
-/// What a profile across a channel keeps.
-fn profile(model: &Model, samples: u64) -> Bytes {
-    ChannelProfile::bytes(model.species.len(), channel_bins(model).unwrap_or(0), samples)
-}
-
-/// What a sample of so many particles takes: velocities, turning, motions, and cells to find pairs in.
-pub fn sample_bytes(particles: f64) -> Bytes {
-    Bytes::list::<([Vector; 4], Motion, [u32; 3], usize)>(particles).freed()
-}
-
-/// The state as bytes.
-pub fn state_bytes(model: &Model, particles: f64, samples: u64) -> f64 {
-    paths(particles).then(Lagrangian::bytes(particles, samples)).then(profile(model, samples)).kept
+fn has_pairs(model: &Model) -> bool {
+    model.cell.boundaries() == Boundaries::Periodic
 }

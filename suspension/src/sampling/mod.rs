@@ -2,40 +2,45 @@
 
 mod background;
 mod channel;
+mod kept;
 mod memory;
 mod paths;
 mod tables;
+mod vectors;
 
 use crate::columns::ANGULAR_VELOCITY;
 use crate::columns::VELOCITY;
 use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
 use background::Flows;
 use channel::{Channel, MORE_COLUMNS};
-use domain::{Boundaries, Bytes, Particles, PeriodicBox, Vector, power_of_two};
-pub use memory::{bytes, sample_bytes, state_bytes};
+use domain::{Boundaries, Bytes, Comm, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs};
+use kept::{Kept, Moving};
+pub use memory::OfRank;
 use paths::Paths;
+use rayon::prelude::*;
 use solver::BackgroundFlow;
-use statistics::{
-    Angle, Blocks, Fluctuations, Histogram, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns, State, Store,
-};
+use statistics::{Angle, Blocks, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns};
 use std::borrow::Cow;
+use std::ops::Range;
+use vectors::{Vectors, in_parts};
 
 /// The columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
 
-/// Everything that is averaged, in the axes of the user. All particles of a sample have to be on one rank, in the order of
-/// their ids, so that results do not depend on the number of ranks.
+/// Everything that is averaged, in the axes of the user. Sums over particles are taken block by block of their ids, each on one
+/// rank, and what is kept of particles is kept there, so that results do not depend on the number of ranks and none has more than
+/// its share. What is of all is on the first rank.
 pub struct Statistics {
     about: About,
-    /// First time, last time, and samples.
+    blocks: IdBlocks,
+    /// First time, last time, and samples; on every rank.
     times: [f64; 3],
     velocities: Vec<Vectors>,
     angular_velocities: Vec<Vectors>,
-    paths: Paths,
-    lagrangian: Lagrangian,
-    /// In a box that repeats along all axes.
+    /// Of each of this rank's blocks.
+    kept: Vec<Kept>,
+    /// In a box that repeats along all axes; each rank counts those of its share of space.
     pairs: Option<PairDistribution>,
-    profile: Option<Profile>,
     /// In one with walls, a wall, or open along z.
     channel: Option<Channel>,
     segregation: Blocks,
@@ -44,7 +49,7 @@ pub struct Statistics {
 }
 
 /// What a sample is taken of.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Sample<'a> {
     /// When.
     pub time: f64,
@@ -52,8 +57,10 @@ pub struct Sample<'a> {
     pub rate: f64,
     /// The box, in the axes of the user.
     pub cell: &'a PeriodicBox,
-    /// All particles, with the columns [`COLUMNS`].
+    /// The particles of this rank, with the columns [`COLUMNS`].
     pub particles: &'a Particles,
+    /// Which share of the box each rank has.
+    pub partition: &'a Partition,
     /// The stress of the whole suspension that drives the flow, if that is known.
     pub shear_stress: Option<f64>,
 }
@@ -63,6 +70,8 @@ struct About {
     names: Vec<String>,
     /// Radius and volume fraction of each species.
     species: Vec<(f64, f64)>,
+    /// Particles of each.
+    counts: Vec<u64>,
     /// The flow, at its largest rate if that changes, and its rates in time.
     flow: BackgroundFlow,
     flows: Flows,
@@ -79,114 +88,156 @@ struct About {
     wanted: Wanted,
 }
 
-/// The moments of a vector of the particles of a species, and the densities of its components about the mean at each
-/// time, in a unit in which fourth powers are within range.
-struct Vectors {
-    unit: f64,
-    moments: Fluctuations,
-    densities: [Histogram; 3],
-}
-
-/// Numbers up to this, and down to one over it, are averaged as they come.
-const ORDINARY: f64 = 1e36;
-
-impl Vectors {
-    /// Nothing so far, for vectors whose size is about this.
-    fn about(size: f64) -> Self {
-        let is_ordinary = (1.0 / ORDINARY..ORDINARY).contains(&size);
-        let unit = if is_ordinary { 1.0 } else { power_of_two(size) };
-        Self { unit, moments: Fluctuations::default(), densities: std::array::from_fn(|_| Histogram::default()) }
-    }
-
-    fn add(&mut self, vectors: impl Iterator<Item = Vector> + Clone) {
-        let over = 1.0 / self.unit;
-        let vectors = vectors.map(|vector| vector * over);
-        let mean = vectors.clone().sum::<Vector>() / vectors.clone().count().max(1) as f64;
-        for vector in vectors.clone() {
-            for (density, value) in self.densities.iter_mut().zip((vector - mean).to_array()) {
-                density.add(value);
-            }
-        }
-        self.moments.add(vectors);
-    }
-}
-
 /// The largest distance of pairs, in largest radii, unless the scene says it or the box is smaller.
 const DISTANCE: f64 = 8.0;
 /// Width of the columns of segregation, in largest radii.
 const COLUMN_WIDTH: f64 = 4.0;
 
 impl Statistics {
-    /// Nothing so far, for a scene whose particles are given in the order of their ids.
-    pub fn new(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
-        let about = About::of(model, wanted, particles);
-        let speed = speed(model);
+    /// Nothing so far, for a scene of whose particles each rank brings its own. Collective.
+    pub fn new(model: &Model, wanted: Wanted, particles: &Particles, comm: &Comm) -> Self {
+        Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), particles, comm)
+    }
+
+    /// The same in blocks of so many ids.
+    pub(crate) fn in_blocks_of(size: u64, of: (&Model, Wanted), particles: &Particles, comm: &Comm) -> Self {
+        let (model, wanted) = of;
+        let blocks = IdBlocks::of(particles, comm, size);
+        let dealt = blocks.dealt(particles, |_| false);
+        let rows = blocks.rows(&dealt);
+        let mut largest = [dealt.radii.iter().copied().fold(0.0, f64::max)];
+        comm.max(&mut largest);
+        let (about, speed, [largest]) = (About::of(of, (&blocks, &rows), &dealt), speed(model), largest);
         let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
-        let largest = particles.radii.iter().copied().fold(0.0, f64::max);
         let is_periodic = model.cell.boundaries() == Boundaries::Periodic;
-        let distance = wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element());
+        let distance = distance(of, largest);
+        let pairs = || PairDistribution::new(distance, about.angle, about.counts.clone(), model.cell.volume());
+        let profile = || is_periodic.then(|| Profile::new(&model.cell, about.axis, about.names.len()));
         Self {
             times: [f64::NAN, f64::NAN, 0.0],
             velocities: each(speed),
             angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
-            paths: Paths::default(),
-            lagrangian: Lagrangian::new(&particles.species),
-            pairs: is_periodic
-                .then(|| PairDistribution::new(distance, about.angle, &particles.species, model.cell.volume())),
-            profile: is_periodic.then(|| Profile::new(&model.cell, about.axis, about.names.len())),
+            kept: kept(&dealt.species, (&blocks, &rows), about.names.len(), profile),
+            pairs: is_periodic.then(pairs),
             channel: Channel::of(model, wanted),
             segregation: Blocks::default(),
             moduli: about.rates.frequency().map(|w| Moduli::new(about.rates.largest() / w, w)),
+            blocks,
             about,
         }
     }
 
-    /// Takes a sample, unless it is too early for it.
-    pub fn sample(&mut self, &Sample { time, rate, cell, particles, shear_stress }: &Sample) {
+    /// Takes a sample, unless it is too early for it. Collective.
+    pub fn sample(&mut self, sample: &Sample) {
+        let &Sample { time, rate, cell, shear_stress, .. } = sample;
         if time < self.about.wanted.from {
             return;
         }
-        let flow = self.about.flows.at_rate(rate);
+        self.count_pairs(sample);
+        let needed = |name: &str| COLUMNS.contains(&name) || (self.channel.is_some() && MORE_COLUMNS.contains(&name));
+        let particles = &*self.blocks.dealt(sample.particles, needed);
+        let (flow, rows) = (self.about.flows.at_rate(rate), &self.blocks.rows(particles));
         let velocities = column(particles, VELOCITY).iter().zip(particles.positions.iter().zip(&particles.radii));
         let velocities: Vec<Vector> = velocities.map(|(&v, (&x, &a))| v - flow.velocity_of(x, a)).collect();
-        each_species(&mut self.velocities, &particles.species, &velocities);
+        let parts = (&self.blocks, &rows[..]);
+        Vectors::add(&mut self.velocities, parts, &particles.species, &velocities);
         if self.about.rigid {
             let turning = column(particles, ANGULAR_VELOCITY).iter().zip(&particles.positions);
-            let turning = turning.map(|(&w, &x)| w - flow.angular_velocity_at(x));
-            each_species(&mut self.angular_velocities, &particles.species, &turning.collect::<Vec<_>>());
-        }
-        let motions = self.paths.follow(time, (cell, particles), &velocities, self.about.carries);
-        self.lagrangian.add(time, &motions);
-        if let Some(pairs) = &mut self.pairs {
-            pairs.add(cell, &particles.positions, &particles.species);
-        }
-        if let Some(profile) = &mut self.profile {
-            profile.add(&in_lattice(cell, self.about.edges, particles), &particles.radii, &particles.species);
+            let turning: Vec<Vector> = turning.map(|(&w, &x)| w - flow.angular_velocity_at(x)).collect();
+            Vectors::add(&mut self.angular_velocities, parts, &particles.species, &turning);
         }
         if let Some(channel) = &mut self.channel {
-            channel.add(particles, &velocities);
+            channel.add(parts, particles, &velocities);
         }
-        self.segregation.add(counted((&self.about.columns, self.about.edges), (cell, particles)).intensity());
-        if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
-            moduli.add(time, stress);
+        let in_lattice = &*in_lattice(cell, self.about.edges, particles);
+        let Particles { positions, steps, radii, species, .. } = particles;
+        let carries = self.about.carries;
+        let velocities = &velocities[..];
+        let moving = Moving { time, cell, positions, steps, velocities, carries, in_lattice, radii, species };
+        self.kept.par_iter_mut().zip(rows).for_each(|(kept, rows)| kept.add(&moving, rows.clone()));
+        let intensity = self.intensity((cell, particles));
+        if self.blocks.comm().is_first() {
+            self.segregation.add(intensity);
+            if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
+                moduli.add(time, stress);
+            }
         }
         let [first, _, samples] = self.times;
         self.times = [if samples == 0.0 { time } else { first }, time, samples + 1.0];
     }
+
+    /// Counts pairs, each on the rank in whose share of space the particle with the smaller id is.
+    fn count_pairs(&mut self, &Sample { cell, particles, partition, .. }: &Sample) {
+        let Some(pairs) = &mut self.pairs else { return };
+        let mut own = Cow::Borrowed(particles);
+        if partition.comm().size() > 1 {
+            own = Cow::Owned(particles.without_columns());
+            own.to_mut().migrate(partition, cell);
+        }
+        let count = |found: &mut Vec<u32>, species, separation| pairs.count(found, species, separation);
+        let found = fold_shared_pairs((partition, cell), &own, pairs.cutoff(), || pairs.no_pairs(), count);
+        pairs.add_counted(found);
+    }
+
+    /// How far species are apart; of one there is nothing to be counted.
+    fn intensity(&self, (cell, particles): (&PeriodicBox, &Particles)) -> f64 {
+        if self.about.names.len() == 1 {
+            return 0.0;
+        }
+        let mut counted = counted((&self.about.columns, self.about.edges), (cell, particles));
+        self.blocks.comm().sum(counted.counts());
+        counted.intensity()
+    }
+}
+
+/// The largest distance of pairs among spheres of which the largest has this radius.
+pub fn distance((model, wanted): (&Model, Wanted), largest: f64) -> f64 {
+    wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element())
+}
+
+/// Nothing yet of the particles of each block.
+fn kept(
+    species: &[u32],
+    (blocks, rows): (&IdBlocks, &[Range<usize>]),
+    count: usize,
+    profile: impl Fn() -> Option<Profile>,
+) -> Vec<Kept> {
+    let numbers = |rows: &Range<usize>| {
+        let mut numbers = vec![0; count];
+        for &species in &species[rows.clone()] {
+            numbers[species as usize] += 1;
+        }
+        numbers
+    };
+    let before = blocks.before(&rows.iter().map(numbers).collect::<Vec<_>>());
+    let of_block = |(before, rows): (Vec<u64>, &Range<usize>)| {
+        let lagrangian = Lagrangian::after(before, &species[rows.clone()]);
+        Kept { paths: Paths::default(), lagrangian, profile: profile() }
+    };
+    before.into_iter().zip(rows).map(of_block).collect()
 }
 
 impl About {
-    fn of(model: &Model, wanted: Wanted, particles: &Particles) -> Self {
+    fn of((model, wanted): (&Model, Wanted), (blocks, rows): (&IdBlocks, &[Range<usize>]), dealt: &Particles) -> Self {
         let rates = model.shear_rates();
         let (flows, rate) = (Flows::of(model), if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
         let flow = flows.linear(rate);
-        let fraction = |index: usize| {
-            let own = particles.species.iter().zip(&particles.radii).filter(|(s, _)| **s as usize == index);
-            own.map(|(_, a)| 4.0 / 3.0 * std::f64::consts::PI * a.powi(3)).sum::<f64>() / model.cell.volume()
-        };
+        // Number and volume of each species.
+        let sums = blocks.total(&in_parts(rows, |rows| {
+            let mut sums = vec![[0.0; 2]; model.species.len()];
+            for (&species, a) in dealt.species[rows.clone()].iter().zip(&dealt.radii[rows]) {
+                let [number, volume] = &mut sums[species as usize];
+                *number += 1.0;
+                *volume += 4.0 / 3.0 * std::f64::consts::PI * a.powi(3);
+            }
+            sums
+        }));
+        let (sums, _) = sums.as_chunks::<2>();
+        let fractions = sums.iter().map(|[_, volume]| volume / model.cell.volume());
         Self {
             names: model.species.iter().map(|s| s.name.clone()).collect(),
-            species: model.species.iter().enumerate().map(|(index, s)| (s.radius, fraction(index))).collect(),
+            species: model.species.iter().map(|s| s.radius).zip(fractions).collect(),
+            counts: sums.iter().map(|[number, _]| *number as u64).collect(),
             flow,
             carries: flows.carries(rate),
             flows,
@@ -317,39 +368,7 @@ pub fn column<'a>(particles: &'a Particles, name: &str) -> &'a [Vector] {
     particles.columns.iter().find(|c| c.name == name).map(|c| bytemuck::cast_slice(&c.values)).unwrap_or_default()
 }
 
-fn each_species(sums: &mut [Vectors], species: &[u32], vectors: &[Vector]) {
-    for (index, sum) in sums.iter_mut().enumerate() {
-        sum.add(species.iter().zip(vectors).filter(|(s, _)| **s as usize == index).map(|(_, &v)| v));
-    }
-}
-
-impl State for Statistics {
-    fn visit(&mut self, store: &mut dyn Store) {
-        for number in &mut self.times {
-            store.number(number);
-        }
-        for vectors in self.velocities.iter_mut().chain(&mut self.angular_velocities) {
-            vectors.moments.visit(store);
-            for density in &mut vectors.densities {
-                density.visit(store);
-            }
-        }
-        self.paths.visit(store);
-        self.lagrangian.visit(store);
-        let parts: [Option<&mut dyn State>; 4] = [
-            self.pairs.as_mut().map(|part| part as _),
-            self.profile.as_mut().map(|part| part as _),
-            self.channel.as_mut().map(|channel| &mut channel.profile as _),
-            Some(&mut self.segregation),
-        ];
-        for part in parts.into_iter().flatten() {
-            part.visit(store);
-        }
-        if let Some(moduli) = &mut self.moduli {
-            moduli.visit(store);
-        }
-    }
-}
-
+#[cfg(test)]
+mod rank_tests;
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! Where particles would be without the flow.
 
-use domain::{Particles, PeriodicBox, Vector};
+use domain::Vector;
 use statistics::{Motion, State, Store};
 
 /// The displacement of each particle since the first sample, less what the flow has carried it along its way. Along
@@ -15,17 +15,15 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Goes on to a time, at which particles in a box have these velocities relative to the flow, which carries them along some
-    /// axes.
+    /// Goes on to a time, at which particles are at these places without periodicity and have these velocities relative to the
+    /// flow, which carries them along some axes.
     pub fn follow(
         &mut self,
         time: f64,
-        (cell, particles): (&PeriodicBox, &Particles),
-        velocities: &[Vector],
+        places: Vec<Vector>,
+        velocities: Vec<Vector>,
         carries: [bool; 3],
     ) -> Vec<Motion> {
-        let unwrapped = particles.positions.iter().zip(&particles.steps);
-        let places: Vec<Vector> = unwrapped.map(|(&x, &steps)| x + cell.lattice(steps)).collect();
         if self.walked.is_empty() {
             self.walked = vec![Vector::ZERO; places.len()];
         } else {
@@ -38,8 +36,14 @@ impl Paths {
                 }
             }
         }
-        (self.time, self.places, self.velocities) = (time, places, velocities.to_vec());
-        velocities.iter().zip(&self.walked).map(|(&velocity, &path)| Motion { velocity, path }).collect()
+        (self.time, self.places, self.velocities) = (time, places, velocities);
+        self.velocities.iter().zip(&self.walked).map(|(&velocity, &path)| Motion { velocity, path }).collect()
+    }
+
+    /// Whether it has as many particles as these, or none yet.
+    pub fn fits(&self, particles: usize) -> bool {
+        let lengths = [&self.places, &self.velocities, &self.walked].map(Vec::len);
+        lengths == [0; 3] || lengths == [particles; 3]
     }
 }
 

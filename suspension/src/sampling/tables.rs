@@ -1,10 +1,11 @@
 //! What statistics come to, as tables.
 
+use super::Statistics;
 use super::channel::Channel;
-use super::{Statistics, Vectors};
+use super::vectors::Vectors;
 use simulation::Table;
 use statistics::{
-    Angle, Diffusivity, Estimate, Moduli, PairDistribution, Profile, StretchedExponential, global_coefficient,
+    Angle, Diffusivity, Estimate, LagSums, Moduli, PairDistribution, Profile, StretchedExponential, global_coefficient,
     mean_coefficient,
 };
 
@@ -13,47 +14,74 @@ const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 /// All particles, as a species.
 const ALL: &str = "all";
 
+/// What all samples come to, with what the sums over all blocks are.
+struct Results<'a> {
+    of: &'a Statistics,
+    lags: LagSums,
+    /// In a box that repeats along all axes.
+    profile: Option<Profile>,
+}
+
 impl Statistics {
-    /// All tables; none before the first sample.
-    pub fn tables(&self) -> Vec<Table> {
+    /// All tables on the first rank, the summary before the others; none before the first sample. Collective.
+    pub fn tables(&mut self) -> Vec<Table> {
         if self.times[2] == 0.0 {
             return Vec::new();
         }
+        self.settle();
+        let lags: Vec<_> = self.kept.iter().map(|kept| kept.lagrangian.sums().into_numbers()).collect();
+        let lags = LagSums::of_numbers(self.about.names.len(), self.blocks.total(&lags));
+        let profile = self.total_profile();
+        let tables = || Results { of: self, lags, profile }.tables();
+        if self.blocks.comm().is_first() { tables() } else { Vec::new() }
+    }
+
+    fn total_profile(&self) -> Option<Profile> {
+        let volumes = self.kept.iter().map(|kept| kept.profile.iter().flat_map(Profile::volumes).copied().collect());
+        let total = self.blocks.total(&volumes.collect::<Vec<_>>());
+        self.kept.first()?.profile.as_ref().map(|profile| profile.with_volumes(total))
+    }
+}
+
+impl Results<'_> {
+    fn tables(&self) -> Vec<Table> {
         let mut tables = vec![
             self.summary(),
-            densities("velocity_density", &self.about.names, &self.velocities),
-            densities("angular_velocity_density", &self.about.names, &self.angular_velocities),
+            densities("velocity_density", &self.of.about.names, &self.of.velocities),
+            densities("angular_velocity_density", &self.of.about.names, &self.of.angular_velocities),
             self.lags(),
         ];
-        tables.extend(self.pairs.iter().flat_map(|pairs| [self.radial(pairs), self.by_angle(pairs)]));
+        tables.extend(self.of.pairs.iter().flat_map(|pairs| [self.radial(pairs), self.by_angle(pairs)]));
         tables.extend(self.profile.iter().map(|profile| self.concentration(profile)));
-        tables.extend(self.channel.iter().map(|channel| self.across(channel)));
+        tables.extend(self.of.channel.iter().map(|channel| self.across(channel)));
         tables.extend(self.measured_moduli().map(harmonics));
         tables
     }
 
     /// The moduli, once there was a whole period.
     fn measured_moduli(&self) -> Option<&Moduli> {
-        self.moduli.as_ref().filter(|moduli| moduli.periods() > 0)
+        self.of.moduli.as_ref().filter(|moduli| moduli.periods() > 0)
     }
 
     /// The numbers that sum a run up, with their errors.
-    pub fn summary(&self) -> Table {
+    fn summary(&self) -> Table {
         let columns = [("value", ""), ("error", ""), ("converged", "")];
         let mut summary = Summary(Table::new("summary", &["quantity", "species", "unit"], &columns));
-        let [first, last, samples] = self.times.map(|mean| Estimate { mean, error: 0.0, converged: true });
+        let [first, last, samples] = self.of.times.map(|mean| Estimate { mean, error: 0.0, converged: true });
         summary.add(("first_time", ALL, "time"), first);
         summary.add(("last_time", ALL, "time"), last);
         summary.add(("samples", ALL, ""), samples);
         for (name, (&(radius, fraction), vectors)) in
-            self.about.names.iter().zip(self.about.species.iter().zip(&self.velocities))
+            self.of.about.names.iter().zip(self.of.about.species.iter().zip(&self.of.velocities))
         {
             let exact = |mean| Estimate { mean, error: 0.0, converged: true };
             summary.add(("radius", name, "length"), exact(radius));
             summary.add(("volume_fraction", name, ""), exact(fraction));
             summary.add_moments(name, ["mean_velocity", "T"], ["length/time", "length^2/time^2"], vectors);
         }
-        for (name, vectors) in self.about.names.iter().zip(&self.angular_velocities).filter(|_| self.about.rigid) {
+        for (name, vectors) in
+            self.of.about.names.iter().zip(&self.of.angular_velocities).filter(|_| self.of.about.rigid)
+        {
             summary.add_moments(name, ["mean_angular_velocity", "w"], ["1/time", "1/time^2"], vectors);
         }
         if let Some((_, moduli)) = self.measured_moduli().and_then(|moduli| moduli.estimates().next()) {
@@ -62,37 +90,37 @@ impl Statistics {
             }
         }
         self.add_diffusivities(&mut summary);
-        if let Some(channel) = &self.channel {
+        if let Some(channel) = &self.of.channel {
             summary.add(("volume_outside", ALL, ""), channel.profile.outside());
         }
-        if self.about.names.len() > 1 {
-            summary.add(("segregation", ALL, ""), self.segregation.estimate());
+        if self.of.about.names.len() > 1 {
+            summary.add(("segregation", ALL, ""), self.of.segregation.estimate());
         }
         summary.0
     }
 
     fn add_diffusivities(&self, summary: &mut Summary) {
-        let span = self.times[1] - self.times[0];
-        let window = [self.about.wanted.diffusive_from.unwrap_or(0.25 * span), 0.5 * span];
+        let span = self.of.times[1] - self.of.times[0];
+        let window = [self.of.about.wanted.diffusive_from.unwrap_or(0.25 * span), 0.5 * span];
         let unit = "length^2/time";
         let mut by_species = Vec::new();
-        for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
+        for (index, name) in self.of.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
             let species = (name != ALL).then_some(index);
-            let found = Diffusivity::of(&self.lagrangian, species, window);
+            let found = Diffusivity::of(&self.lags, species, window);
             for (axis, letter) in AXES.iter().enumerate() {
                 summary.add((&format!("D_integral_{letter}"), name, unit), found.by_integral[axis]);
                 summary.add((&format!("D_slope_{letter}"), name, unit), found.by_slope[axis]);
             }
             by_species.push(found.by_slope[1]);
         }
-        if let (Some(all), true) = (by_species.pop(), self.about.flow.shear_rate() != 0.0) {
+        if let (Some(all), true) = (by_species.pop(), self.of.about.flow.shear_rate() != 0.0) {
             self.add_bidisperse(summary, all, &by_species);
         }
     }
 
     /// Eqs. (18) and (19) along the gradient.
     fn add_bidisperse(&self, summary: &mut Summary, all: Estimate, by_species: &[Estimate]) {
-        let (species, rate) = (&self.about.species, self.about.flow.shear_rate());
+        let (species, rate) = (&self.of.about.species, self.of.about.flow.shear_rate());
         let scaled = by_species.iter().zip(species).map(|(d, (a, _))| d.mean / (a * a * rate.abs()));
         let own: Vec<f64> = scaled.collect();
         let global = |d: f64| global_coefficient(d, species, rate);
@@ -110,8 +138,8 @@ impl Statistics {
             columns.extend(AXES.map(|axis| (format!("{name}_{axis}"), unit)));
         }
         let mut table = Table { columns, ..Table::new("lags", &["species"], &[]) };
-        for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
-            for lag in self.lagrangian.lags((name != ALL).then_some(index)) {
+        for (index, name) in self.of.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
+            for lag in self.lags.lags((name != ALL).then_some(index)) {
                 let vectors = [lag.correlation, lag.mean_square_displacement, lag.integral].map(|v| v.to_array());
                 let numbers: Vec<f64> = std::iter::once(lag.time).chain(vectors.concat()).collect();
                 table.add(&[name], &numbers);
@@ -124,28 +152,28 @@ impl Statistics {
         let mut table = Table::new("pairs", &["first", "second"], &[("distance", "length"), ("g", "")]);
         for [a, b] in pairs.species_pairs() {
             for (r, g) in pairs.radial([a, b]) {
-                table.add(&[&self.about.names[a], &self.about.names[b]], &[r, g]);
+                table.add(&[&self.of.about.names[a], &self.of.about.names[b]], &[r, g]);
             }
         }
         table
     }
 
     fn by_angle(&self, pairs: &PairDistribution) -> Table {
-        let angle = if self.about.angle == Angle::Azimuth { "azimuth" } else { "cosine" };
+        let angle = if self.of.about.angle == Angle::Azimuth { "azimuth" } else { "cosine" };
         let columns = [("distance", "length"), (angle, ""), ("g", "")];
         let mut table = Table::new("pairs_by_angle", &["first", "second"], &columns);
         for [a, b] in pairs.species_pairs() {
             for (r, angle, g) in pairs.angular([a, b]) {
-                table.add(&[&self.about.names[a], &self.about.names[b]], &[r, angle, g]);
+                table.add(&[&self.of.about.names[a], &self.of.about.names[b]], &[r, angle, g]);
             }
         }
         table
     }
 
     fn concentration(&self, profile: &Profile) -> Table {
-        let columns = [(AXES[self.about.axis], "length"), ("volume_fraction", "")];
+        let columns = [(AXES[self.of.about.axis], "length"), ("volume_fraction", "")];
         let mut table = Table::new("concentration", &["species"], &columns);
-        for (index, name) in self.about.names.iter().enumerate() {
+        for (index, name) in self.of.about.names.iter().enumerate() {
             for (place, fraction) in profile.fractions(index) {
                 table.add(&[name], &[place, fraction]);
             }
@@ -163,7 +191,7 @@ const ACROSS: [(&str, &[&str], &str); 5] = [
     ("stress", &COMPONENTS, "force/length^2"),
 ];
 
-impl Statistics {
+impl Results<'_> {
     /// Averages in bins across the channel.
     fn across(&self, Channel { profile, axis, .. }: &Channel) -> Table {
         let scalars = [("volume_fraction".to_owned(), ""), ("number_density".to_owned(), "1/length^3")];
@@ -174,7 +202,7 @@ impl Statistics {
         let mut columns = vec![(AXES[*axis].to_owned(), "length")];
         columns.extend(quantities.flat_map(|(name, unit)| [(name.clone(), unit), (name + "_error", unit)]));
         let mut table = Table { columns, ..Table::new("profile", &["species"], &[]) };
-        for (index, name) in self.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
+        for (index, name) in self.of.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
             for row in profile.rows((name != ALL).then_some(index)) {
                 let scalars = [row.volume_fraction, row.number_density].into_iter().chain(row.velocity).chain(row.slip);
                 let all = scalars.chain(row.fluctuations).chain(row.angular_velocity).chain(row.stress);

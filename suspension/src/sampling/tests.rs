@@ -1,5 +1,4 @@
 use super::*;
-use crate::Suspension;
 use crate::model::Flow;
 use crate::model::{Axis, Parameters};
 use domain::Comm;
@@ -13,8 +12,19 @@ fn model() -> Model {
     Model::new(Parameters { seed: 3, flow, statistics: Some(Wanted::ALL), ..usual }).unwrap()
 }
 
-fn sample<'a>(time: f64, cell: &'a PeriodicBox, particles: &'a Particles) -> Sample<'a> {
-    Sample { time, rate: 0.5, cell, particles, shear_stress: None }
+/// On one rank.
+fn taken(statistics: &mut Statistics, time: f64, (cell, particles): (&PeriodicBox, &Particles)) {
+    let partition = &Partition::new(&Comm::alone(), [1, 1]);
+    statistics.sample(&Sample { time, rate: 0.5, cell, particles, partition, shear_stress: None });
+}
+
+/// Nothing so far, on one rank.
+fn empty(model: &Model) -> Statistics {
+    Statistics::new(model, Wanted::ALL, &drifting(model, 0.0).1, &Comm::alone())
+}
+
+fn text(statistics: &mut Statistics) -> String {
+    statistics.tables().iter().map(Table::to_csv).collect()
 }
 
 /// Particles that move with the flow and besides with a velocity of their own, at a time, in the box as it is then.
@@ -45,17 +55,17 @@ fn drifting(model: &Model, time: f64) -> (PeriodicBox, Particles) {
 #[test]
 fn displacements_leave_the_flow_out() {
     let model = &model();
-    let mut statistics = Statistics::new(model, Wanted::ALL, &drifting(model, 0.0).1);
+    let mut statistics = empty(model);
     for step in 0..60 {
         let time = 0.25 * f64::from(step);
         let (cell, particles) = drifting(model, time);
-        statistics.sample(&sample(time, &cell, &particles));
+        taken(&mut statistics, time, (&cell, &particles));
     }
-    for lag in statistics.lagrangian.lags(None) {
+    for lag in statistics.kept[0].lagrangian.sums().lags(None) {
         let expected = lag.correlation * lag.time.powi(2);
         assert!((lag.mean_square_displacement - expected).length() < 1e-9 * (1.0 + expected.length()), "{lag:?}");
     }
-    let summary = statistics.summary();
+    let summary = &statistics.tables()[0];
     let value = |quantity: &str, species: &str| {
         let row = summary.rows.iter().find(|(words, _)| words[0] == quantity && words[1] == species);
         row.unwrap_or_else(|| panic!("{quantity} of {species}")).1[0]
@@ -70,53 +80,21 @@ fn displacements_leave_the_flow_out() {
 #[test]
 fn an_interruption_changes_nothing() {
     let model = &model();
-    let new = || Statistics::new(model, Wanted::ALL, &drifting(model, 0.0).1);
-    let (mut whole, mut parts) = (new(), new());
+    let (mut whole, mut parts) = (empty(model), empty(model));
     for step in 0..20 {
         let time = 0.25 * f64::from(step);
         let (cell, particles) = drifting(model, time);
-        whole.sample(&sample(time, &cell, &particles));
+        taken(&mut whole, time, (&cell, &particles));
         if step == 11 {
-            let bytes = parts.save();
-            parts = new();
-            assert!(parts.load(&bytes));
+            let pieces = parts.pieces();
+            parts = empty(model);
+            assert!(parts.restore(&pieces));
         }
-        parts.sample(&sample(time, &cell, &particles));
+        taken(&mut parts, time, (&cell, &particles));
     }
-    assert_eq!(whole.save(), parts.save());
-    let text = |s: &Statistics| s.tables().iter().map(Table::to_csv).collect::<String>();
-    assert_eq!(text(&whole), text(&parts));
-    assert!(!new().load(&whole.save()[8..]));
-}
-
-#[test]
-fn ranks_agree() {
-    let model = &model();
-    let sampled = |ranks: usize| {
-        let all = Comm::threads(ranks, |comm| {
-            let mut suspension = Suspension::start(model, &comm).unwrap();
-            let mut statistics: Option<Statistics> = None;
-            for _ in 0..3 {
-                suspension.step().unwrap();
-                let all = suspension.gathered(Some(&COLUMNS));
-                if comm.is_first() {
-                    let wanted = model.statistics.unwrap();
-                    let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &all));
-                    statistics.sample(&sample(suspension.clock().time(), suspension.cell(), &all));
-                }
-            }
-            statistics.map(|s| s.summary())
-        });
-        all.into_iter().next().unwrap().unwrap()
-    };
-    let alone = sampled(1);
-    for together in [3, 13].map(sampled) {
-        for ((words, numbers), (_, others)) in alone.rows.iter().zip(&together.rows) {
-            // Stresslets are within the iteration's tolerance of each other.
-            let difference = (numbers[0] - others[0]).abs();
-            assert!(difference < 1e-3 * numbers[0].abs().max(0.1) || numbers[0].is_nan(), "{words:?}");
-        }
-    }
+    assert_eq!(whole.pieces(), parts.pieces());
+    assert_eq!(text(&mut whole), text(&mut parts));
+    assert!(!empty(model).restore(&[whole.pieces()[0][8..].to_vec()]));
 }
 
 /// Columns stand along the axis that is asked for; else along that of the forces, or of the gradient without forces.

@@ -4,7 +4,6 @@ use crate::Suspension;
 use crate::model::{Flow, Parameters, Species, Start};
 use domain::{Comm, PeriodicBox};
 use simulation::Table;
-use statistics::State;
 
 fn cell(boundaries: Boundaries) -> PeriodicBox {
     PeriodicBox::new(Vector::new(9.0, 9.0, 8.0)).unwrap().with_boundaries(boundaries).unwrap()
@@ -22,17 +21,14 @@ fn model(boundaries: Boundaries, flow: Flow, start: Start) -> Model {
 fn profile_of(model: &Model, ranks: usize, steps: u32) -> Table {
     let found = Comm::threads(ranks, |comm| {
         let mut suspension = Suspension::start(model, &comm).unwrap();
-        let all = suspension.gathered(None);
-        let mut statistics = Statistics::new(model, model.statistics.unwrap(), &all);
+        let mut statistics = Statistics::new(model, model.statistics.unwrap(), suspension.particles(), &comm);
         for _ in 0..=steps {
-            let (particles, [rate, _]) = (suspension.gathered(None), suspension.shear());
-            if comm.is_first() {
-                let (time, cell) = (suspension.clock().time(), suspension.cell());
-                statistics.sample(&Sample { time, rate, cell, particles: &particles, shear_stress: None });
-            }
+            let (particles, [rate, _]) = (suspension.particles(), suspension.shear());
+            let (time, cell, partition) = (suspension.clock().time(), suspension.cell(), suspension.partition());
+            statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress: None });
             suspension.step().unwrap();
         }
-        comm.is_first().then(|| statistics.tables().into_iter().find(|table| table.name == "profile").unwrap())
+        statistics.tables().into_iter().find(|table| table.name == "profile")
     });
     found.into_iter().next().flatten().unwrap()
 }
@@ -108,21 +104,21 @@ fn profiles_are_those_of_any_ranks() {
 fn an_interruption_changes_nothing() {
     let model = model(Boundaries::Wall, Flow::None, Start::Random { minimum_gap: 0.02 });
     let suspension = Suspension::start(&model, &Comm::alone()).unwrap();
-    let particles = suspension.gathered(None);
-    let new = || Statistics::new(&model, model.statistics.unwrap(), &particles);
+    let (particles, partition) = (suspension.particles(), suspension.partition());
+    let new = || Statistics::new(&model, model.statistics.unwrap(), particles, suspension.comm());
     let (mut whole, mut parts) = (new(), new());
     for step in 0..7 {
         let (time, cell) = (f64::from(step), suspension.cell());
-        let sample = Sample { time, rate: 0.0, cell, particles: &particles, shear_stress: None };
+        let sample = Sample { time, rate: 0.0, cell, particles, partition, shear_stress: None };
         if step == 3 {
-            let state = parts.save();
+            let state = parts.pieces();
             parts = new();
-            assert!(parts.load(&state));
+            assert!(parts.restore(&state));
         }
         whole.sample(&sample);
         parts.sample(&sample);
     }
-    assert_eq!(whole.save(), parts.save());
+    assert_eq!(whole.pieces(), parts.pieces());
 }
 
 #[test]

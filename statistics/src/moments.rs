@@ -1,0 +1,45 @@
+//! Sums over vectors, which may be taken in parts.
+
+use bytemuck::{Pod, Zeroable};
+use domain::Vector;
+
+/// How many vectors there are, and their sum. Those of parts are added number by number.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct VectorSum {
+    /// How many.
+    pub count: f64,
+    /// Their sum.
+    pub sum: Vector,
+}
+
+impl VectorSum {
+    /// Adds a vector.
+    pub fn add(&mut self, vector: Vector) {
+        self.count += 1.0;
+        self.sum += vector;
+    }
+
+    /// The mean of the vectors; zero of none.
+    pub fn mean(&self) -> Vector {
+        self.sum / self.count.max(1.0)
+    }
+}
+
+/// `sum (v - m)(v - m)` over vectors `v` about a mean `m`: xx xy xz yy yz zz. Those of parts about the mean of all are added number
+/// by number.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Spread(pub [f64; 6]);
+
+/// The components of a symmetric tensor, in the order xx, xy, xz, yy, yz, zz.
+pub(crate) const COMPONENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+impl Spread {
+    /// Adds a vector less the mean.
+    pub fn add(&mut self, from_mean: Vector) {
+        for (sum, (i, j)) in self.0.iter_mut().zip(COMPONENTS) {
+            *sum += from_mean[i] * from_mean[j];
+        }
+    }
+}

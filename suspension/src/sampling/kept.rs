@@ -1,0 +1,137 @@
+//! What statistics keep of particles, and its bytes.
+
+use super::Statistics;
+use super::paths::Paths;
+use domain::{Comm, PeriodicBox, Vector};
+use statistics::{Counts, Lagrangian, Profile, State, Store};
+use std::ops::Range;
+
+/// What is kept of the particles of a block of ids, in the order of these.
+pub struct Kept {
+    pub paths: Paths,
+    pub lagrangian: Lagrangian,
+    /// In a box that repeats along all axes.
+    pub profile: Option<Profile>,
+}
+
+/// All particles of this rank's blocks at one time: velocities relative to the flow, which carries them along some axes.
+#[derive(Clone, Copy)]
+pub struct Moving<'a> {
+    pub time: f64,
+    pub cell: &'a PeriodicBox,
+    pub positions: &'a [Vector],
+    pub steps: &'a [[i32; 3]],
+    pub velocities: &'a [Vector],
+    pub carries: [bool; 3],
+    /// Positions in the box without strain.
+    pub in_lattice: &'a [Vector],
+    pub radii: &'a [f64],
+    pub species: &'a [u32],
+}
+
+impl Kept {
+    /// Adds those of the block at one time.
+    pub fn add(&mut self, all: &Moving, rows: Range<usize>) {
+        let of_rows = |all: &'_ [Vector]| all[rows.clone()].to_vec();
+        let unwrapped = all.positions[rows.clone()].iter().zip(&all.steps[rows.clone()]);
+        let places = unwrapped.map(|(&x, &steps)| x + all.cell.lattice(steps)).collect();
+        let motions = self.paths.follow(all.time, places, of_rows(all.velocities), all.carries);
+        self.lagrangian.add(all.time, &motions);
+        if let Some(profile) = &mut self.profile {
+            profile.add(&all.in_lattice[rows.clone()], &all.radii[rows.clone()], &all.species[rows]);
+        }
+    }
+
+    /// Whether what was restored is of as many particles as the block has.
+    fn fits(&self) -> bool {
+        self.lagrangian.fits() && self.paths.fits(self.lagrangian.particles())
+    }
+}
+
+/// A part of the statistics whose bytes are one piece of their state: what is kept of a block of ids, with the first of all
+/// also what is of no block.
+struct Piece<'a>(&'a mut Statistics, usize);
+
+impl State for Piece<'_> {
+    fn visit(&mut self, store: &mut dyn Store) {
+        let Self(all, index) = self;
+        let has_more = *index == 0 && all.blocks.comm().is_first();
+        let Statistics { times, velocities, angular_velocities, kept, pairs, channel, segregation, moduli, .. } = all;
+        let block = &mut kept[*index];
+        if has_more {
+            for number in times {
+                store.number(number);
+            }
+            for vectors in velocities.iter_mut().chain(angular_velocities) {
+                vectors.moments.visit(store);
+                vectors.densities.iter_mut().for_each(|density| density.visit(store));
+            }
+        }
+        block.paths.visit(store);
+        block.lagrangian.visit(store);
+        if let Some(pairs) = pairs.as_mut().filter(|_| has_more) {
+            pairs.visit(store);
+        }
+        if let Some(profile) = &mut block.profile {
+            profile.visit(store);
+        }
+        if has_more {
+            if let Some(channel) = channel {
+                channel.profile.visit(store);
+            }
+            segregation.visit(store);
+            if let Some(moduli) = moduli {
+                moduli.visit(store);
+            }
+        }
+    }
+}
+
+impl Statistics {
+    /// The state as bytes, in pieces of which each rank has those of its blocks. Collective.
+    pub fn pieces(&mut self) -> Vec<Vec<u8>> {
+        self.settle();
+        (0..self.kept.len()).map(|index| Piece(self, index).save()).collect()
+    }
+
+    /// Restores a state; returns whether this rank's pieces fitted. Collective.
+    #[must_use]
+    pub fn restore(&mut self, pieces: &[Vec<u8>]) -> bool {
+        let mut fits = pieces.len() == self.kept.len();
+        for (index, piece) in pieces.iter().enumerate().take(self.kept.len()) {
+            fits &= Piece(self, index).load(piece) && self.kept[index].fits();
+        }
+        let mut times = self.times.to_vec();
+        self.blocks.comm().broadcast(&mut times);
+        self.times.copy_from_slice(&times);
+        fits
+    }
+
+    /// Has everything that ranks count on their own on the first. Collective.
+    pub(super) fn settle(&mut self) {
+        let comm = self.blocks.comm();
+        for vectors in self.velocities.iter_mut().chain(&mut self.angular_velocities) {
+            vectors.densities.iter_mut().for_each(|density| settle(comm, density));
+        }
+        if let Some(pairs) = &mut self.pairs {
+            settle(comm, pairs);
+        }
+    }
+}
+
+/// Moves the counts of all ranks to the first.
+fn settle<C: Counts>(comm: &Comm, counts: &mut C) {
+    let bytes = if comm.is_first() { Vec::new() } else { counts.save() };
+    let mut sent = vec![Vec::new(); comm.size()];
+    sent[0] = bytes;
+    let received = comm.exchange(&sent);
+    if !comm.is_first() {
+        counts.clear();
+        return;
+    }
+    for bytes in &received[1..] {
+        let mut other = counts.clone();
+        assert!(other.load(bytes), "ranks count the same things");
+        counts.take_in(&other);
+    }
+}

@@ -1,0 +1,71 @@
+//! Moments and densities of vectors of particles.
+
+use bytemuck::Pod;
+use domain::{IdBlocks, Vector, power_of_two};
+use rayon::prelude::*;
+use statistics::{Counts, Fluctuations, Histogram, Spread, VectorSum};
+use std::ops::Range;
+
+/// The moments of a vector of the particles of a species, and the densities of its components about the mean at each
+/// time, in a unit in which fourth powers are within range. The first rank has the moments, and each the densities of its own
+/// particles.
+pub struct Vectors {
+    pub unit: f64,
+    pub moments: Fluctuations,
+    pub densities: [Histogram; 3],
+}
+
+/// Numbers up to this, and down to one over it, are averaged as they come.
+const ORDINARY: f64 = 1e36;
+
+impl Vectors {
+    /// Nothing so far, for vectors whose size is about this.
+    pub fn about(size: f64) -> Self {
+        let is_ordinary = (1.0 / ORDINARY..ORDINARY).contains(&size);
+        let unit = if is_ordinary { 1.0 } else { power_of_two(size) };
+        Self { unit, moments: Fluctuations::default(), densities: std::array::from_fn(|_| Histogram::default()) }
+    }
+
+    /// Adds the vectors of the particles of each species at one time, of which each rank brings those of its blocks. Collective.
+    pub fn add(all: &mut [Self], (blocks, rows): (&IdBlocks, &[Range<usize>]), species: &[u32], vectors: &[Vector]) {
+        let scales: Vec<f64> = all.iter().map(|own| 1.0 / own.unit).collect();
+        let scaled = |row: usize| (species[row] as usize, vectors[row] * scales[species[row] as usize]);
+        let sums = blocks.total(&in_parts(rows, |rows| {
+            let mut sums = vec![VectorSum::default(); scales.len()];
+            for (species, vector) in rows.map(scaled) {
+                sums[species].add(vector);
+            }
+            sums
+        }));
+        let sums: &[VectorSum] = bytemuck::cast_slice(&sums);
+        let means: Vec<Vector> = sums.iter().map(VectorSum::mean).collect();
+        let from_means =
+            |rows: Range<usize>| rows.map(scaled).map(|(species, vector)| (species, vector - means[species]));
+        let spreads = blocks.total(&in_parts(rows, |rows| {
+            let mut spreads = vec![Spread::default(); means.len()];
+            from_means(rows).for_each(|(species, vector)| spreads[species].add(vector));
+            spreads
+        }));
+        let counted = |rows: &Range<usize>| {
+            let mut densities = vec![<[Histogram; 3]>::default(); means.len()];
+            for (species, vector) in from_means(rows.clone()) {
+                densities[species].iter_mut().zip(vector.to_array()).for_each(|(density, value)| density.add(value));
+            }
+            densities
+        };
+        for block in rows.par_iter().map(counted).collect::<Vec<_>>() {
+            let densities = all.iter_mut().flat_map(|own| &mut own.densities);
+            densities.zip(block.iter().flatten()).for_each(|(density, more)| density.take_in(more));
+        }
+        if blocks.comm().is_first() {
+            for (own, (sum, spread)) in all.iter_mut().zip(sums.iter().zip(bytemuck::cast_slice(&spreads))) {
+                own.moments.add_sums(sum, spread);
+            }
+        }
+    }
+}
+
+/// The numbers that each of some parts of the rows comes to.
+pub fn in_parts<T: Pod>(rows: &[Range<usize>], of: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<Vec<f64>> {
+    rows.par_iter().map(|rows| bytemuck::cast_slice(&of(rows.clone())).to_vec()).collect()
+}
