@@ -83,7 +83,14 @@ fn take(args: &Args) -> anyhow::Result<()> {
         }
         let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles));
         let rate = model.shear_rates().before_time(time);
-        statistics.sample(&Sample { time, rate, cell: &cell, particles: &particles, shear_stress: None });
+        statistics.sample(&Sample {
+            time,
+            rate,
+            cell: &cell,
+            particles: &particles,
+            shear_stress: None,
+            pressure_gradient: None,
+        });
     }
     let Some(statistics) = statistics else {
         bail!("the trajectory has no whole frame in that span; change --from and --to")

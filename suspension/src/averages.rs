@@ -44,7 +44,8 @@ impl Averages {
             });
             if suspension.comm().is_first() {
                 let (time, cell, particles) = (clock.time(), &self.axes.cell(suspension.cell()), &particles);
-                self.statistics.sample(&Sample { time, rate, cell, particles, shear_stress });
+                let pressure_gradient = suspension.pressure_gradient();
+                self.statistics.sample(&Sample { time, rate, cell, particles, shear_stress, pressure_gradient });
             }
         }
     }

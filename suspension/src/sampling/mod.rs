@@ -41,6 +41,8 @@ pub struct Statistics {
     segregation: Blocks,
     /// In a flow that oscillates.
     moduli: Option<Moduli>,
+    /// The pressure gradient, where it keeps the flux.
+    pressure: Option<Blocks>,
 }
 
 /// What a sample is taken of.
@@ -56,6 +58,8 @@ pub struct Sample<'a> {
     pub particles: &'a Particles,
     /// The stress of the whole suspension that drives the flow, if that is known.
     pub shear_stress: Option<f64>,
+    /// The pressure gradient that keeps the flux, if it is kept and known.
+    pub pressure_gradient: Option<f64>,
 }
 
 /// What the samples have in common.
@@ -137,12 +141,13 @@ impl Statistics {
             channel: Channel::of(model, wanted),
             segregation: Blocks::default(),
             moduli: about.rates.frequency().map(|w| Moduli::new(about.rates.largest() / w, w)),
+            pressure: model.flow.keeps_flux().then(Blocks::default),
             about,
         }
     }
 
     /// Takes a sample, unless it is too early for it.
-    pub fn sample(&mut self, &Sample { time, rate, cell, particles, shear_stress }: &Sample) {
+    pub fn sample(&mut self, &Sample { time, rate, cell, particles, shear_stress, pressure_gradient }: &Sample) {
         if time < self.about.wanted.from {
             return;
         }
@@ -169,6 +174,9 @@ impl Statistics {
         self.segregation.add(counted((&self.about.columns, self.about.edges), (cell, particles)).intensity());
         if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
             moduli.add(time, stress);
+        }
+        if let (Some(pressure), Some(gradient)) = (&mut self.pressure, pressure_gradient) {
+            pressure.add(gradient);
         }
         let [first, _, samples] = self.times;
         self.times = [if samples == 0.0 { time } else { first }, time, samples + 1.0];
@@ -347,6 +355,9 @@ impl State for Statistics {
         }
         if let Some(moduli) = &mut self.moduli {
             moduli.visit(store);
+        }
+        if let Some(pressure) = &mut self.pressure {
+            pressure.visit(store);
         }
     }
 }

@@ -14,7 +14,7 @@ fn model() -> Model {
 }
 
 fn sample<'a>(time: f64, cell: &'a PeriodicBox, particles: &'a Particles) -> Sample<'a> {
-    Sample { time, rate: 0.5, cell, particles, shear_stress: None }
+    Sample { time, rate: 0.5, cell, particles, shear_stress: None, pressure_gradient: None }
 }
 
 /// Particles that move with the flow and besides with a velocity of their own, at a time, in the box as it is then.

@@ -28,7 +28,14 @@ fn profile_of(model: &Model, ranks: usize, steps: u32) -> Table {
             let (particles, [rate, _]) = (suspension.gathered(None), suspension.shear());
             if comm.is_first() {
                 let (time, cell) = (suspension.clock().time(), suspension.cell());
-                statistics.sample(&Sample { time, rate, cell, particles: &particles, shear_stress: None });
+                statistics.sample(&Sample {
+                    time,
+                    rate,
+                    cell,
+                    particles: &particles,
+                    shear_stress: None,
+                    pressure_gradient: None,
+                });
             }
             suspension.step().unwrap();
         }
@@ -113,7 +120,8 @@ fn an_interruption_changes_nothing() {
     let (mut whole, mut parts) = (new(), new());
     for step in 0..7 {
         let (time, cell) = (f64::from(step), suspension.cell());
-        let sample = Sample { time, rate: 0.0, cell, particles: &particles, shear_stress: None };
+        let sample =
+            Sample { time, rate: 0.0, cell, particles: &particles, shear_stress: None, pressure_gradient: None };
         if step == 3 {
             let state = parts.save();
             parts = new();
