@@ -83,7 +83,8 @@ fn take(args: &Args) -> anyhow::Result<()> {
         }
         let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles, &alone));
         let (rate, cell, particles) = (model.shear_rates().before_time(time), &cell, &particles);
-        statistics.sample(&Sample { time, rate, cell, particles, partition: &everything, shear_stress: None });
+        let (partition, shear_stress, pressure_gradient) = (&everything, None, None);
+        statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress, pressure_gradient });
     }
     let Some(mut statistics) = statistics else {
         bail!("the trajectory has no whole frame in that span; change --from and --to")

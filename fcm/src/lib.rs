@@ -46,6 +46,7 @@ mod boys;
 mod burden;
 mod check;
 mod conjugate_gradients;
+mod constraint;
 mod cost;
 mod costs;
 mod described;
@@ -73,6 +74,7 @@ mod work;
 
 pub use bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use conjugate_gradients::{Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};
+pub use constraint::Constraint;
 pub use costs::Costs;
 pub use described::is_same_way;
 pub use envelope::Envelope;

@@ -43,6 +43,13 @@ impl Motion {
             *e += d * factor;
         }
     }
+
+    /// The power `sum (F . U + T . Omega - S : E)` of loads of the same particles in this motion, as far as there are both.
+    pub fn power(&self, loads: &Loads) -> f64 {
+        let of = |a: &[Vector], b: &[Vector]| a.iter().zip(b).map(|(&a, &b)| a.dot(b)).sum::<f64>();
+        let strained = loads.stresslets.iter().zip(&self.strain_rates).map(|(&s, &e)| s.contract(e)).sum::<f64>();
+        of(&loads.forces, &self.velocities) + of(&loads.torques, &self.angular_velocities) - strained
+    }
 }
 
 /// The dipole `G = S + A` of a stresslet and a torque. `f = 1/2 curl(T Delta')` is `G_ij d_j Delta'` with

@@ -1,5 +1,6 @@
 //! The linear map from loads to motions.
 
+use crate::constraint::Constraint;
 use crate::envelope::Envelope;
 use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
@@ -48,6 +49,7 @@ pub struct Mobility {
     near: Option<Box<dyn NearField>>,
     arrangement: Arrangement,
     verlet_list: VerletList,
+    constraint: Option<Constraint>,
     work: Work,
 }
 
@@ -84,6 +86,7 @@ impl Mobility {
             near,
             arrangement,
             verlet_list,
+            constraint: None,
             work: Work::default(),
         }
     }
@@ -96,6 +99,11 @@ impl Mobility {
     /// What has been done so far.
     pub fn work(&self) -> Work {
         self.work
+    }
+
+    /// Adds a flow whose amplitude follows from the loads to all motions that [`Self::apply`] finds from now on, or none.
+    pub fn constrain(&mut self, constraint: Option<Constraint>) {
+        self.constraint = constraint;
     }
 
     /// Sets the box and the particles of this rank, inside it, with radii of the plan.
@@ -163,7 +171,11 @@ impl Mobility {
             self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
         }
-        motion(&motions, wanted, &self.units)
+        let mut motion = motion(&motions, wanted, &self.units);
+        if let Some(constraint) = &self.constraint {
+            constraint.add_to(&mut motion, loads, self.partition.comm());
+        }
+        motion
     }
 
     /// Random motions of the particles of these ids, which are in place, whose covariance is the mobility itself: velocities, and

@@ -180,6 +180,9 @@ impl Dynamics {
         if let Some(driven) = self.moving.driven() {
             driven.note(particles);
         }
+        if let Some(flux) = self.moving.flux() {
+            flux.note(particles);
+        }
         if let Some(settling) = self.settling() {
             settling.note(particles);
         }
@@ -292,9 +295,13 @@ impl Dynamics {
             moment.implicit.map(|time| move |d: f64, between: Surfaces| surface.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
         let (strain_rate, strain_slope) = self.moving.strain_rate();
-        let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient };
+        let constant_flux = self.moving.keeps_flux();
+        let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient, constant_flux };
         let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
+        if let Some(flux) = self.moving.flux() {
+            flux.set_curvature(solved.curvature);
+        }
         self.record(particles, &solved);
         Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
     }
@@ -435,7 +442,7 @@ impl Dynamics {
         let flow = [self.viscosity * self.moving.rate(), 0.0];
         let height = cell.edges().z;
         let driven =
-            self.moving.profile().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
+            self.moving.by_pressure().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
         let upper = [flow[0] + driven[1] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
         let forces = [fx * height + driven[0] - driven[1], fy * height];
         match cell.boundaries() {
@@ -443,6 +450,12 @@ impl Dynamics {
             Boundaries::Wall => vec![[flow[0] + forces[0], flow[1] + forces[1]]],
             _ => Vec::new(),
         }
+    }
+
+    /// The pressure gradient that keeps the flux, if it is kept.
+    pub fn pressure_gradient(&self) -> Option<f64> {
+        let flow = self.moving.by_pressure().filter(|_| self.moving.keeps_flux())?;
+        Some(self.viscosity * flow.curvature)
     }
 
     /// What contacts amount to, if there can be any. Collective.

@@ -61,6 +61,7 @@ mod outline;
 mod overlaps;
 mod plan;
 mod poiseuille;
+mod pressure_flow;
 mod random_motion;
 mod relative_motion;
 mod rheology;

@@ -179,6 +179,7 @@ impl Share<'_> {
     /// Numbers of all columns of a particle.
     fn numbers(&self) -> usize {
         let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
+        let velocities = velocities + usize::from(self.model.flow.keeps_flux());
         let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
         let settles = self.model.contacts.is_some_and(|contacts| contacts.settles(self.model));
         let velocities = velocities + self.random_numbers() + if settles { SETTLING_NUMBERS } else { 0 };

@@ -244,6 +244,7 @@ impl Mobility {
                     strain_slope: 0.0,
                     springs: None,
                     ambient: &ambient,
+                    constant_flux: false,
                 };
                 motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;
                 motion.strain_rates.clear();
@@ -313,7 +314,14 @@ impl Mobility {
         };
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = background.strain_rate();
-            let acting = Acting { loads: &loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &ambient };
+            let acting = Acting {
+                loads: &loads,
+                strain_rate,
+                strain_slope: 0.0,
+                springs: None,
+                ambient: &ambient,
+                constant_flux: false,
+            };
             return self.hydrodynamics.solve(cell, particles, &acting, &Guess::default());
         }
         if stresslets {
@@ -324,7 +332,8 @@ impl Mobility {
         let mut motion = mobility.apply(&loads, Evaluation::All);
         motion.velocities.iter_mut().zip(&ambient.velocities).for_each(|(v, ambient)| *v += *ambient);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
-        Ok(Solved { motion, stresslets, far: loads, induced: Motion::default(), iterations: 0, residual: 0.0 })
+        let (induced, curvature) = (Motion::default(), 0.0);
+        Ok(Solved { motion, stresslets, far: loads, induced, curvature, iterations: 0, residual: 0.0 })
     }
 }
 

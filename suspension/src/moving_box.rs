@@ -5,6 +5,7 @@ use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::{Extension, ShearRates};
 use crate::poiseuille::Poiseuille;
+use crate::pressure_flow::PressureFlow;
 use crate::stretching::{Matrix, Named, StretchingLattice};
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use simulation::Clock;
@@ -28,8 +29,9 @@ pub struct MovingBox {
     start: PeriodicBox,
     rates: ShearRates,
     driven: Option<Driven>,
-    /// A flow by a pressure gradient besides.
+    /// A flow by a pressure gradient besides, and that of particles which keeps its flux, if it is kept.
     profile: Option<Poiseuille>,
+    flux: Option<PressureFlow>,
     motion: Motion,
     /// The flow as it is, by its rate, and the step at which it became so.
     rate: f64,
@@ -65,8 +67,9 @@ impl MovingBox {
         let (rate, began) = rates.before(clock.step());
         let motion = if shears { Motion::Shearing } else { Motion::Still };
         let (flow, time, vectors) = (shear(&start, rate), clock.time(), Vectors::Sheared(0));
-        let (driven, profile) = (None, None);
-        let mut moving = Self { start, rates, driven, profile, motion, rate, flow, began, time, cell: start, vectors };
+        let (driven, profile, flux) = (None, None, None);
+        let mut moving =
+            Self { start, rates, driven, profile, flux, motion, rate, flow, began, time, cell: start, vectors };
         (moving.cell, moving.vectors) = moving.shape_at(time);
         moving
     }
@@ -89,9 +92,26 @@ impl MovingBox {
         Self { profile, ..self }
     }
 
-    /// The flow by a pressure gradient, if there is one.
-    pub fn profile(&self) -> Option<&Poiseuille> {
-        self.profile.as_ref()
+    /// The same with a flow by a pressure gradient that keeps its flux, or does not.
+    #[must_use]
+    pub fn at_constant_flux(self, flux: Option<PressureFlow>) -> Self {
+        Self { flux, ..self }
+    }
+
+    /// What keeps the flux, if it is kept.
+    pub fn flux(&mut self) -> Option<&mut PressureFlow> {
+        self.flux.as_mut()
+    }
+
+    /// The flow of the pressure gradient that there is, which with a flux that is kept is another one than without particles.
+    pub fn by_pressure(&self) -> Option<Poiseuille> {
+        let besides = self.flux.map_or(0.0, PressureFlow::curvature);
+        self.profile.map(|profile| Poiseuille { curvature: profile.curvature + besides, ..profile })
+    }
+
+    /// Whether the flux is kept.
+    pub fn keeps_flux(&self) -> bool {
+        self.flux.is_some()
     }
 
     /// The velocity of a free sphere of a radius at a place of the background flow.

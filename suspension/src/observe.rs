@@ -28,6 +28,8 @@ pub struct Observer {
     crowded: CrowdedSteps,
     remedies: Remedies,
     boundaries: Boundaries,
+    /// Whether a pressure gradient keeps the flux.
+    keeps_flux: bool,
     /// Thermal energy over the volume of the box, if there is heat.
     heat: Option<f64>,
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts, and whether their stiffness is
@@ -94,6 +96,7 @@ impl Observer {
             crowded: CrowdedSteps::default(),
             remedies: Remedies::of(model),
             boundaries: model.cell.boundaries(),
+            keeps_flux: model.flow.keeps_flux(),
             heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
             aim: model.contacts.map(|contacts| (contacts.overlap, contacts.stiffness.is_none())),
             pressed: Pressed::default(),
@@ -181,6 +184,7 @@ impl Observer {
             let table = Some((rows.iter().map(|&row| row.to_owned()).collect(), columns.map(String::from).to_vec()));
             quantities.push(Quantity { name: "wall_shear_stress", unit: "force/length^2", table });
         }
+        quantities.extend(self.keeps_flux.then(|| Quantity::number("pressure_gradient", "force/length^3")));
         quantities.extend(migration::quantities(self.boundaries, &self.species, &self.axes));
         quantities.extend(self.is_open().then(|| cloud::quantity(&self.species)));
         quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
@@ -228,6 +232,7 @@ impl Observer {
         if let Some(stress) = stress.as_ref().filter(|_| self.boundaries.walls() > 0) {
             row.push(self.along_walls(&suspension.wall_stress(&ParticleStress::sum(stress))));
         }
+        row.extend(suspension.pressure_gradient().map(|number| vec![number]));
         let particles = suspension.particles();
         let moving = (particles, column(particles, VELOCITY));
         row.extend(migration::rows(suspension.cell(), moving, self.species.len(), suspension.comm()));

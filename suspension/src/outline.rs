@@ -4,7 +4,7 @@ use crate::cautions::{cautions, diffusive_step};
 use crate::error::StartError;
 use crate::gap::Gap;
 use crate::memory::{self, Ranks};
-use crate::model::{Contacts, Model};
+use crate::model::{Contacts, Flow, Model};
 use crate::open_box::follows;
 use crate::plan::{Radii, problem_in};
 use crate::setup::{Planned, Setup};
@@ -64,7 +64,7 @@ pub fn outline(
             .line("diffusion", format_args!("{:.3} of the smallest sphere's a^2/D0 in a step", Number(step)))
             .value("diffusive_step", step),
     };
-    let outline = with_stiffness(outline, model);
+    let outline = with_flux(with_stiffness(outline, model), model);
     let memory = Memory::of(model, &planned, asked);
     let outline = with_cost(memory.add_to(outline), (&planned.plan, model.turn), &others);
     let outline = beside_periodic(outline, (model, &cell), &planned, asked.ranks);
@@ -82,6 +82,24 @@ fn with_stiffness(outline: Outline, model: &Model) -> Outline {
     outline
         .line("contacts", format_args!("stiffness {:.4}{settles}", Number(stiffness)))
         .value("contact_stiffness", stiffness)
+}
+
+/// What a given flux takes.
+fn with_flux(outline: Outline, model: &Model) -> Outline {
+    let Flow::ConstantFlux { mean_velocity } = model.flow else { return outline };
+    let curvature = model.flow.curvature(model.viscosity, model.cell.edges().z).unwrap_or_default();
+    let alone = model.viscosity * curvature;
+    outline
+        .line(
+            "flux",
+            format_args!(
+                "mean velocity {:.6}, for which the fluid alone takes a pressure gradient of {:.4}; a solve takes one \
+                 evaluation more with lubrication",
+                Number(mean_velocity),
+                Number(alone)
+            ),
+        )
+        .value("pressure_gradient_of_fluid", alone)
 }
 
 /// The particles, and their smallest gap if there is memory to place them: infinite for a sphere alone.

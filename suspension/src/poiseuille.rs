@@ -1,6 +1,7 @@
 //! The flow between walls that a pressure gradient drives.
 
-use domain::{Traceless, Vector};
+use domain::{Particles, Traceless, Vector};
+use fcm::{Motion, Multipoles};
 
 /// The flow `u = curvature z (height - z) / 2` along x between walls at `z = 0` and at the height, with the curvature the pressure
 /// gradient over the viscosity.
@@ -31,6 +32,22 @@ impl Poiseuille {
     /// Half of the vorticity.
     pub fn angular_velocity(&self, z: f64) -> Vector {
         Vector::Y * (0.5 * self.shear_rate(z))
+    }
+
+    /// The motions of free spheres in the flow without walls, and its rates of strain where they are; with forces alone their
+    /// velocities.
+    pub fn motion(&self, spheres: &Particles, multipoles: Multipoles) -> Motion {
+        let places = || spheres.positions.iter().map(|place| place.z);
+        let velocities = places().zip(&spheres.radii).map(|(z, &radius)| self.velocity_of(z, radius)).collect();
+        if multipoles == Multipoles::Monopole {
+            return Motion { velocities, ..Motion::default() };
+        }
+        let strain_rate = |z: f64| Traceless([0.0, 0.0, 0.5 * self.shear_rate(z), 0.0, 0.0]);
+        Motion {
+            velocities,
+            angular_velocities: places().map(|z| self.angular_velocity(z)).collect(),
+            strain_rates: places().map(strain_rate).collect(),
+        }
     }
 
     /// The rate of strain at `z = 0`, and by how much its xz component grows with z.

@@ -36,7 +36,14 @@ pub fn solve(
     (cell, particles): (&PeriodicBox, &mut Particles),
     (loads, fluid): (&Loads, &Motion),
 ) -> Result<Solved, SolveError> {
-    let acting = Acting { loads, strain_rate: Traceless::ZERO, strain_slope: 0.0, springs: None, ambient: fluid };
+    let acting = Acting {
+        loads,
+        strain_rate: Traceless::ZERO,
+        strain_slope: 0.0,
+        springs: None,
+        ambient: fluid,
+        constant_flux: false,
+    };
     let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
     let found = Found {
         motion: Motion { strain_rates: Vec::new(), ..solved.motion.clone() },

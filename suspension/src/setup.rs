@@ -10,6 +10,7 @@ use crate::near::smallest_gap;
 use crate::open_box;
 use crate::plan::{Radii, plan, plan_in};
 use crate::poiseuille::Poiseuille;
+use crate::pressure_flow::PressureFlow;
 use crate::relative_motion::RelativeMotion;
 use crate::tethers;
 use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition, PeriodicBox};
@@ -115,7 +116,8 @@ impl Setup {
         let rates = model.shear_rates();
         let stress = rates.stress();
         let moving = MovingBox::at(&Clock::at(step, model.time_step), cell, rates, shears);
-        let moving = moving.with_profile(profile(model));
+        let flux = model.flow.keeps_flux().then(|| PressureFlow::recalled(&particles, comm));
+        let moving = moving.with_profile(profile(model)).at_constant_flux(flux);
         let moving = match model.flow.extension() {
             Some(extension) => moving.in_extension(extension),
             None => moving,
@@ -148,10 +150,10 @@ impl Setup {
     }
 }
 
-/// The flow that a pressure gradient drives, if one does.
+/// The flow that a pressure gradient drives without particles, if one does.
 pub(crate) fn profile(model: &Model) -> Option<Poiseuille> {
-    let Flow::Poiseuille { pressure_gradient } = model.flow else { return None };
-    Some(Poiseuille { curvature: pressure_gradient / model.viscosity, height: model.cell.edges().z })
+    let height = model.cell.edges().z;
+    model.flow.curvature(model.viscosity, height).map(|curvature| Poiseuille { curvature, height })
 }
 
 /// The radii of a scene's particles, and how the fluid is computed.

@@ -298,6 +298,18 @@ impl Suspension {
         self.dynamics.wall_stress(&self.particles, stress)
     }
 
+    /// By how much the pressure falls per length along x where it keeps the mean velocity of a [`crate::Flow::ConstantFlux`], as
+    /// of the last solve; nothing in other flows.
+    ///
+    /// With forces and torques `F`, `T` that are not the fluid's, whole stresslets `S`, `q = z (H - z) / 2` and the area `A` of a wall,
+    ///
+    /// ```text
+    /// 12 mu U / H^2 - 12 / (A H^3) sum [F_x (q - a^2/6) - (S_xz - T_y / 2) dq/dz]
+    /// ```
+    pub fn pressure_gradient(&self) -> Option<f64> {
+        self.dynamics.pressure_gradient()
+    }
+
     /// The stress of the particles of each of so many species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]

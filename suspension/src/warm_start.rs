@@ -287,7 +287,8 @@ mod tests {
         let far = Loads { forces: vector(5.0), torques: vector(3.0), stresslets: vec![Traceless([1.0; 5])] };
         let induced = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
         let (motion, stresslets) = (Motion::default(), Vec::new());
-        let solved = Solved { motion, stresslets, far: far.clone(), induced, iterations: 1, residual: 0.0 };
+        let solved =
+            Solved { motion, stresslets, far: far.clone(), induced, curvature: 0.0, iterations: 1, residual: 0.0 };
         let mut particles = Particles::default();
         particles.push(0, Vector::ZERO, 1.0, 0);
         let warm_start = WarmStart::new(true);

@@ -28,6 +28,9 @@ fn scene(axis: usize, [boundary, kind]: [&str; 2]) -> String {
             place([-1.0, 9.5, 7.0])
         ),
         "poiseuille" => "flow = { kind = \"poiseuille\", pressure_gradient = 0.3 }\n".to_owned(),
+        "flux" => {
+            "flow = { kind = \"poiseuille\", mean_velocity = 0.6 }\nhydrodynamics.lubrication = true\n".to_owned()
+        }
         "sediment" => format!(
             "gravity.acceleration = {}\nhydrodynamics.lubrication = true\ncontacts = {{ friction = 0.4, roughness = 0.05, \
              stiffness = 300.0 }}\n",
@@ -65,7 +68,8 @@ count = 3
     )
 }
 
-const SCENES: [[&str; 2]; 4] = [["walls", "couette"], ["walls", "poiseuille"], ["wall", "sediment"], ["open", "layer"]];
+const SCENES: [[&str; 2]; 5] =
+    [["walls", "couette"], ["walls", "poiseuille"], ["wall", "sediment"], ["open", "layer"], ["walls", "flux"]];
 
 /// What a run shows at its end: a frame, and numbers by their names in the time series and in tables.
 struct Shown {

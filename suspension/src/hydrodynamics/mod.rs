@@ -4,6 +4,7 @@ mod assembly;
 mod at_walls;
 mod block;
 mod change;
+mod constant_flux;
 mod coupled;
 mod lanes;
 pub mod memory;
@@ -21,6 +22,7 @@ mod springs;
 mod touching;
 
 pub use change::Found;
+use constant_flux::ConstantFlux;
 use coupled::{Coupled, Unknowns};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{
@@ -33,6 +35,7 @@ use particle_matrix::ParticleMatrix;
 use scaled::Scaled;
 use screw::{Screw, Screws};
 pub use springs::{ContactSprings, Springs};
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added. As
@@ -67,6 +70,8 @@ pub struct Acting<'a> {
     pub springs: Option<&'a Springs<'a>>,
     /// How the fluid moves at the particles besides, each its own, such as by heat; no entries stand for none.
     pub ambient: &'a Motion,
+    /// Whether a flow along x besides, between two walls, keeps the flux what it is without particles.
+    pub constant_flux: bool,
 }
 
 /// The motions of the spheres and what was needed to find them.
@@ -80,6 +85,8 @@ pub struct Solved {
     pub far: Loads,
     /// What the loads of all others do to each sphere: its velocities less those that its own loads alone would give it.
     pub induced: Motion,
+    /// The curvature `-u''` of the flow that keeps the flux; 0 if none does.
+    pub curvature: f64,
     /// Applications of the mobility, besides one to begin with.
     pub iterations: usize,
     /// The error left, as the iteration estimates it, relative to the solution.
@@ -189,9 +196,11 @@ impl Hydrodynamics {
         acting: &Acting,
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
-        let Acting { loads, strain_rate: background, strain_slope, springs, ambient } = *acting;
+        let Acting { loads, strain_rate: background, strain_slope, springs, ambient, constant_flux } = *acting;
         let sloping = sloping(strain_slope, particles, ambient);
         let ambient = sloping.as_ref().unwrap_or(ambient);
+        let flux = constant_flux.then(|| self.flux(cell, particles, (background, strain_slope)));
+        self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
         if let Some(field) = &mut self.near {
             let (units, own) = (self.units, scaled::particles(particles, &self.units));
             let scaled_background = background * (1.0 / units.rate());
@@ -206,13 +215,21 @@ impl Hydrodynamics {
             if self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
-                mobility.arrange(cell, particles);
+                if flux.is_none() {
+                    mobility.arrange(cell, particles);
+                }
+                let ambient =
+                    &flux.as_ref().map_or_else(|| Cow::Borrowed(ambient), |flux| Cow::Owned(flux.ambient(ambient)));
                 let parts = (Scaled { mobility, units }, &near, self.preconditioned);
                 let group = (self.partition.comm(), &interrupt);
                 let (loads, guess) = (scaled::times(loads, 1.0 / units.torque()), scaled::guess(guess, &units));
                 let ambient = scaled::motion(ambient, &units);
                 let found = lubricated(group, parts, &own.radii, (&loads, &ambient, scaled_background), &guess)?;
-                return Ok(scaled::solution(&found, &units));
+                let mut solved = scaled::solution(&found, &units);
+                if let Some(flux) = &flux {
+                    flux.complete(&mut solved, self.partition.comm());
+                }
+                return Ok(solved);
             }
         }
         let solved = self.far.solve_in(cell, particles, (loads, ambient), background, &guess.stresslets_far)?;
@@ -221,7 +238,11 @@ impl Hydrodynamics {
         let plan = self.far.mobility().plan();
         let single: Vec<Screw> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
         let induced = induced(&single, &motion, &far);
-        Ok(Solved { motion, stresslets, far, induced, iterations, residual })
+        let mut solved = Solved { motion, stresslets, far, induced, curvature: 0.0, iterations, residual };
+        if let Some(flux) = &flux {
+            flux.complete(&mut solved, self.partition.comm());
+        }
+        Ok(solved)
     }
 }
 
@@ -301,7 +322,8 @@ fn lubricated(
     let motions = Screws::new(radii.len(), &motion.velocities, &motion.angular_velocities);
     let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
     let induced = induced(&single, &motion, &far);
-    Ok(Solved { motion, stresslets, far, induced, iterations: outcome.iterations, residual: outcome.residual })
+    let (curvature, Outcome { iterations, residual, .. }) = (0.0, outcome);
+    Ok(Solved { motion, stresslets, far, induced, curvature, iterations, residual })
 }
 
 /// Whether a solve ended well.

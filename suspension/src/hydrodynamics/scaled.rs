@@ -82,6 +82,7 @@ pub fn solution(found: &Solved, units: &Units) -> Solved {
         stresslets: tensors_times(&found.stresslets, units.torque()),
         far: times(&found.far, units.torque()),
         induced: motion_back(&found.induced, units),
+        curvature: found.curvature * units.rate() / units.length,
         iterations: found.iterations,
         residual: found.residual,
     }

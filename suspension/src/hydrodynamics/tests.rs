@@ -1,5 +1,6 @@
 //! Lubricated spheres against exact answers and against the dense solution, on any ranks and threads.
 
+mod constant_flux;
 mod springs;
 mod system;
 mod units;
@@ -44,7 +45,7 @@ fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
 }
 
 fn acting(loads: &Loads, strain_rate: Traceless) -> Acting<'_> {
-    Acting { loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &STILL }
+    Acting { loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &STILL, constant_flux: false }
 }
 
 fn cube(edge: f64) -> PeriodicBox {

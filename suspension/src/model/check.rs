@@ -65,7 +65,7 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
 fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
     let refused = |key: &str, message: &str| Err(ParameterError::new(key, message));
     let boundaries = p.cell.boundaries();
-    if matches!(p.flow, Flow::Poiseuille { .. }) && boundaries != Boundaries::Walls {
+    if matches!(p.flow, Flow::Poiseuille { .. } | Flow::ConstantFlux { .. }) && boundaries != Boundaries::Walls {
         return refused("flow.kind", "is \"poiseuille\", which needs two walls: \"walls\" in box.boundaries");
     }
     if boundaries == Boundaries::Periodic {
@@ -123,14 +123,19 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     if let Flow::Poiseuille { pressure_gradient } = p.flow {
         ParameterError::unless_finite("flow.pressure_gradient", pressure_gradient)?;
     }
+    if let Flow::ConstantFlux { mean_velocity } = p.flow {
+        ParameterError::unless_finite("flow.mean_velocity", mean_velocity)?;
+    }
     let (rate, lees_edwards) = match p.flow {
         Flow::Shear { rate, lees_edwards } => (rate, lees_edwards),
         Flow::Extension { kind, rate } => {
             check_extension(p, kind)?;
             (rate, true)
         }
-        Flow::None | Flow::Poiseuille { .. } if p.protocol == Protocol::STEADY => return Ok(()),
-        Flow::None | Flow::Poiseuille { .. } => {
+        Flow::None | Flow::Poiseuille { .. } | Flow::ConstantFlux { .. } if p.protocol == Protocol::STEADY => {
+            return Ok(());
+        }
+        Flow::None | Flow::Poiseuille { .. } | Flow::ConstantFlux { .. } => {
             let message = "changes, but flow.kind is \"none\"; set flow.kind = \"shear\"";
             return Err(ParameterError::new("flow.rate", message));
         }

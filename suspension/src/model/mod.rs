@@ -159,6 +159,12 @@ pub enum Flow {
         /// By how much the pressure falls per length along x.
         pressure_gradient: f64,
     },
+    /// Between walls, with `u = 6 mean_velocity z (Lz - z) / Lz^2 e_x` without the spheres: whatever pressure gradient along x is
+    /// needed keeps the mean velocity along x, of fluid and spheres together.
+    ConstantFlux {
+        /// Flux over the area that it goes through.
+        mean_velocity: f64,
+    },
     /// One that stretches: in a box that is stretched with it, or in open fluid.
     Extension {
         /// Which one.
@@ -169,12 +175,26 @@ pub enum Flow {
 }
 
 impl Flow {
-    /// Its rate, at the start where it changes; 0 without a flow, and in that by a pressure gradient.
+    /// Its rate, at the start where it changes; 0 without a flow, and in those by pressure gradients.
     pub fn rate(&self) -> f64 {
         match *self {
-            Self::None | Self::Poiseuille { .. } => 0.0,
+            Self::None | Self::Poiseuille { .. } | Self::ConstantFlux { .. } => 0.0,
             Self::Shear { rate, .. } | Self::Extension { rate, .. } => rate,
         }
+    }
+
+    /// The curvature `-u''` of the parabola that it is between walls at a distance `height`, if it is one.
+    pub fn curvature(&self, viscosity: f64, height: f64) -> Option<f64> {
+        match *self {
+            Self::Poiseuille { pressure_gradient } => Some(pressure_gradient / viscosity),
+            Self::ConstantFlux { mean_velocity } => Some(12.0 * mean_velocity / (height * height)),
+            Self::None | Self::Shear { .. } | Self::Extension { .. } => None,
+        }
+    }
+
+    /// Whether its flux is given, and the pressure gradient follows.
+    pub fn keeps_flux(&self) -> bool {
+        matches!(self, Self::ConstantFlux { .. })
     }
 
     /// The extension, if it is one.

@@ -56,7 +56,7 @@ impl State for Piece<'_> {
     fn visit(&mut self, store: &mut dyn Store) {
         let Self(all, index) = self;
         let has_more = *index == 0 && all.blocks.comm().is_first();
-        let Statistics { times, velocities, angular_velocities, kept, pairs, channel, segregation, moduli, .. } = all;
+        let Statistics { times, velocities, angular_velocities, kept, pairs, channel, .. } = all;
         let block = &mut kept[*index];
         if has_more {
             for number in times {
@@ -79,9 +79,12 @@ impl State for Piece<'_> {
             if let Some(channel) = channel {
                 channel.profile.visit(store);
             }
-            segregation.visit(store);
-            if let Some(moduli) = moduli {
+            all.segregation.visit(store);
+            if let Some(moduli) = &mut all.moduli {
                 moduli.visit(store);
+            }
+            if let Some(pressure) = &mut all.pressure {
+                pressure.visit(store);
             }
         }
     }

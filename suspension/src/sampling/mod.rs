@@ -46,6 +46,8 @@ pub struct Statistics {
     segregation: Blocks,
     /// In a flow that oscillates.
     moduli: Option<Moduli>,
+    /// The pressure gradient, where it keeps the flux.
+    pressure: Option<Blocks>,
 }
 
 /// What a sample is taken of.
@@ -63,6 +65,8 @@ pub struct Sample<'a> {
     pub partition: &'a Partition,
     /// The stress of the whole suspension that drives the flow, if that is known.
     pub shear_stress: Option<f64>,
+    /// The pressure gradient that keeps the flux, if it is kept and known.
+    pub pressure_gradient: Option<f64>,
 }
 
 /// What the samples have in common.
@@ -123,13 +127,14 @@ impl Statistics {
             segregation: Blocks::default(),
             moduli: about.rates.frequency().map(|w| Moduli::new(about.rates.largest() / w, w)),
             blocks,
+            pressure: model.flow.keeps_flux().then(Blocks::default),
             about,
         }
     }
 
     /// Takes a sample, unless it is too early for it. Collective.
     pub fn sample(&mut self, sample: &Sample) {
-        let &Sample { time, rate, cell, shear_stress, .. } = sample;
+        let &Sample { time, rate, cell, shear_stress, pressure_gradient, .. } = sample;
         if time < self.about.wanted.from {
             return;
         }
@@ -160,6 +165,9 @@ impl Statistics {
             self.segregation.add(intensity);
             if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
                 moduli.add(time, stress);
+            }
+            if let (Some(pressure), Some(gradient)) = (&mut self.pressure, pressure_gradient) {
+                pressure.add(gradient);
             }
         }
         let [first, _, samples] = self.times;

@@ -64,8 +64,9 @@ fn found(model: &Model, count: u64, size: u64, parts: &[(usize, u32)]) -> (Vec<V
             for step in first..last {
                 let (cell, particles) = &own(all_at(model, count, step));
                 let (time, partition) = (0.25 * f64::from(step), &partition);
-                let shear_stress = Some(f64::from(step % 7));
-                statistics.sample(&Sample { time, rate: 0.5, cell, particles, partition, shear_stress });
+                let [shear_stress, pressure_gradient] = [7, 5].map(|period| Some(f64::from(step % period)));
+                let sample = Sample { time, rate: 0.5, cell, particles, partition, shear_stress, pressure_gradient };
+                statistics.sample(&sample);
             }
             // Tables change nothing in what follows.
             let tables: String = statistics.tables().iter().map(Table::to_csv).collect();
@@ -109,9 +110,13 @@ fn with_pairs_far_apart() {
 #[test]
 fn between_walls_and_in_layers() {
     let couette = Flow::Shear { rate: 0.5, lees_edwards: false };
-    for (boundaries, flow) in
-        [(Boundaries::Walls, couette), (Boundaries::Wall, Flow::None), (Boundaries::OpenAlongZ, Flow::None)]
-    {
+    let flux = Flow::ConstantFlux { mean_velocity: 0.5 };
+    for (boundaries, flow) in [
+        (Boundaries::Walls, couette),
+        (Boundaries::Walls, flux),
+        (Boundaries::Wall, Flow::None),
+        (Boundaries::OpenAlongZ, Flow::None),
+    ] {
         check(&model(boundaries, flow, |_| {}), 37);
     }
 }

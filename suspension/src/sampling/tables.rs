@@ -89,6 +89,10 @@ impl Results<'_> {
                 summary.add((name, ALL, "force/length^2"), found);
             }
         }
+        // A trajectory does not know it.
+        if let Some(pressure) = self.of.pressure.as_ref().filter(|pressure| pressure.count() > 0) {
+            summary.add(("pressure_gradient", ALL, "force/length^3"), pressure.estimate());
+        }
         self.add_diffusivities(&mut summary);
         if let Some(channel) = &self.of.channel {
             summary.add(("volume_outside", ALL, ""), channel.profile.outside());

@@ -15,7 +15,15 @@ fn model() -> Model {
 /// On one rank.
 fn taken(statistics: &mut Statistics, time: f64, (cell, particles): (&PeriodicBox, &Particles)) {
     let partition = &Partition::new(&Comm::alone(), [1, 1]);
-    statistics.sample(&Sample { time, rate: 0.5, cell, particles, partition, shear_stress: None });
+    statistics.sample(&Sample {
+        time,
+        rate: 0.5,
+        cell,
+        particles,
+        partition,
+        shear_stress: None,
+        pressure_gradient: None,
+    });
 }
 
 /// Nothing so far, on one rank.

@@ -23,6 +23,7 @@ pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
             .map(|chart| chart.with_level(0.0)),
         numbers(series, "Shear stress of the suspension", "stress", &[("shear_stress", "")])
             .map(|chart| chart.with_level(0.0)),
+        numbers(series, "Pressure gradient that keeps the flux", "pressure over length", &[("pressure_gradient", "")]),
         numbers(series, "Normal stress differences and pressure", "stress", &stresses)
             .map(|chart| chart.with_level(0.0)),
         numbers(series, "Smallest gap between surfaces", "gap", &[("smallest_gap", "")])

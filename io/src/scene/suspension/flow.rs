@@ -34,11 +34,7 @@ pub fn flow(
             }
         };
     }
-    if raw.pressure_gradient.is_some() {
-        let kind = name(raw.kind);
-        let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"poiseuille\" or leave it out");
-        return Err(Fault::new("flow.pressure_gradient", message));
-    }
+    unless_poiseuille(raw)?;
     let (rate, protocol) = match (raw.control, raw.stress) {
         (Some(raw::Control::Stress), Some(stress)) => driven(raw, stress, viscosity)?,
         (Some(raw::Control::Stress), None) => {
@@ -62,15 +58,34 @@ pub fn flow(
 }
 
 fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
-    let error = |message: &str| Err(Fault::new("flow.pressure_gradient", message));
-    match (raw.kind, raw.pressure_gradient) {
-        (raw::FlowKind::Poiseuille, Some(pressure_gradient)) => {
-            Ok((Flow::Poiseuille { pressure_gradient }, Protocol::STEADY))
-        }
-        (raw::FlowKind::Poiseuille, None) => error("is missing; flow.kind = \"poiseuille\" needs it"),
-        (_, Some(_)) => error("is set, but flow.kind is \"none\"; set flow.kind = \"poiseuille\" or leave it out"),
-        _ => Ok((Flow::None, Protocol::STEADY)),
+    let error = |key: &str, message: &str| Err(Fault::new(key, message));
+    if raw.kind != raw::FlowKind::Poiseuille {
+        return unless_poiseuille(raw).map(|()| (Flow::None, Protocol::STEADY));
     }
+    match (raw.pressure_gradient, raw.mean_velocity) {
+        (Some(pressure_gradient), None) => Ok((Flow::Poiseuille { pressure_gradient }, Protocol::STEADY)),
+        (None, Some(mean_velocity)) => Ok((Flow::ConstantFlux { mean_velocity }, Protocol::STEADY)),
+        (None, None) => {
+            error("flow.pressure_gradient", "is missing; flow.kind = \"poiseuille\" needs it, or flow.mean_velocity")
+        }
+        (Some(_), Some(_)) => error(
+            "flow.mean_velocity",
+            "is set beside flow.pressure_gradient, which follows from it; leave one of the two out",
+        ),
+    }
+}
+
+/// Refuses what only a flow by a pressure gradient has.
+fn unless_poiseuille(raw: &raw::Flow) -> Result<(), Fault> {
+    let keys = [
+        ("flow.pressure_gradient", raw.pressure_gradient.is_some()),
+        ("flow.mean_velocity", raw.mean_velocity.is_some()),
+    ];
+    let kind = name(raw.kind);
+    keys.into_iter().find(|(_, is_set)| *is_set).map_or(Ok(()), |(key, _)| {
+        let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"poiseuille\" or leave it out");
+        Err(Fault::new(key, message))
+    })
 }
 
 /// The extension that a flow is, if it is one.

@@ -180,6 +180,8 @@ pub(super) struct Flow {
     pub(super) stress: Option<f64>,
     /// By how much the pressure falls per length along the flow, for "poiseuille".
     pub(super) pressure_gradient: Option<f64>,
+    /// Mean velocity of fluid and spheres along the flow, for "poiseuille", in place of the pressure gradient, which follows then.
+    pub(super) mean_velocity: Option<f64>,
     /// Whether the box goes with the flow (default), or stays straight, which it can in a shear flow only.
     pub(super) lees_edwards: Option<bool>,
 }

@@ -35,7 +35,14 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let mut fluid =
             Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
-            let acting = Acting { loads, strain_rate: strain, strain_slope: 0.0, springs, ambient: &STILL };
+            let acting = Acting {
+                loads,
+                strain_rate: strain,
+                strain_slope: 0.0,
+                springs,
+                ambient: &STILL,
+                constant_flux: false,
+            };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
         };
         let sprung = solve(
@@ -89,7 +96,14 @@ fn springs_push_as_the_motions_say() {
             Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-            let acting = Acting { loads: &loads, strain_rate: strain, strain_slope: 0.0, springs, ambient: &STILL };
+            let acting = Acting {
+                loads: &loads,
+                strain_rate: strain,
+                strain_slope: 0.0,
+                springs,
+                ambient: &STILL,
+                constant_flux: false,
+            };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let between = |distance: f64, between: Surfaces| match between {

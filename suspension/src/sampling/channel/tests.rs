@@ -25,7 +25,15 @@ fn profile_of(model: &Model, ranks: usize, steps: u32) -> Table {
         for _ in 0..=steps {
             let (particles, [rate, _]) = (suspension.particles(), suspension.shear());
             let (time, cell, partition) = (suspension.clock().time(), suspension.cell(), suspension.partition());
-            statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress: None });
+            statistics.sample(&Sample {
+                time,
+                rate,
+                cell,
+                particles,
+                partition,
+                shear_stress: None,
+                pressure_gradient: None,
+            });
             suspension.step().unwrap();
         }
         statistics.tables().into_iter().find(|table| table.name == "profile")
@@ -109,7 +117,8 @@ fn an_interruption_changes_nothing() {
     let (mut whole, mut parts) = (new(), new());
     for step in 0..7 {
         let (time, cell) = (f64::from(step), suspension.cell());
-        let sample = Sample { time, rate: 0.0, cell, particles, partition, shear_stress: None };
+        let sample =
+            Sample { time, rate: 0.0, cell, particles, partition, shear_stress: None, pressure_gradient: None };
         if step == 3 {
             let state = parts.pieces();
             parts = new();
