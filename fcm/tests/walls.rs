@@ -3,8 +3,8 @@
 mod common;
 
 use common::{Reference, Suspension, error, errors, on_ranks, tensors, vectors, worst};
-use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, Mobility, Motion, Plan, Precision, Problem};
+use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector};
+use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, Mobility, Motion, Plan, Precision, Problem, Solved};
 use std::f64::consts::PI;
 
 fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
@@ -51,6 +51,50 @@ fn keeps_tolerances(reference: &Reference) {
 #[test]
 fn rigid_spheres_between_walls_keep_tolerances() {
     keeps_tolerances(&slit());
+}
+
+/// Three to thirty spheres of two sizes at random in a cube of unbounded fluid, dilute or dense.
+fn random_in_open_space(name: u64) -> Suspension {
+    let mut random = Random::new(11, name);
+    let count = 3 + (28.0 * random.uniform()) as usize;
+    let ratio = 1.0 + 2.0 * random.uniform();
+    let fraction = 0.02 + 0.28 * random.uniform();
+    let volume = 4.0 / 3.0 * PI * (0..count).map(|i| if i % 2 == 0 { 1.0 } else { ratio.powi(3) }).sum::<f64>();
+    let edge = (volume / fraction).cbrt().max(2.5 * ratio);
+    let suspension = Suspension::random(count, ratio, PeriodicBox::new(Vector::splat(edge)).unwrap(), name);
+    Suspension { cell: cell([edge; 3], Boundaries::Open), ..suspension }
+}
+
+/// Against the same to 1e-7, under forces and torques of any direction: stresslets, which these induce, are the worst.
+#[test]
+fn random_rigid_spheres_in_open_space_keep_tolerances() {
+    let mut worst = [0.0_f64; 3];
+    for name in 0..16 {
+        let suspension = random_in_open_space(name);
+        let loads = Loads { stresslets: Vec::new(), ..suspension.loads(name) };
+        let solved = |tolerance: f64| {
+            let plan = Plan::choose(&Problem { rigid: true, ..suspension.problem(tolerance) }).unwrap();
+            let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+            let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+            hydrodynamics.solve(&suspension.cell, &suspension.particles(), &loads, Traceless::ZERO, &[]).unwrap()
+        };
+        let exact = solved(1e-7);
+        for (worst, tolerance) in worst.iter_mut().zip([1e-2, 1e-3, 1e-4]) {
+            let found = solved(tolerance);
+            let of = |of: &dyn Fn(&Solved) -> Vec<f64>| error(&of(&found), &of(&exact));
+            let errors = [
+                of(&|solved| vectors(&solved.motion.velocities)),
+                of(&|solved| vectors(&solved.motion.angular_velocities)),
+                of(&|solved| tensors(&solved.stresslets)),
+            ];
+            let largest = errors.into_iter().fold(0.0, f64::max);
+            assert!(largest < tolerance, "case {name} at {tolerance:e}: {errors:?} of {suspension:?}");
+            *worst = worst.max(largest / tolerance);
+        }
+    }
+    println!("errors over tolerances of 1e-2, 1e-3 and 1e-4 at worst: {worst:.2?}");
+    // Nor is the largest far below what was allowed.
+    assert!(worst.iter().all(|worst| *worst > 0.2), "{worst:?}");
 }
 
 #[test]

@@ -1,0 +1,99 @@
+"""A suspension between walls through which a given flux goes, beside the same that a given pressure gradient drives: the flux of spheres over
+the pressure gradient, of which one is given and the other fluctuates, or the other way round."""
+
+import csv
+import pathlib
+import sys
+import tempfile
+
+import numpy as np
+from support.page import table, write_section
+from support.program import run
+
+FULL = "--full" in sys.argv[1:]
+SIZE, HEIGHT = 14.0, 10.0
+FRACTIONS = (0.2, 0.3) if FULL else (0.2,)
+# In strains of the mean flow of the fluid alone under the pressure gradient; the first part is left out of means.
+STRAIN, SETTLED = (100.0, 20.0) if FULL else (24.0, 8.0)
+STEP = 0.05
+PRESSURE = 4 / HEIGHT
+# About the mean velocity that the pressure gradient drives, so that the suspension is sheared as much.
+MEAN_VELOCITY = {0.2: 1.7, 0.3: 1.1}
+BLOCKS = 8
+# Means may be apart by so many of their errors, and by this part besides: spheres spread across the channel in either run, one time.
+ERRORS, APART = 3.0, 0.02
+
+
+def scene(flow, fraction):
+    return f"""seed = 2
+box = {{ edges = [{SIZE}, {SIZE}, {HEIGHT}], boundaries = ["periodic", "periodic", "walls"] }}
+fluid.viscosity = 1.0
+particles = {{ initial = "random", minimum_gap = 0.01 }}
+flow = {{ kind = "poiseuille", {flow} }}
+repulsion = {{ strength = 60.0, range = 0.05 }}
+hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
+time = {{ integrator = "implicit", step = {STEP}, steps = {round(STRAIN / STEP)} }}
+output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
+[[species]]
+name = "sphere"
+radius = 1.0
+volume_fraction = {fraction}
+"""
+
+
+def series_of(flow, fraction):
+    """The flux of spheres and, if there is one, the pressure gradient, in the settled part of a run."""
+    with tempfile.TemporaryDirectory() as place:
+        out = pathlib.Path(place) / "out"
+        ended = run(scene(flow, fraction), out)
+        if ended.returncode:
+            raise SystemExit(ended.stderr)
+        with open(out / "observables.csv") as file:
+            rows = [row for row in csv.DictReader(file) if float(row["time"]) >= SETTLED]
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    return columns["particle_flux_x[sphere]"], columns.get("pressure_gradient")
+
+
+def mean(values):
+    """The mean of a series, and its error by blocks."""
+    blocks = [block.mean() for block in np.array_split(values, BLOCKS)]
+    return np.mean(values), np.std(blocks, ddof=1) / BLOCKS**0.5
+
+
+def compared(fraction):
+    velocity = MEAN_VELOCITY[fraction]
+    spheres, gradient = series_of(f"mean_velocity = {velocity}", fraction)
+    driven, _ = series_of(f"pressure_gradient = {PRESSURE}", fraction)
+    viscosity = mean(gradient / (12 * velocity / HEIGHT**2))
+    kept, given = mean(spheres / gradient), mean(driven / PRESSURE)
+    error = np.hypot(kept[1], given[1])
+    faults = []
+    if abs(kept[0] - given[0]) > ERRORS * error + APART * given[0]:
+        faults.append(f"the flux of spheres at {fraction:.0%}")
+    if not viscosity[0] > 1 + 2.5 * fraction:
+        faults.append(f"the viscosity at {fraction:.0%}")
+    numbers = [f"{value:.3f} ± {spread:.3f}" for value, spread in (viscosity, kept, given)]
+    return [f"{fraction:.0%}", *numbers], faults
+
+
+def main():
+    rows = [compared(fraction) for fraction in FRACTIONS]
+    faults = [fault for _, found in rows for fault in found]
+    lines = [
+        f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, over {STRAIN:g} strains, the first {SETTLED:g} left out: the pressure gradient that a given",
+        "mean velocity takes over that of the fluid alone, which is the apparent viscosity; and the flux of spheres over the pressure gradient,",
+        "times the viscosity of the fluid, with either given:",
+        "",
+        *table(["volume fraction", "apparent viscosity", "spheres, flux given", "spheres, pressure gradient given"], [row for row, _ in rows]),
+        "",
+        f"Expected are a viscosity above Einstein's and fluxes of spheres that agree within {ERRORS:g} errors and {APART:.0%}: "
+        + ("so it is." if not faults else "not so are " + ", ".join(faults) + "."),
+    ]
+    write_section("walls.md", "given-flux", "A given flux", lines)
+    print("\n".join(lines))
+    if faults:
+        raise SystemExit("failed: " + ", ".join(faults))
+
+
+if __name__ == "__main__":
+    main()
