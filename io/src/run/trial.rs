@@ -36,6 +36,9 @@ const WARM_UP: u64 = 6;
 /// Steps that are timed at least.
 const TIMED: u64 = 3;
 
+/// A step that takes so many times as long as others is one of few.
+const RARE: f64 = 4.0;
+
 /// Spheres and grains that steps are tried with at most.
 const MOST_SPHERES: f64 = 4000.0;
 const MOST_GRAINS: usize = 2000;
@@ -96,14 +99,12 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let start = agreed(began, comm);
     let last = scene.kind().steps();
     observe(simulation, output);
-    // Step and time at the end of the warm-up.
-    let mut warm = (0, 0.0);
+    // Steps and times at the end of each advance.
+    let mut ends = Vec::new();
     let began = Instant::now();
     loop {
         let (step, time) = (simulation.clock().step(), agreed(began, comm));
-        if step <= WARM_UP {
-            warm = (step, time);
-        }
+        ends.push((step, time));
         let whole = time / step.max(1) as f64 * steps_of_all(scene);
         let is_enough = time > TIME.as_secs_f64().max(PART * whole) && step >= WARM_UP + TIMED;
         if step >= last || is_enough || time > MOST_TIME.as_secs_f64() {
@@ -112,12 +113,14 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
         simulation.advance(next(output, step).min(last)).map_err(RunError::Simulation)?;
         observe(simulation, output);
     }
-    let (tried, time) = (simulation.clock().step(), agreed(began, comm));
+    let tried = simulation.clock().step();
     if tried == 0 {
         return Ok(None);
     }
-    let (warm_step, warm_time) = if tried > warm.0 { warm } else { (0, 0.0) };
-    let step = trying.costs * (time - warm_time) / (tried - warm_step) as f64;
+    let warm = ends.iter().take_while(|(step, _)| *step <= WARM_UP).count() - 1;
+    let warm = if warm + 1 < ends.len() { warm } else { 0 };
+    let (warm_step, warm_time) = ends[warm];
+    let step = trying.costs * usual(&ends[warm..]);
     let course = if let Kind::Suspension(scene) = scene.kind() { suspension::course(&scene.model) } else { 1.0 };
     let step = step * course;
     let steps = step * (steps_of_all(scene) - warm_step as f64).max(0.0);
@@ -126,6 +129,21 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let start = LAUNCH_TIME + trying.costs * start;
     let run = start + trying.costs * warm_time + steps + written.seconds;
     Ok(Some(Trial { start, step, run, bytes: written.bytes, tried, copy }))
+}
+
+/// Seconds a step, by steps and times at the ends of some: the mean, in which those that took many times as long as the median,
+/// as where a box that follows its spheres gets another grid, count as so many of these.
+fn usual(ends: &[(u64, f64)]) -> f64 {
+    let mut lengths: Vec<(f64, f64)> = ends
+        .windows(2)
+        .map(|pair| ((pair[1].0 - pair[0].0) as f64, pair[1].1 - pair[0].1))
+        .filter(|(steps, _)| *steps > 0.0)
+        .collect();
+    lengths.sort_by(|(a, s), (b, t)| (s / a).total_cmp(&(t / b)));
+    let Some((steps, seconds)) = lengths.get(lengths.len() / 2) else { return 0.0 };
+    let most = RARE * seconds / steps;
+    let [all, sum] = lengths.iter().fold([0.0; 2], |[all, sum], (n, t)| [all + n, sum + t.min(most * n)]);
+    sum / all
 }
 
 /// The longest time since a moment on any rank. Collective.
@@ -287,6 +305,14 @@ fn in_words(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Five steps of a second each, but for one of 21, which counts as one of four.
+    #[test]
+    fn rare_steps_count_as_some() {
+        let found = usual(&[(6, 3.0), (7, 4.0), (8, 5.0), (10, 7.0), (11, 28.0)]);
+        assert!((found - 8.0 / 5.0).abs() < 1e-15, "{found}");
+        assert!((usual(&[(6, 3.0), (8, 7.0)]) - 2.0).abs() < 1e-15);
+    }
 
     #[test]
     fn times_are_said_in_units_that_fit() {
