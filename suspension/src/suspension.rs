@@ -306,6 +306,8 @@ impl Suspension {
     /// ```text
     /// 12 mu U / H^2 - 12 / (A H^3) sum [F_x (q - a^2/6) - (S_xz - T_y / 2) dq/dz]
     /// ```
+    ///
+    /// at the centres; stresslets of lubrication between two spheres count in the middle between them.
     pub fn pressure_gradient(&self) -> Option<f64> {
         self.dynamics.pressure_gradient()
     }
