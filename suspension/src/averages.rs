@@ -94,7 +94,7 @@ mod tests {
         let species = vec![Species::new("one", 1.0, count)];
         let turn = if boundaries == Boundaries::Walls { Turn::to_last(0) } else { Turn::default() };
         let statistics = Some(Wanted::ALL);
-        Model::new(Parameters { statistics, turn, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
+        Model::new(Parameters { turn, statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
     }
 
     /// What is taken up again gives the same bytes and tables; of another scene's it is refused.
