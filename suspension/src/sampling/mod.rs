@@ -134,17 +134,34 @@ impl Statistics {
 
     /// Takes a sample, unless it is too early for it. Collective.
     pub fn sample(&mut self, sample: &Sample) {
-        let &Sample { time, rate, cell, shear_stress, pressure_gradient, .. } = sample;
-        if time < self.about.wanted.from {
+        if sample.time < self.about.wanted.from {
             return;
         }
         self.count_pairs(sample);
         let needed = |name: &str| COLUMNS.contains(&name) || (self.channel.is_some() && MORE_COLUMNS.contains(&name));
         let particles = &*self.blocks.dealt(sample.particles, needed);
-        let (flow, rows) = (self.about.flows.at_rate(rate), &self.blocks.rows(particles));
+        let rows = self.blocks.rows(particles);
+        let velocities = self.average(sample.rate, (particles, &rows));
+        self.follow(sample, (particles, &rows), &velocities);
+        let intensity = self.intensity((sample.cell, particles));
+        if self.blocks.comm().is_first() {
+            self.segregation.add(intensity);
+            if let (Some(moduli), Some(stress)) = (&mut self.moduli, sample.shear_stress) {
+                moduli.add(sample.time, stress);
+            }
+            if let (Some(pressure), Some(gradient)) = (&mut self.pressure, sample.pressure_gradient) {
+                pressure.add(gradient);
+            }
+        }
+        let [first, _, samples] = self.times;
+        self.times = [if samples == 0.0 { sample.time } else { first }, sample.time, samples + 1.0];
+    }
+
+    /// Averages velocities relative to the flow, which it returns, and angular velocities.
+    fn average(&mut self, rate: f64, (particles, rows): (&Particles, &[Range<usize>])) -> Vec<Vector> {
+        let (flow, parts) = (self.about.flows.at_rate(rate), (&self.blocks, rows));
         let velocities = column(particles, VELOCITY).iter().zip(particles.positions.iter().zip(&particles.radii));
         let velocities: Vec<Vector> = velocities.map(|(&v, (&x, &a))| v - flow.velocity_of(x, a)).collect();
-        let parts = (&self.blocks, &rows[..]);
         Vectors::add(&mut self.velocities, parts, &particles.species, &velocities);
         if self.about.rigid {
             let turning = column(particles, ANGULAR_VELOCITY).iter().zip(&particles.positions);
@@ -154,24 +171,21 @@ impl Statistics {
         if let Some(channel) = &mut self.channel {
             channel.add(parts, particles, &velocities);
         }
+        velocities
+    }
+
+    /// Follows the particles of each block.
+    fn follow(
+        &mut self,
+        &Sample { time, cell, .. }: &Sample,
+        (particles, rows): (&Particles, &[Range<usize>]),
+        velocities: &[Vector],
+    ) {
         let in_lattice = &*in_lattice(cell, self.about.edges, particles);
         let Particles { positions, steps, radii, species, .. } = particles;
         let carries = self.about.carries;
-        let velocities = &velocities[..];
         let moving = Moving { time, cell, positions, steps, velocities, carries, in_lattice, radii, species };
         self.kept.par_iter_mut().zip(rows).for_each(|(kept, rows)| kept.add(&moving, rows.clone()));
-        let intensity = self.intensity((cell, particles));
-        if self.blocks.comm().is_first() {
-            self.segregation.add(intensity);
-            if let (Some(moduli), Some(stress)) = (&mut self.moduli, shear_stress) {
-                moduli.add(time, stress);
-            }
-            if let (Some(pressure), Some(gradient)) = (&mut self.pressure, pressure_gradient) {
-                pressure.add(gradient);
-            }
-        }
-        let [first, _, samples] = self.times;
-        self.times = [if samples == 0.0 { time } else { first }, time, samples + 1.0];
     }
 
     /// Counts pairs, each on the rank in whose share of space the particle with the smaller id is.
