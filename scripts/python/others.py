@@ -77,13 +77,15 @@ output = {{ trajectory_every = {round(strain / 0.005)}, observables_every = 20, 
             group = file["particles/all"]
             return group["radius"][:], group["position/value"][0]
 
-    def lubricated(self, steps):
-        """CPU seconds of so many steps of equal spheres in shear."""
+    def lubricated(self, steps, heat):
+        """CPU seconds of so many steps of equal spheres in shear, with a thermal energy in units of the drag of one."""
+        integrator = 'integrator = "brownian"' if heat else 'integrator = "adams-bashforth"'
         keys = f"""particles = {{ initial = "random", minimum_gap = 0.01 }}
+{f"fluid.thermal_energy = {6 * math.pi * heat}" if heat else ""}
 flow = {{ kind = "shear", rate = 1.0 }}
 repulsion.strength = 60.0
 hydrodynamics = {{ lubrication = true, tolerance = 1e-3 }}
-time = {{ step = 0.001, steps = {steps} }}
+time = {{ step = 0.001, steps = {steps}, {integrator} }}
 output = {{ trajectory_every = 0, checkpoint_every = 0, observables_every = {steps} }}"""
         return self.run(scene({1.0: EQUAL}, EQUAL_FRACTION, keys), "lubricated")
 
@@ -186,16 +188,18 @@ def beside_lf_dem(program, folder):
 
 
 def beside_jfsd(program, folder):
-    """Rows of CPU seconds for a step."""
+    """Rows of CPU seconds for a step, without Brownian motion and with it."""
     ours, place = Ours(program, folder), pathlib.Path(os.environ["JFSD"])
     script = TOP / "scripts" / "peers" / "jfsd_viscosity.py"
     command = [os.environ.get("JFSD_PYTHON", "python3"), script, str(EQUAL), str(EQUAL_FRACTION), "--time", str(STEPS)]
-    rounds = []
-    for _ in range(ROUNDS):
-        few, many = (ours.lubricated(steps) for steps in (10, 30))
-        said = subprocess.run(command, cwd=place, env={**os.environ, "JAX_PLATFORMS": "cpu"}, check=True, capture_output=True, text=True)
-        rounds.append([(many - few) / 20, float(said.stdout.split()[0])])
-    yield row(f"{EQUAL} spheres at {EQUAL_FRACTION:.0%}", rounds)
+    environment = {**os.environ, "JAX_PLATFORMS": "cpu"}
+    for name, heat in [("in shear", 0), ("in shear, Brownian", 0.1)]:
+        rounds = []
+        for _ in range(ROUNDS):
+            few, many = (ours.lubricated(steps, heat) for steps in (10, 30))
+            said = subprocess.run([*command, str(heat)], cwd=place, env=environment, check=True, capture_output=True, text=True)
+            rounds.append([(many - few) / 20, float(said.stdout.split()[0])])
+        yield row(f"{EQUAL} spheres at {EQUAL_FRACTION:.0%} {name}", rounds)
 
 
 def beside_dpstokes(program, folder):
@@ -232,7 +236,8 @@ PEERS = {
         "6 pi mu a and the rate, and lubrication cut off at a gap of 0.005.",
     ]),
     "JFSD": ("jfsd", "A lubricated step beside JFSD", beside_jfsd, [
-        "CPU seconds for a step in shear, tolerance 1e-3, there in single precision, compilation left out.",
+        "CPU seconds for a lubricated step of 0.001 over the rate, tolerance 1e-3, there in single precision, compilation left out; Brownian",
+        "motion with a thermal energy of 0.6 pi mu a^3 times the rate.",
     ]),
     "DPSTOKES": ("dpstokes", "Between walls beside DPStokes", beside_dpstokes, [
         f"CPU seconds for forces to velocities of {BETWEEN:,} equal spheres at {BETWEEN_FRACTION:.0%} between walls {HEIGHT:g} radii apart: here a whole step without",
