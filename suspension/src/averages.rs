@@ -69,8 +69,8 @@ impl Averages {
             return Ok(());
         }
         Err(
-            "the checkpoint's statistics do not fit the scene: leave [statistics] as it was when the run started; of more than \
-             65,536 spheres they do not go on from a version before this one",
+            "the checkpoint's statistics do not fit the scene: leave [statistics] as it was when the run started; those of more than \
+             65,536 spheres that a version before this one has written are not taken up: finish the run with that version",
         )
     }
 
