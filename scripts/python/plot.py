@@ -1,5 +1,5 @@
 """Draws a page to judge a run by: its spheres at the end, coloured by velocity, its time series, and its statistics:
-fluctuations and pair distributions. Of grains: the disks and how they segregate, or the averages of a shear cell."""
+fluctuations and pair distributions, or profiles across a channel or a layer, or how a cloud unfolds. Of grains: the disks and how they segregate, or the averages of a shear cell."""
 
 import argparse
 import os
@@ -22,6 +22,7 @@ PROGRAM = pathlib.Path(os.environ.get("FCM_SOLVE", TARGET / "release" / "fcm-sol
 
 def draw_spheres(axes, run):
     time, positions, velocities = run.last_frame()
+    positions = positions - run.origin(positions)
     speeds = run.stokes_velocities()
     mover = int(np.argmax(np.linalg.norm(speeds, axis=1)))
     unit = np.linalg.norm(speeds[mover])
@@ -99,6 +100,33 @@ def draw_pairs(axes, pairs):
     axes.legend()
 
 
+def draw_profile(axes, profile):
+    """Volume fraction and the velocity along the flow by height, of all spheres."""
+    axis = next(name for name in ("x", "y", "z") if name in profile)
+    rows = profile["species"] == profile["species"][-1]
+    height, fraction = profile[axis][rows], profile["volume_fraction"][rows]
+    error = np.nan_to_num(profile["volume_fraction_error"][rows], posinf=0)
+    axes.fill_between(height, fraction - error, fraction + error, color="C0", alpha=0.3, linewidth=0)
+    axes.plot(height, fraction, color="C0")
+    axes.set_xlabel(f"height along {axis}")
+    axes.set_ylabel("volume fraction", color="C0")
+    velocities = {name: profile[f"velocity_{name}"][rows] for name in ("x", "y", "z")}
+    along = max(velocities, key=lambda name: np.nanmean(np.abs(velocities[name])))
+    other = axes.twinx()
+    other.spines.right.set_visible(True)
+    other.plot(height, velocities[along], color="C1")
+    other.set_ylabel(f"velocity along {along}", color="C1")
+
+
+def draw_cloud(axes, run):
+    """The radius of gyration of all spheres and its parts along its principal axes."""
+    for name, values in run.cloud.items():
+        axes.plot(run.time, values, label=name)
+    axes.set_xlabel("time")
+    axes.set_ylabel("extent of the cloud")
+    axes.legend()
+
+
 def make_statistics(run):
     """Statistics of the trajectory, if the run made none; nothing if the program isn't there."""
     tables = run.statistics()
@@ -120,7 +148,12 @@ def draw(run, path):
     for part in lower:
         left, right = part.subplots(1, 2)
         draw_fluctuations(left, tables["summary"])
-        draw_pairs(right, tables["pairs"])
+        if "pairs" in tables:
+            draw_pairs(right, tables["pairs"])
+        elif "profile" in tables:
+            draw_profile(right, tables["profile"])
+        else:
+            draw_cloud(right, run)
     figure.savefig(path)
 
 

@@ -20,6 +20,9 @@ class Results:
             self.velocity_variance = series["velocity_variance/value"][:]
             self.smallest_gap = series["smallest_gap/value"][:]
             self.viscosity = series["relative_viscosity/value"][:] if "relative_viscosity" in series else None
+            # Place, then radius of gyration and its parts along the principal axes, of the last species or of all.
+            parts = series["cloud/value"][:, -1, 3:].T if "cloud" in series else ()
+            self.cloud = dict(zip(("radius", "major", "middle", "minor"), parts))
         with h5py.File(self.folder / "trajectory.h5") as file:
             particles = file["particles/all"]
             self.species = particles["species"][:]
@@ -34,6 +37,12 @@ class Results:
             particles = file["particles/all"]
             last = len(particles["position/step"]) - 1
             return [particles[name][last] for name in ("position/time", "position/value", "velocity/value")]
+
+    def origin(self, positions):
+        """Where the box begins: at the origin, but where it is open on both sides, so that these positions are in its middle."""
+        boundaries = self.scene["box"].get("boundaries", ["periodic"] * 3)
+        middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0) - np.diagonal(self.lattice))
+        return np.where([boundary == "open" for boundary in boundaries], middle, 0.0)
 
     def statistics(self):
         """The tables of statistics, made during the run or afterwards: lists of columns by table and column. Empty if there
