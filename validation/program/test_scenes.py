@@ -38,8 +38,8 @@ SMALLER = {
 }
 # Scenes of each kind of box and of grains, of which scripts/plot draws a page.
 DRAWN = {"suspension", "couette", "sediment", "cloud", "extension", "granular-disks"}
-# Scenes of grains run in one process.
 PLOT = ROOT / "scripts" / "python" / "plot.py"
+# Scenes of grains run in one process.
 GRAINS = {"granular-disks", "disk-sweep", "poiseuille-disks", "shear-cell", "shear-cell-continuum"}
 
 
