@@ -65,7 +65,7 @@ pub trait System {
         let mut former = 0.0;
         if let Some(Step { length, direction, image }) = step {
             x.add(length, direction);
-            residual.add(-length, image);
+            residual.add(-length, &image);
             former = self.product(residual, z);
         }
         *z = self.precondition(residual);
@@ -79,8 +79,8 @@ pub struct Step<'a, X, R> {
     pub length: f64,
     /// `p`.
     pub direction: &'a X,
-    /// `A p`.
-    pub image: &'a R,
+    /// `A p`, whose memory is free after it.
+    pub image: R,
 }
 
 /// What there is to know of the residual `r` and of `z = P^-1 r`.
@@ -159,7 +159,7 @@ pub fn conjugate_gradients<S: System>(
         let length = at.product / curvature[0];
         system.stepped(length);
         let before = at.product;
-        let step = Step { length, direction: &direction, image: &image };
+        let step = Step { length, direction: &direction, image };
         (at, asked) = look(comm, system, (x, residual, z), Some(step), limits.interrupt);
         direction.turn((at.product - at.former) / before, z);
     }
