@@ -119,9 +119,10 @@ def draw_profile(axes, profile):
 
 
 def draw_cloud(axes, run):
-    """The radius of gyration of all spheres and its parts along its principal axes."""
-    for name, values in run.cloud.items():
-        axes.plot(run.time, values, label=name)
+    """The radius of gyration of each species and its parts along its principal axes."""
+    for index, name in enumerate(run.names):
+        for part, style_of_line, values in zip(("radius", "major", "middle", "minor"), ("-", "--", "-.", ":"), run.cloud[:, index].T):
+            axes.plot(run.time, values, style_of_line, color=f"C{index}", label=f"{name}: {part}")
     axes.set_xlabel("time")
     axes.set_ylabel("extent of the cloud")
     axes.legend()

@@ -20,9 +20,8 @@ class Results:
             self.velocity_variance = series["velocity_variance/value"][:]
             self.smallest_gap = series["smallest_gap/value"][:]
             self.viscosity = series["relative_viscosity/value"][:] if "relative_viscosity" in series else None
-            # Place, then radius of gyration and its parts along the principal axes, of the last species or of all.
-            parts = series["cloud/value"][:, -1, 3:].T if "cloud" in series else ()
-            self.cloud = dict(zip(("radius", "major", "middle", "minor"), parts))
+            # By species; a place, then the radius of gyration and its parts along the principal axes.
+            self.cloud = series["cloud/value"][:, :, 3:] if "cloud" in series else None
         with h5py.File(self.folder / "trajectory.h5") as file:
             particles = file["particles/all"]
             self.species = particles["species"][:]
