@@ -11,8 +11,9 @@ use domain::random_packing;
 use fcm::{Costs, Evaluation, Fixed, Multipoles, Precision, Problem};
 use lubrication::PairMotion;
 
-fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
-    Plan::choose(&Problem {
+/// Rigid spheres in a periodic cube, with a grid in f64: in f32 it would make noise of 1e-7.
+fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Problem {
+    Problem {
         edges: Vector::splat(edge),
         boundaries: domain::Boundaries::Periodic,
         contraction: 1.0,
@@ -26,10 +27,12 @@ fn plan(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Plan {
         threads: 1,
         ranks: 1,
         costs: Costs::default(),
-        // In f32 the grid would make noise of 1e-7.
         fixed: Fixed { iteration_tolerance: Some(iteration), precision: Some(Precision::Double), ..Fixed::default() },
-    })
-    .unwrap()
+    }
+}
+
+fn plan(edge: f64, radii: &[f64], tolerances: (f64, f64)) -> Plan {
+    Plan::choose(&problem(edge, radii, tolerances)).unwrap()
 }
 
 fn placed(positions: &[Vector], radii: &[f64]) -> Particles {

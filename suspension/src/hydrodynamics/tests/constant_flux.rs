@@ -13,22 +13,7 @@ const HEIGHT: f64 = 9.0;
 fn between_walls(unit: f64) -> (Plan, Particles) {
     let edges = Vector::new(10.0, 9.0, HEIGHT) * unit;
     let radii = [1.0, 1.4, 1.4].map(|a| a * unit);
-    let problem = Problem {
-        edges,
-        boundaries: Boundaries::Walls,
-        contraction: 1.0,
-        largest_strain: 0.0,
-        largest_tilts: [0.0; 2],
-        radii: radii.iter().map(|&a| (a, 1)).collect(),
-        viscosity: 1.0,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        tolerance: 1e-3,
-        threads: 1,
-        ranks: 1,
-        costs: Costs::default(),
-        fixed: Fixed { iteration_tolerance: Some(1e-9), precision: Some(Precision::Double), ..Fixed::default() },
-    };
+    let problem = Problem { edges, boundaries: Boundaries::Walls, ..problem(unit, &radii, (1e-3, 1e-9)) };
     let places = [Vector::new(3.0, 3.0, 1.02), Vector::new(5.2, 3.4, 1.9), Vector::new(5.0, 5.0, HEIGHT - 1.45)];
     (Plan::choose(&problem).unwrap(), placed(&places.map(|place| place * unit), &radii))
 }

@@ -20,18 +20,10 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
     let plan = Plan::choose(&Problem {
         edges: cell.edges(),
         boundaries: cell.boundaries(),
-        contraction: 1.0,
         largest_strain: 0.5,
-        largest_tilts: [0.0; 2],
-        radii: place(&radii).into_iter().map(|a| (a, 1)).collect(),
         viscosity,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        tolerance: 1e-3,
-        threads: 1,
-        ranks: 1,
-        costs: Costs::default(),
         fixed: Fixed { precision: Some(precision), ..Fixed::default() },
+        ..problem(length, &place(&radii), (1e-3, 1e-6))
     })
     .unwrap();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);

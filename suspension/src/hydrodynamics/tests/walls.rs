@@ -8,23 +8,8 @@ const HEIGHT: f64 = 16.0;
 
 /// Between walls far apart, in a box so wide that images in the plane of the walls matter little.
 fn between(radii: &[f64], edge: f64) -> Plan {
-    let usual = plan(edge, radii, (1e-3, 1e-6));
-    let problem = Problem {
-        edges: Vector::new(edge, edge, HEIGHT),
-        boundaries: Boundaries::Walls,
-        contraction: 1.0,
-        largest_strain: 0.0,
-        largest_tilts: [0.0; 2],
-        radii: radii.iter().map(|&a| (a, 1)).collect(),
-        viscosity: usual.viscosity,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        tolerance: 1e-3,
-        threads: 1,
-        ranks: 1,
-        costs: Costs::default(),
-        fixed: Fixed { iteration_tolerance: Some(1e-6), precision: Some(Precision::Double), ..Fixed::default() },
-    };
+    let edges = Vector::new(edge, edge, HEIGHT);
+    let problem = Problem { edges, boundaries: Boundaries::Walls, ..problem(edge, radii, (1e-3, 1e-6)) };
     Plan::choose(&problem).unwrap()
 }
 
