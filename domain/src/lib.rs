@@ -69,7 +69,7 @@ pub use parameter::ParameterError;
 pub use particles::{Column, ColumnError, Particles};
 pub use partition::{Partition, Place, block, block_of};
 pub use periodic_box::{BoxError, PeriodicBox};
-pub use random::Random;
+pub use random::{Random, RandomLanes};
 pub use resident::Process;
 pub use shared_pairs::fold_shared_pairs;
 pub use traceless::Traceless;

@@ -59,6 +59,34 @@ impl Random {
     }
 }
 
+/// The streams of some names of one seed, side by side: the numbers of [`Random`].
+#[derive(Debug, Clone)]
+pub struct RandomLanes<const N: usize> {
+    states: [u64; N],
+}
+
+impl<const N: usize> RandomLanes<N> {
+    /// The streams of these names.
+    #[inline(always)]
+    pub fn new(seed: u64, names: &[u64; N]) -> Self {
+        let seed = mix(seed.wrapping_add(STRIDE));
+        Self { states: names.map(|name| mix(seed ^ name.wrapping_mul(STRIDE))) }
+    }
+
+    /// The next number of each of an even distribution of mean 0 and variance 1.
+    #[inline(always)]
+    pub fn even(&mut self) -> [f64; N] {
+        let root = 12.0_f64.sqrt();
+        let mut numbers = [0.0; N];
+        for (number, state) in numbers.iter_mut().zip(&mut self.states) {
+            *state = state.wrapping_add(STRIDE);
+            *number = root * ((mix(*state) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
+        }
+        numbers
+    }
+}
+
+#[inline(always)]
 fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -83,6 +111,17 @@ mod tests {
         for (sums, fourth) in sums.into_iter().zip([3.0, 3.0, 1.8]) {
             let [mean, variance, found] = sums.map(|sum| sum / f64::from(count));
             assert!(mean.abs() < 0.01 && (variance - 1.0).abs() < 0.02 && (found - fourth).abs() < 0.1);
+        }
+    }
+
+    #[test]
+    fn streams_side_by_side_are_those_of_their_names() {
+        let names = [3, u64::MAX, 0, 12_345_678_901];
+        let mut lanes = RandomLanes::new(77, &names);
+        let mut streams = names.map(|name| Random::new(77, name));
+        for _ in 0..10 {
+            let expected = streams.each_mut().map(|stream| stream.even().to_bits());
+            assert_eq!(lanes.even().map(f64::to_bits), expected);
         }
     }
 

@@ -356,7 +356,7 @@ impl<T: Real> FarField for Far<T> {
 
     fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: Stream) -> Vec<(Vector, Tensor)> {
         let volume = self.interpolated_volume();
-        self.field = self.transform.noise(&self.operator, volume, |mode| stream.of_mode(mode));
+        self.field = self.transform.noise(&self.operator, volume, &stream);
         self.divergence = None;
         self.interpolate(classes, wanted)
     }

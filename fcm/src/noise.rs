@@ -1,8 +1,8 @@
 //! Random motions whose covariance is the mobility.
 
 use crate::loads::Motion;
-use domain::{Comm, Random, Traceless, Vector};
-use num_complex::Complex;
+use domain::{Comm, Random, RandomLanes, Traceless, Vector};
+use solver::{Complexes, Draw, MODES};
 
 /// Where the random numbers of one draw come from: the same numbers for the same modes and particles, on any ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,15 +23,11 @@ impl Stream {
 
     /// Numbers of a kind and a name.
     pub fn of(self, kind: u64, name: u64) -> Random {
-        Random::new(self.seed ^ kind.wrapping_mul(0xa076_1d64_78bd_642f), name)
+        Random::new(self.seed_of(kind), name)
     }
 
-    /// Three complex numbers of a mode, of variance 1. Each of many waves adds little to any velocity: even numbers do.
-    pub(crate) fn of_mode(self, mode: [i64; 3]) -> [Complex<f64>; 3] {
-        let [x, y, z] = mode.map(|m| (m + (1 << 20)) as u64);
-        let mut random = self.of(OF_FIELD, x << 42 | y << 21 | z);
-        let half = std::f64::consts::FRAC_1_SQRT_2;
-        std::array::from_fn(|_| Complex::new(half * random.even(), half * random.even()))
+    fn seed_of(self, kind: u64) -> u64 {
+        self.seed ^ kind.wrapping_mul(0xa076_1d64_78bd_642f)
     }
 
     /// Eleven normal numbers of a particle.
@@ -43,6 +39,20 @@ impl Stream {
             pair.copy_from_slice(&normal[..pair.len()]);
         }
         numbers
+    }
+}
+
+/// Each of many waves adds little to any velocity: even numbers do.
+impl Draw for Stream {
+    #[inline(always)]
+    fn draw(&self, modes: &[[i64; 3]; MODES]) -> Complexes {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let names = modes.map(|mode| {
+            let [x, y, z] = mode.map(|m| (m + (1 << 20)) as u64);
+            x << 42 | y << 21 | z
+        });
+        let mut random = RandomLanes::new(self.seed_of(OF_FIELD), &names);
+        std::array::from_fn(|_| std::array::from_fn(|_| random.even().map(|number| half * number)))
     }
 }
 

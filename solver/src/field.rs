@@ -1,6 +1,8 @@
 //! Values on the grid whose type says in which space they are.
 
 use crate::layout::Layout;
+use crate::shared::Shared;
+use crate::transform::Complexes;
 use crate::{Real, memory::Memory};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -218,25 +220,38 @@ impl<T: Real> Field<T, Spectral> {
 
     /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.
     pub(crate) fn set_modes(&mut self, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync) {
-        let [nx, _, nz] = self.layout.points;
-        let columns = self.layout.blocks.start * T::LANES..(self.layout.blocks.end * T::LANES).min(nx / 2);
-        for m3 in 0..nz {
-            let of_row = |m2: usize| columns.clone().map(move |m1| [m1, m2, m3]);
-            let modes: Vec<[usize; 3]> = self.layout.modes.clone().flat_map(of_row).collect();
-            let plane: Vec<[Complex<f64>; 3]> = modes.par_iter().map(|&mode| values(mode)).collect();
-            for (mode, values) in modes.into_iter().zip(plane) {
-                for (component, value) in values.into_iter().enumerate() {
-                    let real = self.place_of(component, mode);
-                    self.memory.values_mut()[real] = T::from_f64(value.re);
-                    self.memory.values_mut()[real + T::LANES] = T::from_f64(value.im);
+        let most = self.layout.points[0] / 2;
+        self.set_blocks(|[first, m2, m3]| {
+            let mut block = Complexes::default();
+            for lane in 0..T::LANES.min(most - first) {
+                for (component, value) in values([first + lane, m2, m3]).into_iter().enumerate() {
+                    block[component][0][lane] = value.re;
+                    block[component][1][lane] = value.im;
                 }
             }
-        }
+            block
+        });
     }
 
-    /// Where the real part of a mode stands; the imaginary part follows by a vector's lanes.
-    fn place_of(&self, component: usize, mode: [usize; 3]) -> usize {
-        let layout = &self.layout;
-        layout.spectral.at(component, mode[1] - layout.modes.start, mode[2]) + layout.in_row::<T>(mode[0])
+    /// The same, by the values of modes that are beside each other along x, from one on, as many as a vector has lanes; those
+    /// from `m1 = nx/2` on are left out.
+    pub(crate) fn set_blocks(&mut self, values: impl Fn([usize; 3]) -> Complexes + Sync) {
+        let (layout, [nx, _, nz]) = (&self.layout, self.layout.points);
+        let memory = Shared::new(self.memory.values_mut());
+        let firsts = || layout.blocks.clone().map(|block| block * T::LANES).filter(|first| *first < nx / 2);
+        (0..nz).into_par_iter().for_each(|m3| {
+            for (m2, first) in layout.modes.clone().flat_map(|m2| firsts().map(move |first| (m2, first))) {
+                let block = values([first, m2, m3]);
+                for (component, parts) in block.iter().enumerate() {
+                    let place = layout.spectral.at(component, m2 - layout.modes.start, m3) + layout.in_row::<T>(first);
+                    for (part, lanes) in parts.iter().enumerate() {
+                        for (lane, &value) in lanes[..T::LANES.min(nx / 2 - first)].iter().enumerate() {
+                            // SAFETY: each mode has places of its own, and is set once.
+                            unsafe { *memory.at(place + part * T::LANES + lane) = T::from_f64(value) };
+                        }
+                    }
+                }
+            }
+        });
     }
 }

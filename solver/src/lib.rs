@@ -43,4 +43,4 @@ pub use memory::Memory;
 pub use open_space::OpenSpace;
 pub use real::Real;
 pub use stokes::{Multiplier, Stokes};
-pub use transform::Transform;
+pub use transform::{Complexes, Draw, MODES, Transform};

@@ -1,11 +1,13 @@
 //! From force density to velocity.
 
 mod leaning;
+mod waves;
 
 use crate::simd::{Vector, Work};
 use crate::{Channel, Grid, OpenSpace, Real};
 use leaning::Leaning;
 use rayon::prelude::*;
+pub(crate) use waves::Waves;
 
 /// The Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`], which it
 /// completes with the factor `1 / (nx ny nz)`: a force density goes to the velocity that it drives.
@@ -134,28 +136,6 @@ impl<T: Real> Stokes<T> {
     /// What is added to the periodic solve.
     pub(crate) fn channel(&self) -> Option<&Channel<T>> {
         self.channel.as_ref()
-    }
-
-    /// What it multiplies a transverse mode `m1 < nx/2` by; the others are set to zero.
-    pub(crate) fn factor(&self, [m1, m2, m3]: [usize; 3]) -> f64 {
-        let in_plane = m2 * self.k1.len() + m1;
-        let square = self.wavevector([m1, m2, m3]).length_squared();
-        if square == 0.0 || m3 == self.points[2] / 2 {
-            return 0.0;
-        }
-        let level = self.widening.to_f64() * square + 1.0;
-        let axis = self
-            .leaning
-            .as_ref()
-            .map_or_else(|| self.axis[m3].to_f64(), |leaning| leaning.multiplier(in_plane, m3, square));
-        self.plane[in_plane].to_f64() * axis * level * level / square
-    }
-
-    /// The wavevector of a mode `m1 < nx/2`.
-    pub(crate) fn wavevector(&self, [m1, m2, m3]: [usize; 3]) -> domain::Vector {
-        let in_plane = m2 * self.k1.len() + m1;
-        let [k1, k2, k3] = [self.k1[m1], self.k2[in_plane], self.k3[m3]].map(T::to_f64);
-        domain::Vector::new(k1, k2, self.leaning.as_ref().map_or(k3, |leaning| k3 + leaning.shift(in_plane)))
     }
 
     pub(crate) fn points(&self) -> [usize; 3] {

@@ -1,5 +1,6 @@
 //! The only way from one space to the other.
 
+mod noise;
 mod share;
 mod transposition;
 
@@ -9,6 +10,7 @@ use crate::memory::Memory;
 use crate::shared::Shared;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
+pub use noise::{Complexes, Draw, MODES};
 use num_complex::Complex;
 use share::{Share, Task};
 use transposition::{Columns, Transposition};
@@ -148,41 +150,6 @@ impl<T: Real> Transform<T> {
             let read = |place| unsafe { *memory.at(place) };
             self.share.layout().for_each_mode::<T>((strides, modes), read, &mut visit);
         }
-    }
-
-    /// A random velocity field whose covariance is that of the operator over the volume of a point: interpolated with weights
-    /// times that volume, it has the covariance of what [`Self::apply`] makes of forces spread with these weights, since
-    ///
-    /// ```text
-    /// u_hat(k) = sqrt(m(k) / volume) (I - k k/k^2) c(k),       <c_i(k) c_j(k)*> = delta_ij
-    /// ```
-    ///
-    /// has the operator's square root. `draw` gives the three complex numbers `c` of a mode by its signed indices; only one of
-    /// a mode and its opposite is asked for. Collective.
-    pub fn noise(
-        &mut self,
-        operator: &Stokes<T>,
-        volume: f64,
-        draw: impl Fn([i64; 3]) -> [Complex<f64>; 3] + Sync,
-    ) -> Field<T, Physical> {
-        let points = self.share.layout().points;
-        assert_eq!(points, operator.points(), "transform and operator have one grid");
-        let signed = |mode: usize, axis: usize| {
-            if 2 * mode > points[axis] { mode as i64 - points[axis] as i64 } else { mode as i64 }
-        };
-        let mut field = Field::<T, Spectral>::zero(self.share.layout());
-        field.set_modes(|mode| {
-            let signed: [i64; 3] = std::array::from_fn(|axis| signed(mode[axis], axis));
-            // Of the plane m1 = 0 both a mode and its opposite are kept.
-            let is_opposite = signed[0] == 0 && (signed[1], signed[2]) < (0, 0);
-            let drawn = if is_opposite { draw(signed.map(|m| -m)).map(|c| c.conj()) } else { draw(signed) };
-            let (k, factor) = (operator.wavevector(mode), (operator.factor(mode) / volume).sqrt());
-            let square = k.length_squared();
-            let along =
-                if square > 0.0 { (drawn[0] * k.x + drawn[1] * k.y + drawn[2] * k.z) / square } else { 0.0.into() };
-            std::array::from_fn(|axis| (drawn[axis] - along * k[axis]) * factor)
-        });
-        self.backward(field)
     }
 
     /// Rounds in which columns along z are made whole.
