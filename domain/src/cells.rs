@@ -1,6 +1,7 @@
 //! Cell lists: particles sorted into cells, for the search for neighbours.
 
-use crate::{Neighbour, PeriodicBox, Vector};
+use crate::neighbour::Images;
+use crate::{PeriodicBox, Vector};
 use std::ops::Range;
 
 /// Cells along each axis, in lattice coordinates, and the particles sorted into them.
@@ -11,40 +12,48 @@ pub(crate) struct Cells {
     /// The particles' positions in the order of the cells, by component.
     positions: [Vec<f64>; 3],
     reach: [i32; 3],
+    images: Images,
 }
 
 /// The particles, and their periodic images, in and around one cell: the candidates for neighbours of that cell's
 /// particles.
 #[derive(Default)]
 pub(crate) struct Around {
-    who: Vec<Neighbour>,
+    /// Entries as in the lists of neighbours.
+    who: Vec<u32>,
     positions: [Vec<f64>; 3],
     is_near: Vec<bool>,
     found: Vec<u32>,
 }
 
 impl Around {
-    /// Calls `visit` with the row and the separation of each candidate that is within a distance of `centre` and has a
-    /// larger row than `itself`, so that each pair is visited once.
-    pub fn each_later(&mut self, (centre, itself): (Vector, u32), distance: f64, mut visit: impl FnMut(u32, Vector)) {
+    /// Calls `visit` with the row and the separation of each candidate in some cells that is within a distance of `centre` and
+    /// has a larger row than `itself`, so that each pair is visited once.
+    pub fn each_later(
+        &mut self,
+        Cells { images, .. }: &Cells,
+        (centre, itself): (Vector, u32),
+        distance: f64,
+        mut visit: impl FnMut(u32, Vector),
+    ) {
         self.mark_near(centre, distance);
         self.found.resize(self.who.len(), 0);
         let mut found = 0;
-        for (place, (who, &is_near)) in self.who.iter().zip(&self.is_near).enumerate() {
+        for (place, (&who, &is_near)) in self.who.iter().zip(&self.is_near).enumerate() {
             // Without a branch, which would be mispredicted all the time.
             self.found[found] = place as u32;
-            found += usize::from(is_near) * usize::from(who.row > itself);
+            found += usize::from(is_near) * usize::from(images.row(who) > itself);
         }
         for place in self.found[..found].iter().map(|&place| place as usize) {
             let [x, y, z] = &self.positions;
-            visit(self.who[place].row, Vector::new(x[place], y[place], z[place]) - centre);
+            visit(images.row(self.who[place]), Vector::new(x[place], y[place], z[place]) - centre);
         }
     }
 
-    /// Appends the candidates within a distance of `centre`, except the particle `itself`.
-    pub fn append_near(&mut self, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<Neighbour>) {
+    /// Appends the candidates in some cells within a distance of `centre`, except the particle `itself`.
+    pub fn append_near(&mut self, cells: &Cells, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<u32>) {
         self.mark_near(centre, distance);
-        let itself = Neighbour { row: itself, steps: [0; 3] };
+        let itself = cells.images.entry(itself);
         let mut found = near.len();
         near.resize(found + self.who.len(), itself);
         for (&who, &is_near) in self.who.iter().zip(&self.is_near) {
@@ -79,7 +88,8 @@ impl Cells {
 
     /// The same of those in a part of the box, which has so many particles in all.
     pub fn sort_among(cell: &PeriodicBox, positions: &[Vector], (cutoff, total): (f64, usize)) -> Self {
-        let edges = cell.edges();
+        let (edges, images) = (cell.edges(), Images::new(cell, cutoff));
+        images.check_rows(positions.len());
         let expected = total as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
         let fineness = if expected > CROWDED { 2.0 } else { 1.0 };
         let widest = cell.slant() * cutoff;
@@ -103,7 +113,12 @@ impl Cells {
         }
         let component = |axis: usize| rows.iter().map(|&row: &u32| positions[row as usize][axis]).collect();
         let positions = [component(0), component(1), component(2)];
-        Self { counts, starts, rows, positions, reach }
+        Self { counts, starts, rows, positions, reach, images }
+    }
+
+    /// The images that entries refer to.
+    pub fn images(&self) -> &Images {
+        &self.images
     }
 
     /// Number of cells.
@@ -148,8 +163,8 @@ impl Cells {
     fn append(&self, cell: &PeriodicBox, cells: Range<usize>, steps: [i32; 3], around: &mut Around) {
         let range = self.starts[cells.start] as usize..self.starts[cells.end] as usize;
         let shift = if steps == [0; 3] { Vector::ZERO } else { cell.lattice(steps) };
-        let steps = steps.map(|s| s as i8);
-        around.who.extend(self.rows[range.clone()].iter().map(|&row| Neighbour { row, steps }));
+        let image = self.images.entry(0).wrapping_add(self.images.shift(steps));
+        around.who.extend(self.rows[range.clone()].iter().map(|&row| image | row));
         for axis in 0..3 {
             around.positions[axis].extend(self.positions[axis][range.clone()].iter().map(|p| p + shift[axis]));
         }

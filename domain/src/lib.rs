@@ -10,7 +10,7 @@
 //! let positions = random_packing(&cell, &radii, 0.1, 1)?;
 //! let neighbours = Neighbours::find(&cell, &positions, positions.len(), 3.0);
 //! for (row, &position) in positions.iter().enumerate() {
-//!     for near in neighbours.of(row) {
+//!     for near in neighbours.of(row).iter() {
 //!         let distance = cell.nearest_image(positions[near.row as usize] - position).length();
 //!         assert!((2.1 - 1e-9..3.0).contains(&distance));
 //!     }
@@ -61,7 +61,7 @@ pub use id_blocks::IdBlocks;
 pub use interrupt::{Interrupt, Interrupted};
 pub use memory::{packing_bytes, shared_pairs_bytes};
 pub use neighbour::Neighbour;
-pub use neighbours::Neighbours;
+pub use neighbours::{Neighbours, NeighboursOf};
 pub use number::Number;
 pub use packing::{PackingError, random_cloud, random_packing, shared_random_packing};
 pub use pairs::{Pair, Pairs, fold_pairs};

@@ -2,7 +2,7 @@
 
 use crate::shared_pairs::FEW;
 use crate::verlet_list::SPARSEST;
-use crate::{ById, Bytes, GROWING, Halo, IdBlocks, Neighbour, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
+use crate::{ById, Bytes, GROWING, Halo, IdBlocks, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
 
 /// The most numbers that a column of particles has in this project.
 const WIDEST: f64 = 6.0;
@@ -79,7 +79,7 @@ impl Halo {
 impl Neighbours {
     /// Lists of `listed` particles with `neighbours` neighbours each.
     pub fn bytes(listed: f64, neighbours: f64) -> Bytes {
-        Bytes::list::<[usize; 2]>(listed).then(Bytes::list::<Neighbour>(listed * neighbours))
+        Bytes::list::<[usize; 2]>(listed).then(Bytes::list::<u32>(listed * neighbours))
     }
 
     /// The additional memory of [`Neighbours::find`]: cells, about as many as particles, and the lists of each batch.
@@ -89,7 +89,7 @@ impl Neighbours {
     }
 
     fn batch_bytes(listed: f64, neighbours: f64) -> Bytes {
-        Bytes::list::<(u32, usize)>(GROWING * listed).then(Bytes::list::<Neighbour>(GROWING * listed * neighbours))
+        Bytes::list::<(u32, usize)>(GROWING * listed).then(Bytes::list::<u32>(GROWING * listed * neighbours))
     }
 }
 
@@ -112,7 +112,7 @@ impl VerletList {
         let found = Bytes::list::<(u32, Vector, bool)>(present).then(rows);
         let search = Neighbours::search_bytes(owned, present, reached).freed();
         let lists = Neighbours::bytes(owned, reached);
-        let now = Bytes::list::<(u32, [Vector; 2], [[i8; 3]; 2])>(present);
+        let now = Bytes::list::<([u32; 3], Vector)>(present);
         let picking = now.then(Neighbours::batch_bytes(owned, near)).then(Neighbours::bytes(owned, near)).freed();
         found.then(search).then(lists).then(picking).then(Neighbours::bytes(owned, near))
     }

@@ -1,6 +1,7 @@
 //! Neighbour lists: the particles within a cutoff of each.
 
 use crate::cells::{Around, Cells};
+use crate::neighbour::Images;
 use crate::{Neighbour, PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 #[derive(Default)]
 pub(crate) struct Batch {
     pub ends: Vec<(u32, usize)>,
-    pub list: Vec<Neighbour>,
+    pub list: Vec<u32>,
 }
 
 /// Cells that one thread searches in one batch.
@@ -20,14 +21,46 @@ const BATCH: usize = 64;
 pub struct Neighbours {
     /// Where each particle's list begins and ends.
     ranges: Vec<[usize; 2]>,
-    list: Vec<Neighbour>,
+    list: Vec<u32>,
+    images: Images,
+}
+
+/// The neighbours of one particle.
+#[derive(Debug, Clone, Copy)]
+pub struct NeighboursOf<'a> {
+    list: &'a [u32],
+    images: &'a Images,
+}
+
+impl<'a> NeighboursOf<'a> {
+    /// How many.
+    pub fn len(self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// So many at a time.
+    #[inline(always)]
+    pub fn chunks(self, size: usize) -> impl Iterator<Item = Self> {
+        self.list.chunks(size).map(move |list| Self { list, images: self.images })
+    }
+
+    /// One after the other.
+    #[inline(always)]
+    pub fn iter(self) -> impl ExactSizeIterator<Item = Neighbour> + 'a {
+        self.list.iter().map(move |&entry| self.images.neighbour(entry))
+    }
 }
 
 impl Neighbours {
     /// Finds the neighbours of the first `owned` particles among all local particles and ghosts.
     pub fn find(cell: &PeriodicBox, positions: &[Vector], owned: usize, cutoff: f64) -> Self {
         if owned == 0 {
-            return Self::default();
+            return Self { images: Images::new(cell, cutoff), ..Self::default() };
         }
         let cells = Cells::sort(cell, positions, cutoff);
         let batches: Vec<Batch> = (0..cells.count().div_ceil(BATCH))
@@ -40,19 +73,20 @@ impl Neighbours {
                         cells.collect_around(cell, home, &mut around);
                     }
                     for &row in members {
-                        around.append_near((positions[row as usize], row), cutoff, &mut found.list);
+                        around.append_near(&cells, (positions[row as usize], row), cutoff, &mut found.list);
                         found.ends.push((row, found.list.len()));
                     }
                 }
                 found
             })
             .collect();
-        Self::join(batches, owned)
+        Self::join(batches, owned, cells.images())
     }
 
     /// Sorts each list by a key.
     pub(crate) fn sort_by_key<K: Ord>(&mut self, key: impl Fn(&Neighbour) -> K + Sync) {
-        let mut lists: Vec<&mut [Neighbour]> = Vec::with_capacity(self.ranges.len());
+        let images = &self.images;
+        let mut lists: Vec<&mut [u32]> = Vec::with_capacity(self.ranges.len());
         let mut rest = self.list.as_mut_slice();
         let mut ranges = self.ranges.clone();
         ranges.sort_unstable();
@@ -61,11 +95,11 @@ impl Neighbours {
             lists.push(list);
             rest = others;
         }
-        lists.into_par_iter().for_each(|list| list.sort_unstable_by_key(&key));
+        lists.into_par_iter().for_each(|list| list.sort_unstable_by_key(|&entry| key(&images.neighbour(entry))));
     }
 
-    /// Joins the lists of the batches, of `owned` particles in all.
-    pub(crate) fn join(batches: Vec<Batch>, owned: usize) -> Self {
+    /// Joins the lists of the batches, of `owned` particles in all, whose entries refer to some images.
+    pub(crate) fn join(batches: Vec<Batch>, owned: usize, images: &Images) -> Self {
         let mut ranges = vec![[0; 2]; owned];
         let mut list = Vec::with_capacity(batches.iter().map(|batch| batch.list.len()).sum());
         for batch in batches {
@@ -77,13 +111,23 @@ impl Neighbours {
             }
             list.extend_from_slice(&batch.list);
         }
-        Self { ranges, list }
+        Self { ranges, list, images: images.clone() }
     }
 
     /// The neighbours of one particle.
-    pub fn of(&self, row: usize) -> &[Neighbour] {
+    pub fn of(&self, row: usize) -> NeighboursOf<'_> {
+        NeighboursOf { list: self.entries(row), images: &self.images }
+    }
+
+    /// The entries of one particle's list.
+    pub(crate) fn entries(&self, row: usize) -> &[u32] {
         let [start, end] = self.ranges[row];
         &self.list[start..end]
+    }
+
+    /// The images that entries refer to.
+    pub(crate) fn images(&self) -> &Images {
+        &self.images
     }
 
     /// All entries of all lists: twice the number of pairs on one rank.
@@ -112,7 +156,7 @@ mod tests {
         let neighbours = Neighbours::find(&cell, &positions, 70, 1.9);
         assert_eq!(neighbours.count(), 2 * pairs.list().len());
         for (row, expected) in expected.iter_mut().enumerate() {
-            let mut found = neighbours.of(row).to_vec();
+            let mut found: Vec<Neighbour> = neighbours.of(row).iter().collect();
             found.sort_unstable();
             expected.sort_unstable();
             assert_eq!(found, *expected);

@@ -110,7 +110,7 @@ pub(crate) fn fold_some_pairs<T: Send>(
                 }
                 for &i in cells.members(home).iter().filter(|row| is_meant(**row)) {
                     let other = |j: u32, separation: Vector| visit(&mut seen, [i, j], separation);
-                    around.each_later((positions[i as usize], i), cutoff, other);
+                    around.each_later(&cells, (positions[i as usize], i), cutoff, other);
                 }
             }
             seen

@@ -2,8 +2,9 @@
 
 use crate::halo::Pencil;
 use crate::neighbours::Batch;
-use crate::{Halo, Neighbour, Neighbours, Partition, PeriodicBox, Tensor, Vector};
+use crate::{Halo, Neighbours, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The neighbours of each particle within a cutoff. The lists extend beyond the cutoff by a skin and are rebuilt only
 /// when some particle has moved too far (Verlet, Phys. Rev. 159, 98, 1967); neighbours within the cutoff are selected
@@ -153,10 +154,11 @@ impl RowById {
 }
 
 /// The particles of the last rebuild now. Those that have left this rank have no neighbours.
-struct Now<'a> {
-    cell: &'a PeriodicBox,
+struct Now {
     owned: usize,
     at: Vec<At>,
+    /// From the box to each image.
+    offsets: Vec<Vector>,
 }
 
 /// A particle of the last rebuild now, in one line of the cache.
@@ -167,11 +169,11 @@ struct At {
     place: Vector,
     /// Its present row.
     row: u32,
-    /// The lattice steps of that wrapping.
-    wrapped: [i8; 3],
-    /// Whether its pairs are in the lists.
-    is_followed: bool,
+    /// What that wrapping takes out of the entry of an image.
+    shift: u32,
 }
+
+const _: () = assert!(size_of::<At>() == 32);
 
 impl Found {
     /// The present state of the listed particles; `None` if a pair within the cutoff may be missing in the lists.
@@ -179,8 +181,11 @@ impl Found {
     /// A deformation of the box moves no particle in fractions of the lattice vectors. It reduces distances at most by its
     /// least stretch, which in simple shear is `sqrt(1 + g^2/4) - g/2` at the strain `g` since the rebuild. A box that follows
     /// the particles moves none either: all are seen from where it begins.
-    fn follow<'a>(&self, cell: &'a PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now<'a>> {
-        let edges = cell.edges();
+    fn follow(&self, cell: &PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now> {
+        let (edges, images) = (cell.edges(), self.lists.images());
+        if !images.reach(cell, cutoff) {
+            return None;
+        }
         let least_stretch = match (cell.axes(), self.cell.axes()) {
             (None, None) if edges == self.cell.edges() => {
                 let half = 0.5 * (cell.strain() - self.cell.strain()).abs();
@@ -189,13 +194,15 @@ impl Found {
             (None, None) => return None,
             _ => least_stretch(&self.cell, cell),
         };
+        images.check_rows(present.positions.len());
         let rows = self.rows_now(present)?;
         let spare = self.reach * least_stretch - cutoff;
         let before_to_now = edges / self.cell.edges();
+        let all_near = AtomicBool::new(true);
         let follow = |before: usize| {
             let row = rows[before];
             let Some(&now) = present.positions.get(row as usize) else {
-                return At { place: Vector::NAN, row, wrapped: [0; 3], is_followed: true };
+                return At { place: Vector::NAN, row, shift: 0 };
             };
             let past = (self.cell.lattice_coordinates(self.positions[before]) - self.cell.origin()) * before_to_now;
             let moved = cell.lattice_coordinates(now) - cell.origin() - past;
@@ -203,13 +210,16 @@ impl Found {
             let moved = cell.at(moved - steps * edges);
             // Both of a pair may have come nearer. Images are looked after by their owners.
             let is_near = 4.0 * moved.length_squared() <= spare * spare && spare >= 0.0;
-            let is_followed = row as usize >= present.owned || (is_near && self.listed[before]);
-            let place =
-                if steps == Vector::ZERO { now } else { now - cell.lattice(steps.to_array().map(|s| s as i32)) };
-            At { place, row, wrapped: steps.to_array().map(|s| s as i8), is_followed }
+            if (row as usize) < present.owned && !(is_near && self.listed[before]) {
+                all_near.store(false, Ordering::Relaxed);
+            }
+            let steps = steps.to_array().map(|s| s as i32);
+            let place = if steps == [0; 3] { now } else { now - cell.lattice(steps) };
+            At { place, row, shift: images.shift(steps) }
         };
         let at: Vec<At> = (0..rows.len()).into_par_iter().with_min_len(BATCH).map(follow).collect();
-        at.iter().all(|at| at.is_followed).then_some(Now { cell, owned: present.owned, at })
+        let offsets = images.steps().map(|steps| cell.lattice(steps)).collect();
+        all_near.into_inner().then_some(Now { owned: present.owned, at, offsets })
     }
 
     /// The present rows by those of the rebuild; `None` if the rank owns a particle that was not here then.
@@ -232,31 +242,27 @@ impl Found {
             let mut picked = Batch::default();
             for row in batch * BATCH..count.min((batch + 1) * BATCH) {
                 if (now.at[row].row as usize) < now.owned {
-                    now.pick(row, self.lists.of(row), cutoff, &mut picked.list);
+                    self.pick(row, now, cutoff, &mut picked.list);
                     picked.ends.push((now.at[row].row, picked.list.len()));
                 }
             }
             picked
         };
-        Neighbours::join((0..count.div_ceil(BATCH)).into_par_iter().map(pick).collect(), now.owned)
+        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(pick).collect();
+        Neighbours::join(batches, now.owned, self.lists.images())
     }
-}
 
-impl Now<'_> {
-    /// Appends the neighbours in a list that are within the cutoff.
-    fn pick(&self, row: usize, list: &[Neighbour], cutoff: f64, picked: &mut Vec<Neighbour>) {
-        let At { place, wrapped: home, .. } = self.at[row];
+    /// Appends the neighbours in a row's list that are within the cutoff.
+    fn pick(&self, row: usize, Now { at, offsets, .. }: &Now, cutoff: f64, picked: &mut Vec<u32>) {
+        let (images, list) = (self.lists.images(), self.lists.entries(row));
+        let At { place, shift: home, .. } = at[row];
         let mut found = picked.len();
-        picked.resize(found + list.len(), Neighbour { row: 0, steps: [0; 3] });
-        for &Neighbour { row: other, steps } in list {
-            let At { place: there, row: other, wrapped: away, .. } = self.at[other as usize];
-            let mut x = place - there;
-            if steps != [0; 3] {
-                x -= self.cell.lattice(steps.map(i32::from));
-            }
-            let steps = [steps[0] + home[0] - away[0], steps[1] + home[1] - away[1], steps[2] + home[2] - away[2]];
+        picked.resize(found + list.len(), 0);
+        for &entry in list {
+            let At { place: there, row: other, shift: away, .. } = at[images.row(entry) as usize];
+            let x = place - there - offsets[images.number(entry)];
             // Without a branch, which would be mispredicted all the time.
-            picked[found] = Neighbour { row: other, steps };
+            picked[found] = images.moved(entry, (other, home.wrapping_sub(away)));
             found += usize::from(x.length_squared() < cutoff * cutoff);
         }
         picked.truncate(found);
@@ -276,7 +282,7 @@ fn least_stretch(before: &PeriodicBox, now: &PeriodicBox) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Boundaries, Comm, Pairs, Particles, Random};
+    use crate::{Boundaries, Comm, Neighbour, Pairs, Particles, Random};
 
     fn particles(cell: &PeriodicBox, places: &[Vector], turn: usize) -> Particles {
         let mut particles = Particles::default();
@@ -357,9 +363,10 @@ mod tests {
                     assert_eq!(pairs.list(), Pairs::find(&cell, &positions, &ids, owned, cutoff).list());
                     let fresh = Neighbours::find(&cell, &positions, owned, cutoff);
                     for row in 0..owned {
-                        let mut expected = fresh.of(row).to_vec();
+                        let mut expected: Vec<Neighbour> = fresh.of(row).iter().collect();
                         expected.sort_unstable_by_key(|n| (ids[n.row as usize], n.steps));
-                        assert_eq!(verlet_list.neighbours().of(row), expected, "turn {turn}, row {row} on {table:?}");
+                        let found: Vec<Neighbour> = verlet_list.neighbours().of(row).iter().collect();
+                        assert_eq!(found, expected, "turn {turn}, row {row} on {table:?}");
                     }
                 }
                 assert!(searches.contains(&verlet_list.searches()), "{} searches on {table:?}", verlet_list.searches());

@@ -169,7 +169,7 @@ fn smallest_gap_of(
         halo.extend(&mut places);
         halo.extend(&mut sizes);
         let neighbours = Neighbours::find(cell, &places, first.len(), cutoff);
-        let gap = |row: usize, other: &Neighbour| {
+        let gap = |row: usize, other: Neighbour| {
             let pair = Pair { i: row as u32, j: other.row, steps: other.steps };
             pair.separation(cell, &places).length() - (sizes[row] + sizes[other.row as usize])
         };

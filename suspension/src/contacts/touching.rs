@@ -52,7 +52,7 @@ impl AllTouching {
         let mut list = Vec::new();
         for row in 0..particles.len() {
             let first = list.len();
-            for neighbour in neighbours.of(row) {
+            for neighbour in neighbours.of(row).iter() {
                 let other = neighbour.row as usize;
                 let mut separation = positions[other] - positions[row];
                 if neighbour.steps != [0; 3] {

@@ -86,8 +86,8 @@ impl<T: Stored> Assembly<'_, T> {
         let most: usize = rows.clone().map(|row| self.arrangement.neighbours.of(row).len()).sum();
         let mut listed = [Listed::with_room(self.rows, most / 4), Listed::with_room(self.rows, most)];
         for row in rows {
-            for neighbour in self.arrangement.neighbours.of(row) {
-                self.list(row, *neighbour, &mut listed);
+            for neighbour in self.arrangement.neighbours.of(row).iter() {
+                self.list(row, neighbour, &mut listed);
             }
             for list in &mut listed {
                 list.ends.push(list.pairs.len());

@@ -71,7 +71,7 @@ impl Work<f64> for Pairs<'_> {
         let Self { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows } = self;
         let mut sums = Vec::new();
         for row in rows[0]..rows[1] {
-            for neighbour in neighbours.of(row) {
+            for neighbour in neighbours.of(row).iter() {
                 let (other, between) = (neighbour.row as usize, neighbour.steps.map(i32::from));
                 // From the sphere of the lower id, or of two images of one from that which is behind, to the other.
                 let image: [i32; 3] = std::array::from_fn(|d| between[d] + steps[other][d] - steps[row][d]);
