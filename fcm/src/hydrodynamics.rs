@@ -137,12 +137,13 @@ impl Hydrodynamics {
         background: Traceless,
         guess: &[Traceless],
     ) -> Result<Solved, SolveError> {
-        let mut resistances = if guess.is_empty() { vec![Traceless::ZERO; radii.len()] } else { guess.to_vec() };
-        let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
-        let mut motion = self.mobility.apply(&start, Evaluation::All);
-        drop(start);
+        let (mut motion, mut resistances) = {
+            let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
+            (self.mobility.apply(&start, Evaluation::All), start.stresslets)
+        };
         motion.add(1.0, ambient);
         // The unknowns are D = -S, for which the system is positive definite.
+        resistances.resize(radii.len(), Traceless::ZERO);
         for s in &mut resistances {
             *s = -*s;
         }

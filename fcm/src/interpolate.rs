@@ -24,15 +24,31 @@ impl Interpolation<'_> {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
-        let none = vec![(Vector::ZERO, Tensor::ZERO); self.places.len()];
-        let (mut sorted, mut motions) = (none.clone(), none);
-        self.places.par_chunks(BATCH).zip(sorted.par_chunks_mut(BATCH)).for_each(|(places, motions)| {
-            T::dispatch(Weigh { to: self, kernel, places, slab, motions });
+        let mut motions = vec![(Vector::ZERO, Tensor::ZERO); self.places.len()];
+        let by_row = &ByRow { motions: motions.as_mut_ptr(), rows: motions.len() };
+        self.places.par_chunks(BATCH).for_each(|places| {
+            T::dispatch(Weigh { to: self, kernel, places, slab, by_row });
         });
-        for (place, motion) in self.places.iter().zip(sorted) {
-            motions[place.row as usize] = motion;
-        }
         motions
+    }
+}
+
+/// Motions that threads write at the same time, each those of its own places.
+struct ByRow {
+    motions: *mut (Vector, Tensor),
+    rows: usize,
+}
+
+// SAFETY: each particle has one place, and each place is in one batch: no two threads write to the same row.
+unsafe impl Sync for ByRow {}
+
+impl ByRow {
+    #[inline(always)]
+    fn set(&self, place: &Place, motion: (Vector, Tensor)) {
+        let row = place.row as usize;
+        assert!(row < self.rows, "a place of a particle that is present");
+        // SAFETY: a row of the list, which nobody else writes to.
+        unsafe { self.motions.add(row).write(motion) };
     }
 }
 
@@ -42,7 +58,7 @@ struct Weigh<'a, T, K> {
     kernel: &'a K,
     places: &'a [Place],
     slab: &'a Slab<&'a [T]>,
-    motions: &'a mut [(Vector, Tensor)],
+    by_row: &'a ByRow,
 }
 
 impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
@@ -52,7 +68,7 @@ impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
     fn run<V: Lanes<T>>(self) {
         let Interpolation { classes, volume, .. } = self.to;
         let mut scratch = K::Scratch::default();
-        for (place, motion) in self.places.iter().zip(self.motions) {
+        for place in self.places {
             let weighed = self.kernel.collect::<V>(&mut scratch, (place, classes[place.row as usize]), self.slab);
             let (mut velocity, mut gradient) = (Vector::ZERO, [Vector::ZERO; 3]);
             for c in 0..3 {
@@ -62,7 +78,7 @@ impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
                 }
             }
             let [x, y, z] = gradient;
-            *motion = (velocity * *volume, Tensor::from_cols(x, y, z) * -*volume);
+            self.by_row.set(place, (velocity * *volume, Tensor::from_cols(x, y, z) * -*volume));
         }
     }
 }

@@ -89,7 +89,7 @@ impl<'a> Footprint<'a> {
             Precision::Double => Bytes::list::<(Load<f64>, [f64; near::RECORD])>(present),
         };
         let travels = Bytes::list::<Tensor>(2.0 * (present - owned));
-        let interpolated = Bytes::list::<Found>(2.0 * present).freed();
+        let interpolated = Bytes::list::<Found>(present).freed();
         let brought_home = Bytes::list::<Found>(present).then(Bytes::list::<Tensor>(present)).freed();
         let near = Bytes::list::<Found>(present).then(in_precision).freed();
         let all = in_precision.freed().or(interpolated).or(brought_home.then(travels.freed()).freed()).or(near);
