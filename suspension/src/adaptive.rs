@@ -3,7 +3,7 @@
 use crate::columns::VELOCITY;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::extrapolation::integral;
-use crate::integrator::{PAST, move_by, remember};
+use crate::integrator::{PAST, PAST_OF_ANY_LENGTH, move_by, remember};
 use crate::model::Adaptive;
 use crate::step_error::StepError;
 use crate::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
@@ -55,7 +55,7 @@ pub fn advance(
         let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
         move_by(particles, USED, weights(&ages, step));
         particles.positions.iter_mut().zip(&apart).for_each(|(position, &apart)| *position += apart);
-        remember(particles);
+        remember(particles, PAST_OF_ANY_LENGTH);
         let moment = Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit: None };
         outcome = dynamics.evaluate(particles, &moment)?;
         grow_older(particles, &ages, step);

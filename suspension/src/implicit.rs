@@ -4,7 +4,7 @@ use crate::columns::VELOCITY;
 use crate::contacts;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::extrapolation;
-use crate::integrator::{EXPECTED, MEAN, PAST, move_by, remember};
+use crate::integrator::{EXPECTED, MEAN, PAST, PAST_OF_ANY_LENGTH, move_by, remember};
 use crate::model::Adaptive;
 use crate::step_error::StepError;
 use crate::substeps::{AHEAD, SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
@@ -194,7 +194,7 @@ fn expect(particles: &mut Particles, length: &Length, dynamics: &mut Dynamics) {
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
     move_by(particles, USED, length.expected());
     displace(particles, &apart);
-    remember(particles);
+    remember(particles, PAST_OF_ANY_LENGTH);
     dynamics.expect_flow(length.extrapolation(), length.expected());
 }
 

@@ -18,8 +18,8 @@ pub const EXPECTED: &str = "expected velocity";
 /// leaves a sheared box on one side and enters it on the other.
 pub const VELOCITY_COLUMNS: [&str; 8] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1], MEAN, EXPECTED];
 
-/// The last columns of those, which only implicit steps have.
-pub const IMPLICIT: usize = 2;
+/// Columns of velocities of the steps before that a method which can change its steps goes on from.
+pub const PAST_OF_ANY_LENGTH: usize = 2;
 
 /// The explicit Adams-Bashforth method of order `p`,
 ///
@@ -64,13 +64,18 @@ impl AdamsBashforth {
         }
     }
 
-    /// Steps that have no past to go on from.
-    fn first_steps(self) -> u64 {
+    /// Steps before that it goes on from; so many first ones have none.
+    fn past(self) -> usize {
         match self {
             Self::Two => 1,
             Self::Three => 2,
             Self::Four => 3,
         }
+    }
+
+    /// Columns of velocities at most.
+    pub fn velocity_columns(self) -> usize {
+        1 + self.past() + STAGES.len()
     }
 
     fn go(self, particles: &mut Particles, dt: f64) {
@@ -82,7 +87,7 @@ impl AdamsBashforth {
                 move_by(particles, [VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
             }
         }
-        remember(particles);
+        remember(particles, self.past());
     }
 }
 
@@ -97,8 +102,8 @@ pub fn advance<E>(
     method: AdamsBashforth,
     mut evaluate: impl FnMut(&mut Particles, f64) -> Result<(), E>,
 ) -> Result<(), E> {
-    if steps < method.first_steps() {
-        runge_kutta(particles, dt, &mut evaluate)?;
+    if steps < method.past() as u64 {
+        runge_kutta(particles, dt, method.past(), &mut evaluate)?;
     } else {
         method.go(particles, dt);
     }
@@ -108,9 +113,10 @@ pub fn advance<E>(
 fn runge_kutta<E>(
     particles: &mut Particles,
     dt: f64,
+    past: usize,
     evaluate: &mut impl FnMut(&mut Particles, f64) -> Result<(), E>,
 ) -> Result<(), E> {
-    remember(particles);
+    remember(particles, past);
     let first = PAST[0];
     move_by(particles, [first], [0.5 * dt]);
     evaluate(particles, 0.5)?;
@@ -143,10 +149,11 @@ pub fn forget(particles: &mut Particles) {
     particles.columns.retain(|column| column.name == VELOCITY || !VELOCITY_COLUMNS.contains(&column.name.as_str()));
 }
 
-/// Makes the velocities of now the last past ones.
-pub fn remember(particles: &mut Particles) {
-    copy(particles, PAST[1], PAST[2]);
-    copy(particles, PAST[0], PAST[1]);
+/// Makes the velocities of now the last past ones, of which so many are kept.
+pub fn remember(particles: &mut Particles, past: usize) {
+    for k in (1..past).rev() {
+        copy(particles, PAST[k - 1], PAST[k]);
+    }
     copy(particles, VELOCITY, PAST[0]);
 }
 

@@ -9,7 +9,7 @@ use crate::contacts::{CONTACT_NUMBERS, SETTLING_NUMBERS, most_contacts};
 use crate::driven::DRIVEN_NUMBERS;
 use crate::forces::SurfaceForces;
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
-use crate::integrator::{IMPLICIT, VELOCITY_COLUMNS};
+use crate::integrator::{AdamsBashforth, PAST_OF_ANY_LENGTH};
 use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
 use crate::open_box;
 use crate::plan::{Radii, largest_strain};
@@ -178,7 +178,13 @@ impl Share<'_> {
 
     /// Numbers of all columns of a particle.
     fn numbers(&self) -> usize {
-        let velocities = 3 * (VELOCITY_COLUMNS.len() - if self.is_implicit() { 0 } else { IMPLICIT });
+        let velocities = 3 * match self.model.integrator {
+            Integrator::AdamsBashforth { order } => AdamsBashforth::of_order(order).velocity_columns(),
+            Integrator::Adaptive(_) => 1 + PAST_OF_ANY_LENGTH,
+            // The mean one and that which is expected too.
+            Integrator::Implicit(_) => 1 + PAST_OF_ANY_LENGTH + 2,
+            Integrator::Brownian(_) => 2,
+        };
         let velocities = velocities + usize::from(self.model.flow.keeps_flux());
         let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
         let settles = self.model.contacts.is_some_and(|contacts| contacts.settles(self.model));
