@@ -36,25 +36,25 @@ def fit(fraction, friction):
     return (1 - fraction / (0.546 + 0.094 * decay)) ** -2
 
 
-def scene(fraction, friction):
-    number = SPHERES / (1 + RATIO**-3)
+def scene(fraction, friction, spheres=SPHERES, seed=2, stiffness='"auto"'):
+    number = spheres / (1 + RATIO**-3)
     counts = {1.0: round(number), RATIO: round(number / RATIO**3)}
     volume = sum(4 / 3 * np.pi * radius**3 * count for radius, count in counts.items())
     edge = (volume / fraction) ** (1 / 3)
     species = "".join(f'[[species]]\nname = "{a:g}"\nradius = {a}\ncount = {n}\n' for a, n in counts.items())
-    return f"""seed = 2
+    return f"""seed = {seed}
 box.edges = [{edge}, {edge}, {edge}]
 fluid.viscosity = 1.0
 flow = {{ kind = "shear", rate = 1.0 }}
-contacts = {{ friction = {friction}, roughness = {ROUGHNESS} }}
+contacts = {{ friction = {friction}, roughness = {ROUGHNESS}, stiffness = {stiffness} }}
 hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
 time = {{ step = {STEP}, duration = {STRAIN} }}
 output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
 {species}"""
 
 
-def measured(case):
-    """Columns of the time series after the start, and processor seconds."""
+def measured(*case):
+    """Columns of the time series of a scene, and processor seconds."""
     with tempfile.TemporaryDirectory() as place:
         path = pathlib.Path(place) / "scene.toml"
         path.write_text(scene(*case))
@@ -77,7 +77,7 @@ def mean_and_error(values):
 
 def row(case):
     fraction, friction = case
-    columns, seconds = measured(case)
+    columns, seconds = measured(*case)
     late = columns["time"] >= SETTLED
     viscosity, error = mean_and_error(columns["relative_viscosity"][late])
     contact = sum(values for name, values in columns.items() if name.startswith("stress_contact_xy"))
