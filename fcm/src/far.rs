@@ -1,6 +1,5 @@
 //! The far field: through the grid.
 
-use crate::bounded::HIGHEST;
 use crate::envelope::{Common, Envelope, Source};
 use crate::gaussian::{self, Gaussians, Sources, Terms};
 use crate::interpolate::Interpolation;
@@ -18,7 +17,6 @@ use solver::{
     Channel, ChannelFaces, ChannelWeights, Field, Grid, Multiplier, OpenSpace, Physical, Real, Stokes, Transform,
 };
 use std::borrow::Cow;
-use std::f64::consts::PI;
 use std::marker::PhantomData;
 
 /// What particles apply: the forces and dipoles of all present, or none at all of a kind.
@@ -226,7 +224,7 @@ fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, co
         axis: |k: f64| window.growth(k * spacing.z),
         second_moment: window.second_moment() * spacing.z * spacing.z,
         smoothing: common.width * common.width - common.increment,
-        highest: HIGHEST * PI / spacing.max_element(),
+        highest: plan.highest_at_walls(),
     };
     Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
 }

@@ -6,6 +6,7 @@ use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
 use crate::near::{Loaded, Near, NearField};
 use crate::noise::{self, Components, Drawn, Stream, root_times};
+use crate::own_images::OwnImages;
 use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
 use crate::work::{Clock, Work};
@@ -47,6 +48,7 @@ pub struct Mobility {
     partition: Partition,
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
+    own_images: Option<OwnImages>,
     arrangement: Arrangement,
     verlet_list: VerletList,
     constraint: Option<Constraint>,
@@ -84,6 +86,7 @@ impl Mobility {
             partition: partition.clone(),
             far,
             near,
+            own_images: OwnImages::new(&own),
             arrangement,
             verlet_list,
             constraint: None,
@@ -168,6 +171,9 @@ impl Mobility {
             let loaded = arrangement.loaded(&forces, &dipoles);
             let neighbours = self.verlet_list.neighbours();
             near.add(&loaded, neighbours, gradients, &mut motions);
+            if let Some(images) = &self.own_images {
+                images.add(&loaded, gradients, &mut motions);
+            }
             self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
         }

@@ -1,7 +1,7 @@
 //! Ways to evaluate a problem.
 
 use crate::accuracy::{self, Accuracy, Brackets};
-use crate::bounded::wall_error;
+use crate::bounded::{highest_at_walls, wall_error};
 use crate::cost;
 use crate::envelope::{Common, Envelope};
 use crate::gaussian::STEP;
@@ -11,6 +11,7 @@ use crate::stencil::Support;
 use crate::window::Window;
 use domain::{Boundaries, Vector};
 use solver::Grid;
+use std::f64::consts::PI;
 
 /// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
 /// below the tolerance: 1.3 times below in the worst of them, about six times in a typical one.
@@ -18,9 +19,13 @@ const MONOPOLE_LEEWAY: f64 = 0.8;
 const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
-/// Between walls and in layers, of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than
-/// those of a flow: eight of them between walls keep tolerances from 1e-2 to 1e-4.
-const RIGID_LEEWAY_BOUNDED: f64 = 0.04;
+/// At walls and in layers, of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than those of
+/// a flow.
+const RIGID_LEEWAY_WALLS: f64 = 0.15;
+const RIGID_LEEWAY_LAYER: f64 = 0.04;
+
+/// Grids at walls, in units of the coarsest that has their flow: on finer ones windows err less.
+const FINER_AT_WALLS: [f64; 5] = [1.0, 1.1, 1.2, 1.35, 1.6];
 
 /// Edges of the box that a cutoff may span: images are counted in bytes.
 const FARTHEST: f64 = 60.0;
@@ -31,6 +36,7 @@ fn coarser(points: usize) -> f64 {
 }
 
 /// One way to keep a tolerance: what a method needs, and the width of its Gaussian.
+#[derive(Clone, Copy)]
 struct Candidate {
     method: MethodName,
     accuracy: Accuracy,
@@ -62,13 +68,8 @@ impl Problem {
     /// Plans that keep the tolerance: the best of each method, precision and stencil.
     pub(crate) fn candidates(&self) -> Vec<Plan> {
         let mut best: Vec<Plan> = Vec::new();
-        for mut candidate in self.direct().into_iter().chain(self.split()) {
-            let least = candidate.width / self.coarsest_at_walls();
-            candidate.accuracy.resolution = candidate.accuracy.resolution.max(least);
-            if self.boundaries.walls() > 0 {
-                candidate.accuracy.points = self.points_at_walls(&candidate);
-            }
-            for precision in self.precisions() {
+        for candidate in self.direct().into_iter().chain(self.split()) {
+            for (candidate, precision) in self.precisions().flat_map(|precision| self.at_walls(&candidate, precision)) {
                 let is_within = |plan: &Plan| plan.method.cutoff() <= FARTHEST * self.edges.min_element();
                 let Some(plan) = self.plan(&candidate, precision).filter(is_within) else { continue };
                 let alike = |other: &&mut Plan| {
@@ -109,7 +110,8 @@ impl Problem {
             (Multipoles::Dipole, true) if matches!(self.boundaries, Boundaries::Periodic | Boundaries::Open) => {
                 RIGID_LEEWAY
             }
-            (Multipoles::Dipole, true) => RIGID_LEEWAY_BOUNDED,
+            (Multipoles::Dipole, true) if self.boundaries == Boundaries::OpenAlongZ => RIGID_LEEWAY_LAYER,
+            (Multipoles::Dipole, true) => RIGID_LEEWAY_WALLS,
         }
     }
 
@@ -217,16 +219,51 @@ impl Problem {
         (grid.iter().map(|&n| n as f64).product::<f64>() <= Grid::MOST_IN_ALL).then_some(grid)
     }
 
-    /// Points of a window that keeps the tolerance at walls, on the grid of a candidate.
-    fn points_at_walls(&self, candidate: &Candidate) -> usize {
-        let Accuracy { resolution, points } = candidate.accuracy;
-        let spacing = candidate.width / resolution;
-        let is_enough = |&points: &usize| self.wall_error(candidate.width, spacing, points) <= self.allowed_at_walls();
-        (points..=Window::POINTS[1]).find(is_enough).unwrap_or(Window::POINTS[1])
+    /// A candidate on grids that are fine enough at walls, each with windows that err little enough there; if there are none, on the
+    /// finest of them with those that err least. Without walls as it is.
+    fn at_walls(&self, candidate: &Candidate, precision: Precision) -> Vec<(Candidate, Precision)> {
+        if self.boundaries.walls() == 0 {
+            return vec![(*candidate, precision)];
+        }
+        let Candidate { accuracy: Accuracy { resolution, points }, width, .. } = *candidate;
+        let coarsest = resolution.max(width / self.coarsest_at_walls());
+        let with = |factor: f64, points: usize| {
+            let accuracy = Accuracy { resolution: factor * coarsest, points };
+            let error = self.wall_error(width, width / accuracy.resolution, points);
+            (Candidate { accuracy, ..*candidate }, error.hypot(self.amplified(width, accuracy, precision)))
+        };
+        let windows = |factor: f64| (points..=Window::POINTS[1].max(points)).map(move |points| with(factor, points));
+        // What is beyond the wavenumbers of the grid may have its share, and what folds onto them another.
+        let allowed = 2.0_f64.sqrt() * self.allowed_at_walls();
+        let enough = |factor: f64| windows(factor).find(|(_, error)| *error <= allowed);
+        // A grid that is fixed is as it is.
+        let finer = &FINER_AT_WALLS[..if self.fixed.grid.is_some() { 1 } else { FINER_AT_WALLS.len() }];
+        let mut found: Vec<_> = finer.iter().filter_map(|&factor| enough(factor)).collect();
+        if found.is_empty() {
+            let least = windows(finer[finer.len() - 1]).min_by(|one, other| one.1.total_cmp(&other.1));
+            found.extend(least);
+        }
+        found.into_iter().map(|(candidate, _)| (candidate, precision)).collect()
+    }
+
+    /// Round-off as the highest wavenumbers amplify it, on which a window that is long for its Gaussian has next to nothing.
+    fn amplified(&self, width: f64, Accuracy { resolution, points }: Accuracy, precision: Precision) -> f64 {
+        let window = Window::new(points, resolution);
+        let Brackets { common, own, .. } = self.brackets(width);
+        let gain = |k: f64| {
+            let square = (k * resolution).powi(2);
+            (-0.5 * square).exp() * (1.0 + common * square) * (1.0 + own * square) * window.transform(0.0)
+                / window.transform(k)
+        };
+        let most = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0].map(|part| gain(part * PI)).into_iter().fold(1.0, f64::max);
+        most.powi(2) * if precision == Precision::Single { accuracy::ROUND_OFF } else { f64::EPSILON }
     }
 
     /// The error of walls on a grid of this spacing with windows of so many points that stand for a Gaussian of this width.
     fn wall_error(&self, width: f64, spacing: f64, points: usize) -> f64 {
+        if self.boundaries.walls() == 0 {
+            return 0.0;
+        }
         let resolution = width / spacing;
         let widths = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
         let common = Common::new(width, widths.into_iter());
@@ -234,7 +271,8 @@ impl Problem {
         let rests = forces.into_iter().chain(widths).map(|sigma| common.rest(sigma).abs());
         let own = 0.5 * rests.fold(0.0, f64::max) / (spacing * spacing);
         let window = (Window::new(points, resolution), own);
-        wall_error(self.boundaries, spacing / self.smallest_radius(), window)
+        let highest = highest_at_walls(self.tolerance, self.smallest_radius(), spacing) * self.smallest_radius();
+        wall_error(highest, spacing / self.smallest_radius(), window)
     }
 
     /// Lengths that the grid of a candidate has to have.

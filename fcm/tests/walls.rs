@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Reference, Suspension, error, errors, on_ranks, tensors, vectors, worst};
+use common::{Reference, Suspension, errors, on_ranks, rigid_errors, solved, worst};
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, Mobility, Motion, Plan, Precision, Problem, Solved};
 use std::f64::consts::PI;
@@ -15,36 +15,16 @@ fn slit() -> Reference {
     Reference::read(include_str!("../../validation/data/slit-8.csv"), cell([14.0, 14.0, 12.0], Boundaries::Walls))
 }
 
-/// Errors of all spheres, and of those farther than a tenth of their radius from a wall, over the motions of all.
+/// Errors of all spheres, of which some may be at walls.
 fn keeps_tolerances(reference: &Reference) {
     let suspension = &reference.suspension;
-    let gap = |row: usize| {
-        let (z, radius) = (suspension.positions[row].z, suspension.radii[row]);
-        let walls = [z, suspension.cell.edges().z - z];
-        walls[..suspension.cell.boundaries().walls()].iter().fold(f64::INFINITY, |gap, d| gap.min(d / radius - 1.0))
-    };
-    let far: Vec<bool> = (0..suspension.radii.len()).map(|row| gap(row) > 0.1).collect();
     for tolerance in [1e-2, 1e-3, 1e-4] {
-        let plan = Plan::choose(&Problem { rigid: true, ..suspension.problem(tolerance) }).unwrap();
-        let mut hydrodynamics =
-            Hydrodynamics::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
-        let found = hydrodynamics
-            .solve(&suspension.cell, &suspension.particles(), &reference.loads, Traceless::ZERO, &[])
-            .unwrap();
-        for (name, found, exact) in [
-            ("velocities", vectors(&found.motion.velocities), vectors(&reference.motion.velocities)),
-            ("spins", vectors(&found.motion.angular_velocities), vectors(&reference.motion.angular_velocities)),
-            ("stresslets", tensors(&found.stresslets), tensors(&reference.stresslets)),
-        ] {
-            let width = found.len() / far.len();
-            // Spheres at walls as they should be.
-            let rows = || (0..found.len()).map(|i| if far[i / width] { found[i] } else { exact[i] });
-            let (of_far, of_all) = (error(&rows().collect::<Vec<_>>(), &exact), error(&found, &exact));
-            println!("{:?} {tolerance:e} {name} {of_far:.1e} {of_all:.1e} {}", plan.boundaries, plan.in_short());
-            assert!(of_far < tolerance, "{name}: {of_far:e} at {tolerance:e}");
-            // Nearer than a tenth of a radius, a sphere sees more wavenumbers of its image than the grid has.
-            assert!(of_all < 10.0 * tolerance, "{name} with spheres at walls: {of_all:e} at {tolerance:e}");
-        }
+        let found = solved(suspension, &reference.loads, tolerance);
+        let exact =
+            Solved { stresslets: reference.stresslets.clone(), motion: reference.motion.clone(), ..found.clone() };
+        let errors = rigid_errors(&found, &exact);
+        println!("{:?} {tolerance:e} {errors:?}", suspension.cell.boundaries());
+        assert!(errors.iter().all(|error| *error < tolerance), "{errors:?} at {tolerance:e}");
     }
 }
 
@@ -72,21 +52,9 @@ fn random_rigid_spheres_in_open_space_keep_tolerances() {
     for name in 0..16 {
         let suspension = random_in_open_space(name);
         let loads = Loads { stresslets: Vec::new(), ..suspension.loads(name) };
-        let solved = |tolerance: f64| {
-            let plan = Plan::choose(&Problem { rigid: true, ..suspension.problem(tolerance) }).unwrap();
-            let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-            let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
-            hydrodynamics.solve(&suspension.cell, &suspension.particles(), &loads, Traceless::ZERO, &[]).unwrap()
-        };
-        let exact = solved(1e-7);
+        let exact = solved(&suspension, &loads, 1e-7);
         for (worst, tolerance) in worst.iter_mut().zip([1e-2, 1e-3, 1e-4]) {
-            let found = solved(tolerance);
-            let of = |of: &dyn Fn(&Solved) -> Vec<f64>| error(&of(&found), &of(&exact));
-            let errors = [
-                of(&|solved| vectors(&solved.motion.velocities)),
-                of(&|solved| vectors(&solved.motion.angular_velocities)),
-                of(&|solved| tensors(&solved.stresslets)),
-            ];
+            let errors = rigid_errors(&solved(&suspension, &loads, tolerance), &exact);
             let largest = errors.into_iter().fold(0.0, f64::max);
             assert!(largest < tolerance, "case {name} at {tolerance:e}: {errors:?} of {suspension:?}");
             *worst = worst.max(largest / tolerance);

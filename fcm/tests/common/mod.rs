@@ -7,10 +7,12 @@ mod dense;
 mod measure;
 mod ranks;
 mod reference;
+mod solve;
 mod suspension;
 mod wavevectors;
 
 pub use measure::{at_surfaces, difference, error, errors, tensors, vectors, worst};
 pub use ranks::on_ranks;
 pub use reference::Reference;
+pub use solve::{rigid_errors, solved};
 pub use suspension::Suspension;
