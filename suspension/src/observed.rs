@@ -147,10 +147,7 @@ impl Simulation for Observed {
         let mut warnings = self.observer.warnings();
         let clipped = self.suspension.clipped();
         if clipped > Drawn::NEGLIGIBLE {
-            warnings.push(format!(
-                "up to {clipped:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try {}",
-                self.observer.remedies()
-            ));
+            warnings.push(self.observer.remedies().left_out(clipped));
         }
         warnings
     }
