@@ -153,12 +153,21 @@ impl Plan {
 
     /// Where the grid's first point is: where the lowest sphere's window begins, along axes that do not repeat.
     pub(crate) fn first_point(&self) -> Vector {
-        let (smallest, half) = (self.extremes().0, 0.5 * self.support.support as f64);
+        let half = 0.5 * self.support.support as f64;
         let first = |axis: usize| {
-            let lowest = allowed(self.boundaries, self.edges[axis], smallest)[0];
-            if self.boundaries.is_periodic(axis) { 0.0 } else { lowest - half * self.spacing()[axis] }
+            if self.boundaries.is_periodic(axis) { 0.0 } else { self.span(axis)[0] - half * self.spacing()[axis] }
         };
         Vector::from_array(std::array::from_fn(first))
+    }
+
+    /// From where to where centres of spheres may be along an axis that does not repeat, or points of the fluid if velocities
+    /// are asked for there.
+    pub(crate) fn span(&self, axis: usize) -> [f64; 2] {
+        let (edge, walls) = (self.edges[axis], self.boundaries.walls());
+        match self.beyond {
+            None => allowed(self.boundaries, edge, self.extremes().0),
+            Some(beyond) => [if walls > 0 { 0.0 } else { -beyond }, edge + if walls > 1 { 0.0 } else { beyond }],
+        }
     }
 
     /// How far a rank's share of the grid and its share of the box may be apart along y and z.

@@ -14,6 +14,9 @@ pub struct Envelope {
 }
 
 impl Envelope {
+    /// That of a point of the fluid.
+    pub const POINT: Self = Self { monopole: 0.0, dipole: 0.0 };
+
     /// The envelopes of a sphere of the given radius.
     pub fn of_sphere(radius: f64) -> Self {
         Self { monopole: radius / PI.sqrt(), dipole: radius / (6.0 * PI.sqrt()).cbrt() }

@@ -1,21 +1,21 @@
 //! The far field: through the grid.
 
-use crate::envelope::{Common, Envelope, Source};
+mod operator;
+
+use crate::envelope::{Envelope, Source};
 use crate::gaussian::{self, Gaussians, Sources, Terms};
 use crate::interpolate::Interpolation;
 use crate::kernel::{Kernel, Load};
 use crate::noise::Stream;
 use crate::plan::Plan;
-use crate::problem::Method;
 use crate::spread::Spread;
 use crate::stencil::{Place, places};
-use crate::window::{self, Window, Windowed};
+use crate::window::{self, Windowed};
 use crate::work::{Clock, Work};
-use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector, power_of_two};
+use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector};
+use operator::{lattice, operator, unit_volume};
 use rayon::prelude::*;
-use solver::{
-    Channel, ChannelFaces, ChannelWeights, Field, Grid, Multiplier, OpenSpace, Physical, Real, Stokes, Transform,
-};
+use solver::{Field, Grid, Physical, Real, Stokes, Transform};
 use std::borrow::Cow;
 use std::marker::PhantomData;
 
@@ -42,6 +42,13 @@ pub(crate) trait FarField {
     /// The velocities and velocity gradients, by what this rank's share of the grid adds to them.
     fn motions(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)>;
 
+    /// The field of the loads alone, without what it moves.
+    fn solve(&mut self, loads: &FarLoads, work: &mut Work);
+
+    /// The velocities of the last field at points of the fluid in a box that does not repeat along all axes, by what this rank's
+    /// share of the grid adds to them: the transform of a point's envelope is 1, of which the grid has what is common to all.
+    fn velocities_at(&mut self, cell: &PeriodicBox, points: &[Vector]) -> Vec<Vector>;
+
     /// Velocities and velocity gradients, or velocities alone, of the covariance of those by random forces and dipoles, by what
     /// this rank's share of the grid adds to them.
     fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: Stream) -> Vec<(Vector, Tensor)>;
@@ -65,6 +72,8 @@ pub(crate) struct Far<T: Real> {
     /// That of the last velocity field, which is lost once this is known.
     divergence: Option<f64>,
     stencils: Stencils<T>,
+    /// Those of points of the fluid, once they are asked for.
+    of_points: Option<Stencils<T>>,
     places: Vec<Place>,
 }
 
@@ -88,6 +97,7 @@ impl<T: Real> Far<T> {
             transform,
             field,
             divergence: None,
+            of_points: None,
             places: Vec::new(),
         }
     }
@@ -144,105 +154,28 @@ impl<T: Real> Far<T> {
     ///
     /// # Panics
     /// If a window goes around the grid along such an axis: what comes out would not be a small error but nonsense.
-    fn arrange_bounded(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
+    fn bounded_places(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vec<Place> {
         let (plan, extent) = (&self.plan, self.stencils.extent(&self.plan));
         let first = cell.origin() + plan.first_point();
         let positions: Vec<Vector> = positions.iter().map(|&position| position - first).collect();
-        self.places = places(&self.grid, extent, &positions);
+        let found = places(&self.grid, extent, &positions);
         for axis in (0..3).filter(|&axis| !plan.boundaries.is_periodic(axis)) {
             let is_open = plan.boundaries == Boundaries::Open;
             let last = plan.grid[axis] / if is_open { 2 } else { 1 } - extent[axis];
-            let is_whole = self.places.iter().all(|place| place.first[axis] as usize <= last);
+            let is_whole = found.iter().all(|place| place.first[axis] as usize <= last);
             assert!(is_whole, "a sphere is outside of a box that does not repeat along its axis {axis}");
         }
+        found
     }
 
     fn evaluate(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)> {
+        self.solve(loads, work);
         let mut clock = Clock::start();
-        self.spread(loads, work);
-        clock.stop(&mut work.seconds.spread);
-        self.transform.apply(&mut self.field, &self.operator);
-        self.divergence = None;
-        clock.stop(&mut work.seconds.fft);
         let motions = self.interpolate(loads.classes, wanted);
         clock.stop(&mut work.seconds.interpolate);
-        work.transforms += 1;
         work.dipole_interpolations += u64::from(wanted != Wanted::Velocities);
         motions
     }
-}
-
-/// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for
-/// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point,
-/// which is taken in units of [`unit_volume`] here.
-fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<T> {
-    let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
-        return Stokes::new(grid, plan.viscosity);
-    };
-    let (spacing, strain) = (grid.spacing(), grid.cell().strain());
-    let volume = spacing.x * spacing.y * spacing.z;
-    let unit = unit_volume(plan, grid);
-    // In a lattice that leans the Gaussian is no product of functions along the axes: the solve has it.
-    let width = if grid.cell().is_upright() { 0.0 } else { common.width };
-    let gaussian = |exponent: f64| if width > 0.0 { 1.0 } else { exponent.exp() };
-    let factor = |k: f64, spacing: f64| {
-        let amplitude = gaussian(-0.5 * (k * common.width).powi(2));
-        amplitude / window.transform(k * spacing)
-    };
-    // The window stands along the lattice, the Gaussian does not.
-    let plane = |k1: f64, k2: f64| {
-        let along = k2 + strain * k1;
-        let tilted = gaussian(-0.5 * (k2 * k2 - along * along) * common.width.powi(2));
-        (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
-    };
-    let axis = |k3: f64| factor(k3, spacing.z).powi(2);
-    let widening = 0.5 * common.increment;
-    if plan.boundaries == Boundaries::Open {
-        let bracket = |k: Vector| (1.0 + widening * k.length_squared()).powi(2);
-        let multiplier = |k: Vector| plane(k.x, k.y) * axis(k.z) * bracket(k);
-        // Beyond the cutoff the flow of common Gaussians is that of the envelopes.
-        let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.method.cutoff());
-        return Stokes::in_open_space(grid, kernel);
-    }
-    let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });
-    match plan.boundaries {
-        Boundaries::Periodic => operator,
-        _ => operator.with_channel(channel(plan, grid, partition, (window, common))),
-    }
-}
-
-/// What walls, and the fluid beyond open faces, add to the periodic solve. The common Gaussian and its bracket act on it as
-/// `1 + (Sigma^2 - D)/2 lap`.
-fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, common): (Window, Common)) -> Channel<T> {
-    let spacing = grid.spacing();
-    let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
-    let plane =
-        |k1: f64, k2: f64| (unit / (window.transform(k1 * spacing.x) * window.transform(k2 * spacing.y))).powi(2);
-    let faces = ChannelFaces { walls: plan.boundaries.walls(), height: plan.edges.z, first: plan.first_point().z };
-    let weights = ChannelWeights {
-        plane,
-        axis: |k: f64| window.growth(k * spacing.z),
-        second_moment: window.second_moment() * spacing.z * spacing.z,
-        smoothing: common.width * common.width - common.increment,
-        highest: plan.highest_at_walls(),
-    };
-    Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
-}
-
-/// The lattice of the grid's copies: that of the box, unless that does not repeat along all axes.
-fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
-    match plan.boundaries {
-        Boundaries::Periodic => *cell,
-        _ => PeriodicBox::new(plan.period).expect("a plan has a grid"),
-    }
-}
-
-/// The unit in which an operator takes the volume of a point of the grid: that volume to a power of two with the split
-/// method, whose grids may be far coarser than a radius, as in a box of a few particles that are far apart. What comes
-/// out is the larger by its square.
-fn unit_volume(plan: &Plan, grid: &Grid) -> f64 {
-    let spacing = grid.spacing();
-    if plan.method == Method::Direct { 1.0 } else { power_of_two(spacing.x * spacing.y * spacing.z) }
 }
 
 /// Something done with a kernel.
@@ -284,8 +217,13 @@ fn envelopes(plan: &Plan) -> Vec<Envelope> {
 
 impl<T: Real> Stencils<T> {
     fn new(plan: &Plan, grid: &Grid) -> Self {
+        Self::for_envelopes(plan, grid, &envelopes(plan))
+    }
+
+    /// Those of spheres of the plan, or of others that share its common Gaussian.
+    fn for_envelopes(plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
         match (plan.window(), plan.common()) {
-            (Some(window), Some(common)) => Self::Window(window::Lattice::new(grid, window, common, &envelopes(plan))),
+            (Some(window), Some(common)) => Self::Window(window::Lattice::new(grid, window, common, envelopes)),
             _ => Self::gaussian(plan, grid),
         }
     }
@@ -337,7 +275,7 @@ impl<T: Real> Stencils<T> {
 impl<T: Real> FarField for Far<T> {
     fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
         if cell.boundaries() != Boundaries::Periodic {
-            self.arrange_bounded(cell, positions);
+            self.places = self.bounded_places(cell, positions);
             return;
         }
         if cell != self.grid.cell() {
@@ -350,6 +288,24 @@ impl<T: Real> FarField for Far<T> {
 
     fn motions(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)> {
         self.evaluate(loads, wanted, work)
+    }
+
+    fn solve(&mut self, loads: &FarLoads, work: &mut Work) {
+        let mut clock = Clock::start();
+        self.spread(loads, work);
+        clock.stop(&mut work.seconds.spread);
+        self.transform.apply(&mut self.field, &self.operator);
+        self.divergence = None;
+        clock.stop(&mut work.seconds.fft);
+        work.transforms += 1;
+    }
+
+    fn velocities_at(&mut self, cell: &PeriodicBox, points: &[Vector]) -> Vec<Vector> {
+        let (places, volume) = (self.bounded_places(cell, points), self.interpolated_volume());
+        let (plan, grid) = (&self.plan, &self.grid);
+        let stencils = self.of_points.get_or_insert_with(|| Stencils::for_envelopes(plan, grid, &[Envelope::POINT]));
+        let to = Interpolation { places: &places, classes: &vec![0; points.len()], volume };
+        stencils.with([true, false], From { to, field: &self.field }).into_iter().map(|motion| motion.0).collect()
     }
 
     fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: Stream) -> Vec<(Vector, Tensor)> {

@@ -1,10 +1,12 @@
 //! What a mobility, and the solve for stresslets, take.
 
+use crate::envelope::Envelope;
 use crate::kernel::Load;
 use crate::near::{self, Near};
 use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
 use crate::stencil::Place as Stencil;
+use crate::table::{PairFunctions, Table};
 use domain::{Boundaries, Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
 use solver::Real;
 
@@ -56,7 +58,7 @@ impl<'a> Footprint<'a> {
 
     fn tables<T: Real>(&self) -> f64 {
         let Some(common) = self.plan.common() else { return 0.0 };
-        let envelopes: Vec<_> = self.plan.radii.iter().map(|&a| crate::envelope::Envelope::of_sphere(a)).collect();
+        let envelopes: Vec<_> = self.plan.radii.iter().map(|&a| Envelope::of_sphere(a)).collect();
         Near::<T>::table_bytes(&envelopes, common, self.plan.method.cutoff(), self.plan.table_tolerance())
     }
 
@@ -123,6 +125,32 @@ impl<'a> Footprint<'a> {
         Bytes::list::<[f64; 3]>(points).then(Bytes::list::<[f64; 3]>(points).freed())
     }
 
+    /// [`crate::Mobility::flow`], plane by plane: loads, near functions, and the points of a plane with what the grid moves them by.
+    pub fn flow(&self) -> Bytes {
+        let [nx, ny, _] = self.plan.points_of_flow();
+        let points = (nx * ny) as f64;
+        let loads = |particles: f64| Bytes::list::<(Vector, Tensor)>(particles);
+        // Images of particles whose near field reaches a plane: all, at most.
+        let images = Bytes::list::<(Vector, Tensor, Vector, u64)>(self.expected.owned());
+        let plane = Bytes::list::<Vector>(points).then(Bytes::list::<(u32, Stencil)>(points));
+        let moved = Bytes::list::<[(Vector, Tensor); 2]>(points);
+        let spread = match self.plan.precision {
+            Precision::Single => Bytes::list::<Load<f32>>(self.present()),
+            Precision::Double => Bytes::list::<Load<f64>>(self.present()),
+        };
+        let tables = Bytes::keep(self.tables_of_points());
+        let planes = loads(self.expected.owned()).then(tables).then(plane.then(moved).or(images).freed());
+        loads(self.present()).then(spread).freed().or(planes)
+    }
+
+    fn tables_of_points(&self) -> f64 {
+        let Some(common) = self.plan.common() else { return 0.0 };
+        let (cutoff, tolerance) = (self.plan.method.cutoff(), self.plan.table_tolerance());
+        let functions = |&a: &f64| PairFunctions::new(Envelope::POINT, Envelope::of_sphere(a), common);
+        let bytes = |functions: PairFunctions| Table::<f64>::bytes(&functions, cutoff, tolerance).unwrap_or(0.0);
+        self.plan.radii.iter().map(functions).map(bytes).sum()
+    }
+
     /// Points of the rank's share of the grid.
     pub fn points(&self) -> f64 {
         self.grid.points()
@@ -135,7 +163,7 @@ impl<'a> Footprint<'a> {
 
     /// The plan for the flow itself, in a box sheared as far as it will be; none where no grid can carry it.
     pub fn plan_of_flow(&self, largest_strain: f64) -> Option<Plan> {
-        self.plan.on_the_grid_alone(largest_strain).ok()
+        self.plan.of_flow(largest_strain).ok()
     }
 
     /// The place of this rank among those that share out the grid of another plan.

@@ -1,5 +1,9 @@
 //! The linear map from loads to motions.
 
+mod flow;
+
+pub use flow::Flow;
+
 use crate::constraint::Constraint;
 use crate::envelope::Envelope;
 use crate::far::{Far, FarField, FarLoads, Wanted};
@@ -161,7 +165,7 @@ impl Mobility {
             Evaluation::All => Wanted::Both,
         };
         let arrangement = &self.arrangement;
-        let far_loads = FarLoads { classes: &arrangement.classes, forces: &forces, dipoles: &dipoles };
+        let far_loads = arrangement.far_loads(&forces, &dipoles);
         let mut motions = self.far.motions(&far_loads, wanted_far, &mut self.work);
         clock.restart();
         arrangement.collect(&mut motions);
@@ -331,6 +335,11 @@ fn parts<T: Real>(
 }
 
 impl Arrangement {
+    /// Loads of the particles present, for the grid.
+    fn far_loads<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> FarLoads<'a> {
+        FarLoads { classes: &self.classes, forces, dipoles }
+    }
+
     /// The particles present with loads.
     fn loaded<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> Loaded<'a> {
         Loaded { cell: &self.cell, positions: &self.positions, classes: &self.classes, forces, dipoles }

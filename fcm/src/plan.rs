@@ -76,6 +76,9 @@ pub struct Plan {
     pub boundaries: Boundaries,
     /// Lengths after which the grid repeats: the edges, or longer along axes that do not repeat.
     pub period: Vector,
+    /// How far beyond its open faces there are points where the velocity of the fluid is asked for; none if that is asked for at
+    /// centres of spheres alone.
+    pub beyond: Option<f64>,
     /// The part of each of these edges that will be left at least.
     pub contraction: f64,
     /// Whether its third lattice vector leans.
@@ -168,6 +171,7 @@ impl Plan {
         Self {
             edges: self.edges / units.length,
             period: self.period / units.length,
+            beyond: self.beyond.map(length),
             radii: self.radii.iter().map(|&radius| length(radius)).collect(),
             viscosity: self.viscosity / units.viscosity,
             method,

@@ -315,6 +315,7 @@ impl Problem {
             edges: self.edges,
             boundaries: self.boundaries,
             period,
+            beyond: None,
             contraction: self.contraction,
             leans: self.leans(),
             radii: self.radii.iter().map(|r| r.0).collect(),

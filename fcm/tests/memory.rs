@@ -5,8 +5,8 @@ mod common;
 mod heap;
 
 use common::Suspension;
-use domain::{Comm, ExpectedCounts, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Footprint, Hydrodynamics, MethodName, Plan, Problem};
+use domain::{Boundaries, Comm, ExpectedCounts, Partition, PeriodicBox, Traceless, Vector};
+use fcm::{Fixed, Footprint, Hydrodynamics, MethodName, Mobility, Plan, Problem};
 use heap::measured;
 
 const COUNT: usize = 3000;
@@ -49,6 +49,36 @@ fn predictions_are_what_is_allocated() {
         assert!(found.most < 1e-2 * footprint.mobility().kept, "the divergence takes {found:?} beside the field");
     }
     boxes_that_lean();
+    flow_at_points();
+}
+
+/// Between walls, where the flow is found plane by plane.
+fn flow_at_points() {
+    let walls = PeriodicBox::new(Vector::new(47.0, 40.0, 30.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
+    let in_the_middle = PeriodicBox::new(Vector::new(47.0, 40.0, 26.0)).unwrap();
+    let mut suspension = Suspension::random(COUNT, 1.0, in_the_middle, 1);
+    suspension.positions.iter_mut().for_each(|x| x.z += 2.0);
+    suspension.cell = walls;
+    for tolerance in [1e-3, 1e-6] {
+        let plan = Plan::choose(&suspension.problem(tolerance)).unwrap().with_points().unwrap();
+        let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+        let expected = ExpectedCounts::new(plan.edges, &[(1.0, COUNT)], partition.place());
+        let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
+        let (particles, loads) = (suspension.particles(), suspension.loads(1));
+        let (mut mobility, found) = measured(|| {
+            let mut mobility = Mobility::new(&plan, &partition);
+            mobility.arrange(&walls, &particles);
+            mobility
+        });
+        near(0.1, footprint.mobility().kept, found.kept);
+        let raster = plan.raster(Vector::ZERO);
+        let (_, found) = measured(|| {
+            let mut flow = mobility.flow(&loads);
+            (0..raster.points[2])
+                .for_each(|k| assert_eq!(flow.plane(&raster, k).len(), raster.points[0] * raster.points[1]));
+        });
+        near(0.2, footprint.flow().most, found.most);
+    }
 }
 
 /// A lattice that leans, on a grid so flat that the tables of the modes in its plane are as large as the field.

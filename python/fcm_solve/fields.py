@@ -1,4 +1,4 @@
-"""The velocity of the fluid on the grid, by step."""
+"""The velocity of the fluid at points of the box, by step."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,12 +24,18 @@ class Field:
     """(3,), of the box; length"""
     strain: float
     """The box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)."""
+    origin: np.ndarray
+    """(3,), the place of the first point; length"""
+    spacing: np.ndarray
+    """(3,), distances of the points along the edges; length"""
 
     def to_xarray(self):
         """A DataArray with the places of the grid's points along the edges of the box."""
         xarray = needed("xarray", "field.to_xarray()")
         counts = self.velocity.shape[2::-1]
-        places = {name: np.arange(n) * edge / n for name, n, edge in zip("xyz", counts, self.edges)}
+        places = {
+            name: first + np.arange(n) * step for name, n, first, step in zip("xyz", counts, self.origin, self.spacing)
+        }
         attributes = {"units": "length/time", "step": self.step, "time": self.time, "strain": self.strain}
         coordinates = {**places, "axis": ["x", "y", "z"]}
         return xarray.DataArray(self.velocity, coordinates, ("z", "y", "x", "axis"), "velocity", attributes)
@@ -50,7 +56,11 @@ class Fields(Mapping):
         with opened(self._paths[step], "fields") as file:
             velocity, attributes = file["velocity"][:], dict(file.attrs)
         time, strain = float(attributes["time"]), float(attributes["strain"])
-        return Field(int(attributes["step"]), time, velocity, np.array(attributes["edges"]), strain)
+        edges = np.array(attributes["edges"])
+        # Files of boxes that repeat along all axes do not say where points are: from 0 on, around the box.
+        origin = np.array(attributes.get("origin", np.zeros(3)))
+        spacing = np.array(attributes.get("spacing", edges / velocity.shape[2::-1]))
+        return Field(int(attributes["step"]), time, velocity, edges, strain, origin, spacing)
 
     def __iter__(self):
         return iter(self._paths)

@@ -52,7 +52,7 @@ class Run:
 
     @cached_property
     def fields(self) -> Fields:
-        """The velocity of the fluid on the grid, by step."""
+        """The velocity of the fluid at points of the box, by step."""
         return Fields(self.folder / "fields")
 
     @cached_property

@@ -104,6 +104,19 @@ def test_fields_are_those_of_their_steps(sheared):
         fields[5]
 
 
+def test_fields_say_where_their_points_are(sheared, pair, tmp_path):
+    walls = {"box.boundaries": ["periodic", "periodic", "walls"], "output.fields_every": 8}
+    scene = fcm.Scene.from_dict(pair).set(walls | {"particles.positions": [[5.5, 6.0, 3.0], [6.5, 4.0, 7.1]]})
+    with fcm.Simulation(scene, out=tmp_path / "channel") as simulation:
+        simulation.run()
+    field = fcm.open(tmp_path / "channel").fields[8]
+    places = field.to_xarray()
+    assert field.origin == pytest.approx(0.0) and places["z"].values[-1] == pytest.approx(field.edges[2])
+    assert places["x"].values[-1] + field.spacing[0] == pytest.approx(field.edges[0])
+    periodic = fcm.open(sheared).fields[4]
+    assert periodic.spacing * periodic.velocity.shape[2::-1] == pytest.approx(periodic.edges)
+
+
 def test_contacts_are_those_of_their_steps(pair, tmp_path):
     """A heavy sphere pressed against one that is held, by a force along x across a side of the box."""
     pressed = (("left", -2.0), ("right", 2.0))

@@ -11,8 +11,14 @@ pub struct VelocityField {
     pub time: f64,
     /// The box.
     pub cell: PeriodicBox,
-    /// Grid points along x, y and z.
+    /// The place of the first point.
+    pub first: Vector,
+    /// Distances of the points along each axis: of the lattice, in a sheared box.
+    pub spacing: Vector,
+    /// Points along x, y and z.
     pub points: [usize; 3],
+    /// Along which axes the box repeats: there the points go around it.
+    pub periodic: [bool; 3],
     /// Velocities in the order `[z][y][x]`, x fastest; on the first rank.
     pub values: Vec<Vector>,
     /// What kind of velocity it is, in words.

@@ -1,7 +1,7 @@
 //! Spheres that heat presses into each other, or nearer than lubrication knows.
 
 use crate::gap::Gap;
-use crate::model::{BrownianScheme, Integrator, Model};
+use crate::model::{BrownianScheme, Evaluation, Extension, Integrator, Model};
 use crate::near::NearLists;
 use domain::{Number, Particles, Partition, PeriodicBox};
 use lubrication::Range;
@@ -116,13 +116,27 @@ fn pairs(count: u64) -> String {
 pub struct Remedies {
     repels: bool,
     is_midpoint: bool,
+    /// Whether the scene could have the direct method, and does not.
+    may_be_direct: bool,
 }
 
 impl Remedies {
     /// Those of a scene.
     pub fn of(model: &Model) -> Self {
         let is_midpoint = matches!(model.integrator, Integrator::Brownian(BrownianScheme::Midpoint));
-        Self { repels: model.repulsion.is_some(), is_midpoint }
+        let may_be_direct = model.hydrodynamics.method != Evaluation::Direct
+            && matches!(model.flow.extension(), None | Some(Extension::Planar));
+        Self { repels: model.repulsion.is_some(), is_midpoint, may_be_direct }
+    }
+
+    /// What to say where a share of random motions was left out: what is drawn on the grid alone is never.
+    pub fn left_out(self, share: f64) -> String {
+        let direct =
+            if self.may_be_direct { "hydrodynamics.method = \"direct\", which leaves nothing out, " } else { "" };
+        format!(
+            "up to {share:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try \
+             {direct}{self}"
+        )
     }
 }
 
@@ -175,9 +189,29 @@ mod tests {
         }
     }
 
+    /// What is left out of random motions is not where they are drawn on the grid alone, if the box has that.
+    #[test]
+    fn the_direct_method_is_named_where_it_helps() {
+        let mut parameters = Parameters::new(
+            PeriodicBox::new(Vector::splat(12.0)).unwrap(),
+            1.0,
+            vec![Species::new("one", 1.0, 6)],
+            (0.1, 1),
+        );
+        let said = |parameters: &Parameters| Remedies::of(&Model::new(parameters.clone()).unwrap()).left_out(0.0123);
+        let direct =
+            "try hydrodynamics.method = \"direct\", which leaves nothing out, a shorter time.step, a [repulsion]";
+        assert!(said(&parameters).contains("up to 1.2e-2 of the weight"));
+        assert!(said(&parameters).contains(direct), "{}", said(&parameters));
+        parameters.hydrodynamics.method = Evaluation::Direct;
+        assert!(said(&parameters).contains("try a shorter time.step"), "{}", said(&parameters));
+        parameters.hydrodynamics.method = Evaluation::Split;
+        assert!(said(&parameters).contains(direct));
+    }
+
     #[test]
     fn steps_without_such_pairs_are_not_worth_a_word() {
-        let remedies = Remedies { repels: true, is_midpoint: true };
+        let remedies = Remedies { repels: true, is_midpoint: true, may_be_direct: true };
         let mut steps = CrowdedSteps::default();
         steps.see(Crowded::default());
         assert_eq!(steps.warning(remedies, 1.0), None);
@@ -191,7 +225,7 @@ mod tests {
              grows no more; stresses and motions of these are not those of spheres: try a shorter time.step, a larger \
              repulsion.strength or repulsion.range, or time.brownian = \"two-evaluations\""
         );
-        let without = Remedies { repels: false, is_midpoint: false };
+        let without = Remedies { repels: false, is_midpoint: false, may_be_direct: true };
         assert!(steps.warning(without, 0.5).unwrap().ends_with("try a shorter time.step, a [repulsion]"));
     }
 }

@@ -11,7 +11,7 @@ use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::contacts::{self, Contacts, Measured, Settling};
 use crate::crowding::Crowding;
 use crate::error::StartError;
-use crate::fluid;
+use crate::fluid::{self, FluidVelocity};
 use crate::forces::{Ahead, Forces, Surface};
 use crate::gap::Gap;
 use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, STILL, ShortRange, Solved, Springs};
@@ -492,17 +492,18 @@ impl Dynamics {
         is_periodic.then(|| self.hydrodynamics.mobility().divergence())
     }
 
-    /// The velocity of the fluid relative to the background flow, with the particles as they are, on all grid points in
-    /// the order `[z][y][x]`, x fastest; on the first rank. An error where no grid can carry it. Collective.
-    pub fn velocity_field(&mut self, particles: &Particles) -> Result<([usize; 3], Vec<Vector>), PlanError> {
+    /// The velocity of the fluid relative to the background flow, with the particles as they are. An error where no grid can carry
+    /// it. Collective.
+    pub fn velocity_field(&mut self, particles: &Particles) -> Result<FluidVelocity, PlanError> {
         let place = (self.moving.cell(), &self.partition);
         let mut loads = self.forces.on(particles, place, None);
         self.tethers.add_known(&mut loads, particles, place);
         applied::add_last(&mut loads, particles);
         let loads = self.warm_start.felt(loads, particles);
         // Whatever the strain: programs that draw a series take all of its frames for as large as the first.
-        let plan = self.hydrodynamics.mobility().plan().on_the_grid_alone(self.moving.largest_strain())?;
-        Ok(fluid::velocity(&plan, self.moving.cell(), (particles, &loads), self.partition.comm()))
+        let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
+        let flow = (self.moving.cell(), self.moving.by_particles());
+        Ok(fluid::velocity(&plan, flow, (particles, &loads), self.partition.comm()))
     }
 }
 

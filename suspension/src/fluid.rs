@@ -1,24 +1,50 @@
 //! The fluid's velocity on a grid, for pictures.
 
+use crate::poiseuille::Poiseuille;
 use bytemuck::cast_slice;
-use domain::{Comm, Particles, Partition, PeriodicBox, Vector};
-use fcm::{Evaluation, Loads, Mobility, Plan};
+use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Vector};
+use fcm::{Evaluation, Loads, Mobility, Plan, Raster};
 
-/// The velocity of the fluid relative to the background flow, on all grid points in the order `[z][y][x]`, x fastest;
-/// on the first rank. The plan is of a grid that carries every particle's own envelopes, whatever way the particles'
-/// motions are found: [`Plan::on_the_grid_alone`]. Collective.
+/// The velocity of the fluid at points, in the order `[z][y][x]`, x fastest; on the first rank.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FluidVelocity {
+    /// Where the points are: in a sheared box, along the lattice.
+    pub raster: Raster,
+    /// Velocities.
+    pub values: Vec<Vector>,
+}
+
+/// The velocity of the fluid relative to the background flow, by a plan [`Plan::of_flow`], with a flow by a pressure gradient
+/// that there is besides. Where the box repeats along all axes it is on all points of a grid that carries every particle's own
+/// envelopes, whatever way the particles' motions are found; else it is what moves points of the fluid as these motions are found.
+/// Collective.
 pub fn velocity(
     plan: &Plan,
-    cell: &PeriodicBox,
+    (cell, besides): (&PeriodicBox, Option<Poiseuille>),
     (particles, loads): (&Particles, &Loads),
     comm: &Comm,
-) -> ([usize; 3], Vec<Vector>) {
+) -> FluidVelocity {
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
     let (particles, loads) = moved(particles, loads, (&partition, cell));
     let mut mobility = Mobility::new(plan, &partition);
     mobility.arrange(cell, &particles);
-    mobility.apply(&loads, Evaluation::Velocities);
-    (plan.grid, gather(&partition, plan.grid, &mobility.velocity_field()))
+    if plan.boundaries == Boundaries::Periodic {
+        mobility.apply(&loads, Evaluation::Velocities);
+        let spacing = cell.edges() / Vector::from_array(plan.grid.map(|n| n as f64));
+        let raster = Raster { first: Vector::ZERO, spacing, points: plan.grid };
+        return FluidVelocity { raster, values: gather(&partition, plan.grid, &mobility.velocity_field()) };
+    }
+    let raster = plan.raster(cell.origin());
+    let mut flow = mobility.flow(&loads);
+    let mut values = Vec::new();
+    for k in 0..raster.points[2] {
+        let more = besides.map_or(Vector::ZERO, |flow| flow.velocity(raster.point([0, 0, k]).z));
+        let plane = flow.plane(&raster, k);
+        if comm.is_first() {
+            values.extend(plane.into_iter().map(|velocity| velocity + more));
+        }
+    }
+    FluidVelocity { raster, values }
 }
 
 /// The particles on the ranks of another partition, and their loads.

@@ -19,8 +19,8 @@ impl Forecast {
     /// Of a model that counts its spheres itself; nothing of others, and nothing where there is no plan.
     pub fn of(model: &Model) -> Option<Self> {
         let planned = Planned::of_model(model).ok()??;
-        let on_grid = model.fields.then(|| planned.plan.on_the_grid_alone(largest_strain(model)).ok()).flatten();
-        let field_points = on_grid.map_or(0.0, |plan| plan.grid.iter().map(|&n| n as f64).product());
+        let on_grid = model.fields.then(|| planned.plan.of_flow(largest_strain(model)).ok()).flatten();
+        let field_points = on_grid.map_or(0.0, |plan| plan.points_of_flow().iter().map(|&n| n as f64).product());
         let particles = planned.radii.count() as f64;
         Some(Self { particles, evaluation: planned.plan.predicted_seconds, field_points })
     }

@@ -18,7 +18,7 @@ use crate::sampling;
 use crate::tethers::TRAP_NUMBERS;
 use crate::warm_start::WarmStart;
 use domain::{
-    Bytes, ExpectedCounts, IdBlocks, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList,
+    Boundaries, Bytes, ExpectedCounts, IdBlocks, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList,
     packing_bytes, readable_bytes,
 };
 use fcm::{Footprint, Plan};
@@ -345,13 +345,16 @@ impl Share<'_> {
         let place = self.far.place_of(&plan);
         let far = Footprint::new(&plan, (&place, self.threads), self.expected);
         let moved = Particles::bytes(self.expected.owned(), 11);
-        let all = if self.is_first() { plan.grid.iter().map(|&n| n as f64).product() } else { 0.0 };
-        let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
-        // In a sheared box the places of the points are written too.
-        moved
-            .then(Bytes::keep(far.reached()))
-            .then(far.mobility())
-            .then(far.evaluation().or(far.velocity_field().then(gathered)))
-            .freed()
+        let all = if self.is_first() { plan.points_of_flow().iter().map(|&n| n as f64).product() } else { 0.0 };
+        let flow = if plan.boundaries == Boundaries::Periodic {
+            // In a sheared box the places of the points are written too.
+            let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
+            far.evaluation().or(far.velocity_field().then(gathered))
+        } else {
+            // Where the axes are turned there are two.
+            let turned = if self.model.turn.is_none() { 0.0 } else { all };
+            far.flow().then(Bytes::list::<Vector>(all)).then(Bytes::list::<Vector>(turned))
+        };
+        moved.then(Bytes::keep(far.reached())).then(far.mobility()).then(flow).freed()
     }
 }

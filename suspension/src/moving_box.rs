@@ -109,6 +109,11 @@ impl MovingBox {
         self.profile.map(|profile| Poiseuille { curvature: profile.curvature + besides, ..profile })
     }
 
+    /// The flow of a pressure gradient that keeps the flux, besides that which there is without particles.
+    pub fn by_particles(&self) -> Option<Poiseuille> {
+        self.profile.zip(self.flux).map(|(profile, flux)| Poiseuille { curvature: flux.curvature(), ..profile })
+    }
+
     /// Whether the flux is kept.
     pub fn keeps_flux(&self) -> bool {
         self.flux.is_some()

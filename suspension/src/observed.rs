@@ -5,6 +5,7 @@ use crate::cautions::cautions;
 use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::error::StartError;
+use crate::fluid::FluidVelocity;
 use crate::model::Model;
 use crate::observe::Observer;
 use crate::plan::Radii;
@@ -146,10 +147,7 @@ impl Simulation for Observed {
         let mut warnings = self.observer.warnings();
         let clipped = self.suspension.clipped();
         if clipped > Drawn::NEGLIGIBLE {
-            warnings.push(format!(
-                "up to {clipped:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try {}",
-                self.observer.remedies()
-            ));
+            warnings.push(self.observer.remedies().left_out(clipped));
         }
         warnings
     }
@@ -172,14 +170,18 @@ impl Simulation for Observed {
     }
 
     fn velocity_field(&mut self) -> Result<Option<VelocityField>, SimulationError> {
-        let (points, values) = self.suspension.velocity_field().map_err(SimulationError::new)?;
-        Ok(Some(VelocityField {
-            step: self.suspension.clock().step(),
-            time: self.suspension.clock().time(),
-            cell: *self.suspension.cell(),
-            points,
+        let FluidVelocity { raster, values } = self.suspension.velocity_field().map_err(SimulationError::new)?;
+        let (clock, cell) = (self.suspension.clock(), *self.suspension.cell());
+        Ok(Some(self.axes.field(VelocityField {
+            step: clock.step(),
+            time: clock.time(),
+            cell,
+            first: raster.first,
+            spacing: raster.spacing,
+            points: raster.points,
+            periodic: [0, 1, 2].map(|axis| cell.is_periodic(axis)),
             values,
             note: "relative to the background flow",
-        }))
+        })))
     }
 }

@@ -129,7 +129,7 @@ impl Setup {
             None => moving,
         };
         if model.fields {
-            let planned = plan.on_the_grid_alone(moving.largest_strain());
+            let planned = plan.of_flow(moving.largest_strain());
             comm.agree(planned).map_err(StartError::Fields)?;
         }
         particles.wrap(moving.cell());

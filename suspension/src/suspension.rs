@@ -7,6 +7,7 @@ use crate::contacts::{Measured, contact_force};
 use crate::crowding::Crowded;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
+use crate::fluid::FluidVelocity;
 use crate::forces::Surface;
 use crate::integrator::{self, AdamsBashforth};
 use crate::model::{Integrator, Model};
@@ -369,9 +370,8 @@ impl Suspension {
         }
     }
 
-    /// The velocity of the fluid relative to the background flow on the grid, with its numbers of points, on the first
-    /// rank: in the order `[z][y][x]`, x fastest. An error where no grid can carry it. Collective.
-    pub fn velocity_field(&mut self) -> Result<([usize; 3], Vec<Vector>), PlanError> {
+    /// The velocity of the fluid relative to the background flow, on the first rank. An error where no grid can carry it. Collective.
+    pub fn velocity_field(&mut self) -> Result<FluidVelocity, PlanError> {
         self.dynamics.velocity_field(&self.particles)
     }
 }

@@ -3,7 +3,7 @@
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::model::Parameters;
 use domain::{Particles, PeriodicBox, Tensor, Traceless, Turn, Vector};
-use simulation::ContactForces;
+use simulation::{ContactForces, VelocityField};
 
 /// From the axes of a box to those of whoever gave it, and back; the same where [`Parameters::turn`] is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,6 +111,36 @@ impl UserAxes {
             }
         }
         (place, steps)
+    }
+
+    /// A velocity field.
+    pub fn field(&self, field: VelocityField) -> VelocityField {
+        if self.turn.is_none() {
+            return field;
+        }
+        let (back, of_box) = (self.turn.inverse(), self.list([0, 1, 2]));
+        let (points, periodic) = (self.list(field.points), self.list(field.periodic));
+        let [mut first, spacing] = [field.first, field.spacing].map(|v| Vector::from_array(self.list(v.to_array())));
+        for axis in (0..3).filter(|&axis| back.against()[axis]) {
+            // The point at the near face is at the far one, from where a box that repeats begins anew.
+            let last = first[axis] + (points[axis] - 1) as f64 * spacing[axis];
+            first[axis] = if periodic[axis] { 0.0 } else { self.edges[1][axis] - last };
+        }
+        let point = |axis: usize, number: usize| match (back.against()[axis], periodic[axis]) {
+            (false, _) => number,
+            (true, true) => (points[axis] - number) % points[axis],
+            (true, false) => points[axis] - 1 - number,
+        };
+        let [nx, ny, _] = field.points;
+        let value = |at: [usize; 3]| {
+            let mut inside = [0; 3];
+            (0..3).for_each(|axis| inside[of_box[axis]] = point(axis, at[axis]));
+            self.vector(field.values[(inside[2] * ny + inside[1]) * nx + inside[0]])
+        };
+        let [all_x, all_y, all_z] = if field.values.is_empty() { [0; 3] } else { points };
+        let places = (0..all_z).flat_map(|z| (0..all_y).flat_map(move |y| (0..all_x).map(move |x| [x, y, z])));
+        let values = places.map(value).collect();
+        VelocityField { cell: self.cell(&field.cell), first, spacing, points, periodic, values, ..field }
     }
 
     /// Forces of contacts.

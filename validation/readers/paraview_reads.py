@@ -19,8 +19,8 @@ READERS = {
 
 def fetched(source):
     data = servermanager.Fetch(source)
-    while data.IsA("vtkMultiBlockDataSet"):
-        data = data.GetBlock(0)
+    while not data.IsA("vtkDataSet"):
+        data = data.GetPiece(0) if data.IsA("vtkMultiPieceDataSet") else data.GetBlock(0)
     return data
 
 

@@ -41,13 +41,36 @@ SCENES = {
         {"cell.length": 0.004, "cell.width": 0.005, "time.settle": 0.0, "time.steps": 10, "output.trajectory_every": 2},
     ),
 }
-WITH_FIELDS = ["straight", "sheared"]
+# Boxes that do not repeat along all axes: walls across y, and one that grows with the spheres.
+BOUNDED = {
+    "channel": (
+        "couette",
+        {
+            "box.edges": "[16.0, 9.0, 10.0]",
+            "box.boundaries": '["periodic", "walls", "periodic"]',
+            "species[0].volume_fraction": 0.05,
+            "time.steps": 6,
+            "output.fields_every": 3,
+        },
+    ),
+    "cloud": (
+        "cloud",
+        {
+            "species[0].count": 6,
+            "particles.radius": 7.0,
+            "time.step": 2.0,
+            "time.steps": 6,
+            "output.fields_every": 2,
+        },
+    ),
+}
+WITH_FIELDS = ["straight", "sheared", *BOUNDED]
 
 
 @functools.cache
 def folder(name):
     """The folder of a run."""
-    scene, sets = SCENES[name]
+    scene, sets = (SCENES | BOUNDED)[name]
     out = pathlib.Path(PLACE.name) / name
     words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
     run(["run", ROOT / "scenes" / f"{scene}.toml", "--out", out, *words])

@@ -1,5 +1,6 @@
 //! Velocity fields on the grid, and the XDMF file with which `ParaView` opens them.
 
+mod lattice;
 mod repeated;
 #[cfg(test)]
 mod tests;
@@ -33,6 +34,9 @@ fn fill(file: &File, field: &VelocityField, provenance: &Provenance) -> hdf5::Re
     root.new_attr::<f64>().create("strain")?.write_scalar(&field.cell.strain())?;
     let edges = ndarray::arr1(&field.cell.edges().to_array());
     root.new_attr::<f64>().shape(3).create("edges")?.write(&edges)?;
+    if field.periodic != [true; 3] {
+        lattice::write(&root, field)?;
+    }
     repeated::add_velocity(file)?;
     if field.cell.strain() == 0.0 { Ok(()) } else { repeated::add_position(file) }
 }
@@ -76,7 +80,8 @@ fn add_to_index(folder: &Path, path: &Path) -> Result<(), FileError> {
 
 /// Readers take all frames of a series for the kind of mesh that the first one is, and for as large. So where one frame
 /// is of a sheared box, all are given as curved meshes, those of a straight box too; and frames of another grid than the
-/// last one's, as former versions computed them in sheared boxes, are left out.
+/// last one's, as former versions computed them in sheared boxes, are left out. Frames of a box that follows spheres are not:
+/// each is a collection of one mesh then, the parts of which may be of any size.
 fn index_fields(folder: &Path) -> Result<(), FileError> {
     let files = field_files(folder)?;
     let mut frames = Vec::with_capacity(files.len());

@@ -5,7 +5,10 @@
 //! takes no room. `repeated/position` has the places of its points in a sheared box,
 //! `x = i Lx / nx + s y`, `y = j Ly / ny`, `z = k Lz / nz`. It is stored by rows of x for all z, one component each, in
 //! which the same numbers come again and again, so that compression leaves about a hundredth.
+//!
+//! Along an axis along which the box does not repeat there is no plane again.
 
+use super::lattice;
 use crate::text;
 use domain::Vector;
 use hdf5::{Dataset, File, Group};
@@ -21,13 +24,16 @@ pub(super) fn add_velocity(file: &File) -> hdf5::Result<()> {
     if group.link_exists("velocity") {
         return Ok(());
     }
-    let points = points(file)?;
+    let (points, [x, y, z]) = (points(file)?, lattice::read(file)?.map_or([true; 3], |lattice| lattice.periodic));
     let shape = |[nz, ny, nx]: [usize; 3]| (nz, ny, nx, 3);
-    let mut new = group.new_dataset::<f64>().shape(shape(points.map(|n| n + 1)));
-    for corner in 0..8 {
-        let [from, to] = blocks(points, [corner & 4, corner & 2, corner & 1].map(|bit| bit != 0));
+    let repeats = [z, y, x];
+    let all: [usize; 3] = std::array::from_fn(|axis| points[axis] + usize::from(repeats[axis]));
+    let mut new = group.new_dataset::<f64>().shape(shape(all));
+    let corners = (0..8).map(|corner| [corner & 4, corner & 2, corner & 1].map(|bit| bit != 0));
+    for again in corners.filter(|again| (0..3).all(|axis| repeats[axis] || !again[axis])) {
+        let [from, to] = blocks(points, again);
         let block = |[z, y, x]: [Range<usize>; 3]| hdf5::Hyperslab::from((z, y, x, ..));
-        new = new.virtual_map(".", "/velocity", shape(points), block(from), shape(points.map(|n| n + 1)), block(to));
+        new = new.virtual_map(".", "/velocity", shape(points), block(from), shape(all), block(to));
     }
     text::write_dimensions(&new.create("velocity")?, "length/time")
 }

@@ -4,16 +4,30 @@ use super::*;
 use domain::{PeriodicBox, Vector};
 use ndarray::Array4;
 
+fn provenance() -> Provenance {
+    Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 }
+}
+
 /// Writes fields of 4 x 3 x 2 points, at the times 0.1 STEP, whose velocities are the numbers of the points.
 fn write(folder: &Path, steps_and_strains: &[(u64, f64)]) {
-    let provenance =
-        Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 };
     let values: Vec<Vector> = (0..24).map(|i| Vector::splat(f64::from(i))).collect();
     for &(step, strain) in steps_and_strains {
         let cell = PeriodicBox::sheared(Vector::new(4.0, 6.0, 1.0), strain).unwrap();
         let time = 0.1 * step as f64;
-        let field = VelocityField { step, time, cell, points: [4, 3, 2], values: values.clone(), note: "" };
-        write_field(&field, folder, &provenance).unwrap();
+        let spacing = Vector::new(1.0, 2.0, 0.5);
+        let (first, periodic) = (Vector::ZERO, [true; 3]);
+        let field = VelocityField {
+            step,
+            time,
+            cell,
+            first,
+            spacing,
+            points: [4, 3, 2],
+            periodic,
+            values: values.clone(),
+            note: "",
+        };
+        write_field(&field, folder, &provenance()).unwrap();
     }
 }
 
@@ -168,9 +182,69 @@ fn places_take_little_room() {
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 };
     let values = vec![Vector::ZERO; 48 * 48 * 48];
     let cell = PeriodicBox::sheared(Vector::new(17.0, 19.0, 23.0), 0.1234567).unwrap();
-    let field = VelocityField { step: 0, time: 0.0, cell, points: [48; 3], values: values.clone(), note: "" };
+    let field = VelocityField {
+        step: 0,
+        time: 0.0,
+        cell,
+        first: Vector::ZERO,
+        spacing: cell.edges() / 48.0,
+        points: [48; 3],
+        periodic: [true; 3],
+        values: values.clone(),
+        note: "",
+    };
     write_field(&field, folder.path(), &provenance).unwrap();
     let size = std::fs::metadata(folder.path().join("fields/velocity-0000000000.h5")).unwrap().len();
     let velocities = 48 * 48 * 48 * 24;
     assert!(size < velocities * 11 / 10, "{size} bytes for {velocities} of velocities");
+}
+
+/// Writes fields of so many points and of the origin, in a box that does not repeat along z, at times 0.1 STEP.
+fn write_bounded(folder: &Path, frames: &[(u64, [usize; 3], f64)]) {
+    for &(step, points, origin) in frames {
+        let values = (0..points.iter().product()).map(|i: usize| Vector::splat(i as f64)).collect();
+        let cell = PeriodicBox::new(Vector::new(4.0, 6.0, 1.0)).unwrap();
+        let (first, spacing) = (Vector::new(0.0, 0.0, origin), Vector::new(1.0, 2.0, 0.25));
+        let (time, periodic) = (0.1 * step as f64, [true, true, false]);
+        let field = VelocityField { step, time, cell, first, spacing, points, periodic, values, note: "" };
+        write_field(&field, folder, &provenance()).unwrap();
+    }
+}
+
+#[test]
+fn points_from_wall_to_wall_are_not_repeated_across_them() {
+    let folder = tempfile::tempdir().unwrap();
+    write_bounded(folder.path(), &[(0, [4, 3, 5], 0.0), (5, [4, 3, 5], 0.0)]);
+    let xdmf = index(folder.path());
+    assert_eq!(xdmf.matches("TopologyType=\"3DCoRectMesh\" Dimensions=\"5 4 5\"").count(), 2);
+    assert_eq!(xdmf.matches(">0.25 2.0 1.0<").count(), 2, "spacings along z, y and x: {xdmf}");
+    let (velocity, repeated) = (read(folder.path(), 5, "velocity"), read(folder.path(), 5, "repeated/velocity"));
+    assert_eq!((velocity.dim(), repeated.dim()), ((5, 3, 4, 3), (5, 4, 5, 3)));
+    for ((k, j, i, component), &value) in repeated.indexed_iter() {
+        assert_eq!(value, velocity[[k, j % 3, i % 4, component]]);
+    }
+    let file = File::open(folder.path().join("fields/velocity-0000000005.h5")).unwrap();
+    assert_eq!(file.attr("spacing").unwrap().read_raw::<f64>().unwrap(), [1.0, 2.0, 0.25]);
+}
+
+/// Readers take meshes for as large as the first, those in collections for what they are.
+#[test]
+fn a_box_that_follows_spheres_has_a_mesh_of_its_own_in_each_frame() {
+    let frames = [(0, [4, 3, 5], -0.5), (1, [4, 3, 5], -0.25), (2, [4, 3, 7], -0.75), (3, [4, 3, 6], 1.5)];
+    let folder = tempfile::tempdir().unwrap();
+    write_bounded(folder.path(), &frames[..2]);
+    assert!(!index(folder.path()).contains("Spatial"), "as long as they are of one size");
+    write_bounded(folder.path(), &frames[2..]);
+    let grown = index(folder.path());
+    assert_eq!(grown.matches("CollectionType=\"Spatial\"").count(), 4);
+    assert_eq!(grown.matches("<Time ").count(), 4);
+    assert!(!grown.contains("left out"));
+    for (_, [_, _, nz], origin) in frames {
+        assert!(grown.contains(&format!("Dimensions=\"{nz} 4 5\"")), "{grown}");
+        assert!(grown.contains(&format!(">{origin:?} 0.0 0.0<")), "{grown}");
+    }
+    drop_fields_after(folder.path(), 3).unwrap();
+    assert_eq!(grown, index(folder.path()));
+    drop_fields_after(folder.path(), 1).unwrap();
+    assert!(!index(folder.path()).contains("Spatial"), "those that are left are of one size");
 }

@@ -1,6 +1,7 @@
 //! The XDMF file that names fields, for programs that draw them. Paths are relative to it; axes are in the order z, y,
 //! x.
 
+use super::lattice::{self, Lattice};
 use super::repeated::GROUP;
 use hdf5::File;
 use std::path::Path;
@@ -17,6 +18,17 @@ pub(super) struct Frame {
     time: f64,
     edges: [f64; 3],
     points: [usize; 3],
+    /// Where the points are, if the box does not repeat along all axes.
+    lattice: Option<Lattice>,
+}
+
+/// What meshes a series has, the same for all frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Meshes {
+    Straight,
+    Curved,
+    /// Straight ones of any sizes, each the only part of a collection.
+    Collected,
 }
 
 impl Frame {
@@ -36,16 +48,22 @@ impl Frame {
             time: file.attr("time")?.read_scalar()?,
             edges: [z, y, x],
             points: [nz, ny, nx],
+            lattice: lattice::read(&file)?,
         })
     }
 
-    fn grid(&self, curved: bool) -> String {
-        let (geometry, velocity) = (if curved { self.curved() } else { self.straight() }, self.item("velocity"));
-        format!(
-            "<Grid Name=\"velocity\">\n<Time Value=\"{:?}\"/>\n{geometry}<Attribute Name=\"velocity\" \
-             AttributeType=\"Vector\" Center=\"Node\">{velocity}</Attribute>\n</Grid>\n",
-            self.time
-        )
+    fn grid(&self, meshes: Meshes) -> String {
+        let geometry = if meshes == Meshes::Curved { self.curved() } else { self.straight() };
+        let (time, velocity) = (format!("<Time Value=\"{:?}\"/>\n", self.time), self.item("velocity"));
+        let mesh = format!(
+            "{geometry}<Attribute Name=\"velocity\" AttributeType=\"Vector\" Center=\"Node\">{velocity}</Attribute>\n"
+        );
+        match meshes {
+            Meshes::Collected => {
+                format!("<Grid Name=\"velocity\" {COLLECTION}>\n{time}<Grid Name=\"box\">\n{mesh}</Grid>\n</Grid>\n")
+            }
+            Meshes::Straight | Meshes::Curved => format!("<Grid Name=\"velocity\">\n{time}{mesh}</Grid>\n"),
+        }
     }
 
     fn curved(&self) -> String {
@@ -62,8 +80,10 @@ impl Frame {
                 "<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{z:?} {y:?} {x:?}</DataItem>"
             )
         };
-        let spacing = numbers([0, 1, 2].map(|axis| self.edges[axis] / self.points[axis] as f64));
-        let (counts, origin) = (self.counts(), numbers([0.0; 3]));
+        let of_box = || [[0.0; 3], [0, 1, 2].map(|axis| self.edges[axis] / self.points[axis] as f64)];
+        let by_axis = |[x, y, z]: [f64; 3]| [z, y, x];
+        let lattice = self.lattice.map(|lattice| [lattice.origin, lattice.spacing].map(by_axis));
+        let (counts, [origin, spacing]) = (self.counts(), lattice.unwrap_or_else(of_box).map(numbers));
         format!(
             "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{counts}\"/>\n\
              <Geometry GeometryType=\"ORIGIN_DXDYDZ\">{origin}{spacing}</Geometry>\n"
@@ -80,16 +100,30 @@ impl Frame {
     }
 
     fn counts(&self) -> String {
-        self.points.map(|n| (n + 1).to_string()).join(" ")
+        let [x, y, z] = self.lattice.map_or([true; 3], |lattice| lattice.periodic);
+        let repeats = [z, y, x];
+        [0, 1, 2].map(|axis| (self.points[axis] + usize::from(repeats[axis])).to_string()).join(" ")
     }
 }
 
-/// The whole file: the frames of the same grid as the last one, and in a comment the names of the others.
+/// The whole file: of boxes that repeat along all axes the frames of the same grid as the last one, and in a comment the names of
+/// the others; of other boxes all.
 pub(super) fn series(frames: Vec<Frame>, curved: bool) -> String {
-    let points = frames.last().map(|frame| frame.points);
-    let (alike, others): (Vec<_>, Vec<_>) = frames.into_iter().partition(|frame| Some(frame.points) == points);
+    let last = frames.last().map(|frame| (frame.points, frame.lattice.is_some()));
+    let is_like_last = |frame: &Frame| {
+        last.is_some_and(|(points, is_bounded)| {
+            frame.lattice.is_some() == is_bounded && (is_bounded || frame.points == points)
+        })
+    };
+    let (alike, others): (Vec<_>, Vec<_>) = frames.into_iter().partition(is_like_last);
+    let are_equal = alike.windows(2).all(|pair| pair[0].points == pair[1].points);
+    let meshes = match (curved, are_equal) {
+        (true, _) => Meshes::Curved,
+        (false, true) => Meshes::Straight,
+        (false, false) => Meshes::Collected,
+    };
     let left_out = others.iter().map(|frame| format!("<!-- left out, of another grid: {} -->\n", frame.name));
-    let grids: String = alike.iter().map(|frame| frame.grid(curved)).chain(left_out).collect();
+    let grids: String = alike.iter().map(|frame| frame.grid(meshes)).chain(left_out).collect();
     format!(
         "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"velocity\" GridType=\"Collection\" \
          CollectionType=\"Temporal\">\n{grids}{END}"
@@ -97,6 +131,7 @@ pub(super) fn series(frames: Vec<Frame>, curved: bool) -> String {
 }
 
 const END: &str = "</Grid>\n</Domain>\n</Xdmf>\n";
+const COLLECTION: &str = "GridType=\"Collection\" CollectionType=\"Spatial\"";
 
 /// Whether the frames of a file are curved meshes.
 pub(super) fn is_curved(series: &str) -> bool {
@@ -106,9 +141,17 @@ pub(super) fn is_curved(series: &str) -> bool {
 /// A file with one more frame, if it has `before` of them and stays as it is: of the same grid and kind of mesh.
 pub(super) fn longer(series: &str, before: usize, frame: &Frame) -> Option<String> {
     let has = series.matches("<Time ").count() + series.matches("<!-- left out").count();
-    let is_of_its_grid = series.contains(&format!("Dimensions=\"{}\"/>", frame.counts()));
-    let curved = is_curved(series);
-    let stays = has == before && is_of_its_grid && (curved || frame.strain == 0.0) && !series.contains(&frame.name);
+    let meshes = match (is_curved(series), series.contains(COLLECTION)) {
+        (true, _) => Meshes::Curved,
+        (false, true) => Meshes::Collected,
+        (false, false) => Meshes::Straight,
+    };
+    let fits = match meshes {
+        Meshes::Collected => frame.lattice.is_some(),
+        Meshes::Straight | Meshes::Curved => series.contains(&format!("Dimensions=\"{}\"/>", frame.counts())),
+    };
+    let is_of_its_kind = meshes == Meshes::Curved || frame.strain == 0.0;
+    let stays = has == before && fits && is_of_its_kind && !series.contains(&frame.name);
     let frames = series.strip_suffix(END).filter(|_| stays)?;
-    Some(format!("{frames}{}{END}", frame.grid(curved)))
+    Some(format!("{frames}{}{END}", frame.grid(meshes)))
 }

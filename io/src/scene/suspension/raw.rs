@@ -432,7 +432,7 @@ pub(super) struct Output {
     pub(super) observables_every: Option<u64>,
     /// Steps between checkpoints; 0 is never but at start and end.
     pub(super) checkpoint_every: Option<u64>,
-    /// Steps between velocity fields of the fluid on the grid; 0 is never.
+    /// Steps between velocity fields of the fluid at points of the box; 0 is never.
     pub(super) fields_every: u64,
     /// Steps between files of the forces of contacts and bonds; 0 is never.
     pub(super) contacts_every: u64,

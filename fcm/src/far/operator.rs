@@ -1,0 +1,81 @@
+//! From forces to velocities on the grid of a plan.
+
+use crate::envelope::Common;
+use crate::plan::Plan;
+use crate::problem::Method;
+use crate::window::Window;
+use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
+use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
+
+/// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for
+/// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point,
+/// which is taken in units of [`unit_volume`] here.
+pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<T> {
+    let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
+        return Stokes::new(grid, plan.viscosity);
+    };
+    let (spacing, strain) = (grid.spacing(), grid.cell().strain());
+    let volume = spacing.x * spacing.y * spacing.z;
+    let unit = unit_volume(plan, grid);
+    // In a lattice that leans the Gaussian is no product of functions along the axes: the solve has it.
+    let width = if grid.cell().is_upright() { 0.0 } else { common.width };
+    let gaussian = |exponent: f64| if width > 0.0 { 1.0 } else { exponent.exp() };
+    let factor = |k: f64, spacing: f64| {
+        let amplitude = gaussian(-0.5 * (k * common.width).powi(2));
+        amplitude / window.transform(k * spacing)
+    };
+    // The window stands along the lattice, the Gaussian does not.
+    let plane = |k1: f64, k2: f64| {
+        let along = k2 + strain * k1;
+        let tilted = gaussian(-0.5 * (k2 * k2 - along * along) * common.width.powi(2));
+        (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
+    };
+    let axis = |k3: f64| factor(k3, spacing.z).powi(2);
+    let widening = 0.5 * common.increment;
+    if plan.boundaries == Boundaries::Open {
+        let bracket = |k: Vector| (1.0 + widening * k.length_squared()).powi(2);
+        let multiplier = |k: Vector| plane(k.x, k.y) * axis(k.z) * bracket(k);
+        // Beyond the cutoff the flow of common Gaussians is that of the envelopes.
+        let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.method.cutoff());
+        return Stokes::in_open_space(grid, kernel);
+    }
+    let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });
+    match plan.boundaries {
+        Boundaries::Periodic => operator,
+        _ => operator.with_channel(channel(plan, grid, partition, (window, common))),
+    }
+}
+
+/// What walls, and the fluid beyond open faces, add to the periodic solve. The common Gaussian and its bracket act on it as
+/// `1 + (Sigma^2 - D)/2 lap`.
+fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, common): (Window, Common)) -> Channel<T> {
+    let spacing = grid.spacing();
+    let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
+    let plane =
+        |k1: f64, k2: f64| (unit / (window.transform(k1 * spacing.x) * window.transform(k2 * spacing.y))).powi(2);
+    let faces = ChannelFaces { walls: plan.boundaries.walls(), height: plan.edges.z, first: plan.first_point().z };
+    let weights = ChannelWeights {
+        plane,
+        axis: |k: f64| window.growth(k * spacing.z),
+        second_moment: window.second_moment() * spacing.z * spacing.z,
+        smoothing: common.width * common.width - common.increment,
+        highest: plan.highest_at_walls(),
+    };
+    Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
+}
+
+/// The lattice of the grid's copies: that of the box, unless that does not repeat along all axes.
+pub(super) fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
+    match plan.boundaries {
+        Boundaries::Periodic => *cell,
+        _ => PeriodicBox::new(plan.period).expect("a plan has a grid"),
+    }
+}
+
+/// The unit in which an operator takes the volume of a point of the grid: that volume to a power of two with the split
+/// method, whose grids may be far coarser than a radius, as in a box of a few particles that are far apart. What comes
+/// out is the larger by its square.
+pub(super) fn unit_volume(plan: &Plan, grid: &Grid) -> f64 {
+    let spacing = grid.spacing();
+    if plan.method == Method::Direct { 1.0 } else { power_of_two(spacing.x * spacing.y * spacing.z) }
+}

@@ -1,0 +1,147 @@
+//! The flow of the fluid between the particles, where the box does not repeat along all axes.
+//!
+//! A point of the fluid is a sphere of radius zero: its envelope's transform is 1. The grid has the common Gaussian and a
+//! bracket in its place, and between a sphere and a point is what that leaves out, as between two spheres.
+
+use super::Mobility;
+use crate::envelope::Envelope;
+use crate::loads::Loads;
+use crate::plan::Plan;
+use crate::problem::Method;
+use crate::raster::Raster;
+use crate::table::{PairFunctions, Table};
+use domain::{Tensor, Vector};
+use rayon::prelude::*;
+
+/// The flow that loads cause, at points of a box.
+pub struct Flow<'a> {
+    mobility: &'a mut Mobility,
+    forces: Vec<Vector>,
+    dipoles: Vec<Tensor>,
+    near: NearPoints,
+}
+
+impl Mobility {
+    /// The flow of loads, as of [`Mobility::apply`], at points of the fluid. Particles are in place; the box is one that does
+    /// not repeat along all axes, and the plan [`Plan::with_points`]. Collective.
+    ///
+    /// # Panics
+    /// In a periodic box, and if the plan is of no split method.
+    pub fn flow(&mut self, loads: &Loads) -> Flow<'_> {
+        assert!(self.near.is_some(), "a box that does not repeat along all axes has the split method");
+        self.work.evaluations += 1;
+        let kinds = self.kinds_of(loads);
+        let (mut forces, mut dipoles) = self.present(loads, kinds);
+        self.far.solve(&self.arrangement.far_loads(&forces, &dipoles), &mut self.work);
+        let owned = self.arrangement.halo.owned();
+        forces.truncate(owned);
+        forces.shrink_to_fit();
+        dipoles.truncate(owned);
+        dipoles.shrink_to_fit();
+        let near = NearPoints::new(&self.plan.in_units(&self.units));
+        Flow { mobility: self, forces, dipoles, near }
+    }
+}
+
+impl Flow<'_> {
+    /// The velocities relative to the background flow at the points of the `k`-th plane of a raster across z, rows along x; on
+    /// all ranks. Collective.
+    pub fn plane(&mut self, raster: &Raster, k: usize) -> Vec<Vector> {
+        let inverse = 1.0 / self.mobility.units.length;
+        let raster = Raster { first: raster.first * inverse, spacing: raster.spacing * inverse, points: raster.points };
+        let points: Vec<Vector> = raster.plane(k).collect();
+        let mut velocities = self.mobility.far.velocities_at(&self.mobility.arrangement.cell, &points);
+        self.add_near(&raster, k, &mut velocities);
+        self.mobility.partition.comm().sum(bytemuck::cast_slice_mut(&mut velocities));
+        let unit = self.mobility.units.velocity();
+        for velocity in &mut velocities {
+            *velocity *= unit;
+        }
+        velocities
+    }
+
+    /// What this rank's own particles add besides the grid, in the order of the particles.
+    fn add_near(&self, raster: &Raster, k: usize, velocities: &mut [Vector]) {
+        let (near, images) = (&self.near, self.images(raster, k));
+        velocities.par_chunks_mut(raster.points[0]).enumerate().for_each(|(j, row)| {
+            for image in &images {
+                let across = raster.point([0, j, k]) - image.place;
+                let square = near.cutoff * near.cutoff - across.y * across.y - across.z * across.z;
+                if square <= 0.0 {
+                    continue;
+                }
+                // Points of the row within the cutoff.
+                let half = square.sqrt();
+                let [from, to] = [-half, half].map(|x| (x - across.x) / raster.spacing.x);
+                for i in from.ceil().max(0.0) as usize..((to.floor() + 1.0).max(0.0) as usize).min(row.len()) {
+                    row[i] += near.velocity(image, raster.point([i, j, k]) - image.place);
+                }
+            }
+        });
+    }
+
+    /// Particles and their images along axes along which the box repeats, from which the near field reaches a plane.
+    fn images(&self, raster: &Raster, k: usize) -> Vec<Image> {
+        let arrangement = &self.mobility.arrangement;
+        let (cell, reach) = (&arrangement.cell, Vector::splat(self.near.cutoff));
+        let [nx, ny, _] = raster.points;
+        let (low, high) = (raster.point([0, 0, k]) - reach, raster.point([nx - 1, ny - 1, k]) + reach);
+        let mut images = Vec::new();
+        for (row, &place) in arrangement.positions[..arrangement.halo.owned()].iter().enumerate() {
+            let steps = |axis: usize| {
+                let [from, to] = [low, high].map(|end| (end[axis] - place[axis]) / cell.edges()[axis]);
+                if cell.is_periodic(axis) { from.ceil() as i32..=to.floor() as i32 } else { 0..=0 }
+            };
+            for (x, y) in steps(0).flat_map(|x| steps(1).map(move |y| (x, y))) {
+                let place = place + cell.edges() * Vector::new(f64::from(x), f64::from(y), 0.0);
+                if place.cmpge(low).all() && place.cmple(high).all() {
+                    images.push(Image {
+                        place,
+                        class: arrangement.classes[row],
+                        force: self.forces.get(row).copied().unwrap_or_default(),
+                        dipole: self.dipoles.get(row).copied().unwrap_or(Tensor::ZERO),
+                    });
+                }
+            }
+        }
+        images
+    }
+}
+
+/// A particle that applies loads, or an image of one.
+struct Image {
+    place: Vector,
+    class: u32,
+    force: Vector,
+    dipole: Tensor,
+}
+
+/// What the grid leaves out between spheres of each radius and points.
+struct NearPoints {
+    cutoff: f64,
+    inverse_viscosity: f64,
+    functions: Vec<(PairFunctions, Option<Table<f64>>)>,
+}
+
+impl NearPoints {
+    fn new(plan: &Plan) -> Self {
+        let Method::Split { cutoff, .. } = plan.method else { unreachable!("it was checked") };
+        let common = plan.common().expect("the split method has a common Gaussian");
+        let of_radius = |&radius: &f64| {
+            let functions = PairFunctions::new(Envelope::POINT, Envelope::of_sphere(radius), common);
+            (functions, Table::new(&functions, cutoff, plan.table_tolerance()))
+        };
+        Self { cutoff, inverse_viscosity: 1.0 / plan.viscosity, functions: plan.radii.iter().map(of_radius).collect() }
+    }
+
+    /// What a particle adds to the velocity at `x` from it, as in [`crate::near`].
+    fn velocity(&self, from: &Image, x: Vector) -> Vector {
+        let (square, (exact, table)) = (x.length_squared(), &self.functions[from.class as usize]);
+        let f = table.as_ref().map_or_else(|| exact.exact(square), |table| table.evaluate(square));
+        let along = from.dipole * x;
+        let of_force = x * (f[1] * x.dot(from.force)) - from.force * (2.0 * f[0] + square * f[1]);
+        let of_dipole =
+            x * (f[3] * x.dot(along)) + from.dipole.transpose() * x * f[2] - along * (4.0 * f[2] + square * f[3]);
+        (of_force + of_dipole) * self.inverse_viscosity
+    }
+}
