@@ -72,7 +72,7 @@ fn flow_at_points() {
         });
         near(0.1, footprint.mobility().kept, found.kept);
         let raster = plan.raster(Vector::ZERO);
-        let (_, found) = measured(|| {
+        let ((), found) = measured(|| {
             let mut flow = mobility.flow(&loads);
             (0..raster.points[2])
                 .for_each(|k| assert_eq!(flow.plane(&raster, k).len(), raster.points[0] * raster.points[1]));
