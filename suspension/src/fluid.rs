@@ -36,7 +36,7 @@ pub fn velocity(
     }
     let raster = plan.raster(cell.origin());
     let mut flow = mobility.flow(&loads);
-    let mut values = Vec::new();
+    let mut values = Vec::with_capacity(if comm.is_first() { raster.points.iter().product() } else { 0 });
     for k in 0..raster.points[2] {
         let more = besides.map_or(Vector::ZERO, |flow| flow.velocity(raster.point([0, 0, k]).z));
         let plane = flow.plane(&raster, k);

@@ -82,6 +82,7 @@ pub use channel_flow::FlowRefused;
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 pub use course::course;
 pub use error::{PlacingError, StartError};
+pub use fluid::FluidVelocity;
 pub use forecast::Forecast;
 pub use hydrodynamics::{
     Acting, ContactSprings, Guess, Hydrodynamics as CoupledHydrodynamics, ShortRange, Solved, Springs,
