@@ -107,16 +107,15 @@ impl<'a> Footprint<'a> {
         }
     }
 
-    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: forces and stresslets of the start, a motion, unknowns,
-    /// residual, preconditioned residual, direction and the loads that it is, and an evaluation.
+    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: a motion, unknowns, residual, preconditioned residual,
+    /// direction and the loads that it is, and an evaluation. Forces and stresslets of the start take less, and are gone then.
     pub fn solve(&self) -> Bytes {
         if self.plan.multipoles == Multipoles::Monopole {
             return Bytes::list::<Vector>(self.expected.owned()).then(self.evaluation());
         }
         let owned = self.expected.owned();
         let unknowns = Bytes::list::<Traceless>(5.0 * owned).then(Bytes::list::<f64>(owned));
-        let start = Bytes::list::<(Vector, Traceless)>(owned);
-        start.then(unknowns).then(self.motion()).then(self.evaluation()).freed().then(self.motion())
+        unknowns.then(self.motion()).then(self.evaluation()).freed().then(self.motion())
     }
 
     /// [`crate::Mobility::velocity_field`]: in the grid's precision and in `f64`.
@@ -133,7 +132,7 @@ impl<'a> Footprint<'a> {
         // Images of particles whose near field reaches a plane: all, at most.
         let images = Bytes::list::<(Vector, Tensor, Vector, u64)>(self.expected.owned());
         let plane = Bytes::list::<Vector>(points).then(Bytes::list::<(u32, Stencil)>(points));
-        let moved = Bytes::list::<[(Vector, Tensor); 2]>(points);
+        let moved = Bytes::list::<(Vector, Tensor)>(points);
         let spread = match self.plan.precision {
             Precision::Single => Bytes::list::<Load<f32>>(self.present()),
             Precision::Double => Bytes::list::<Load<f64>>(self.present()),

@@ -257,6 +257,6 @@ fn what_is_told_of_clouds_and_of_boundaries() {
     let periodic = ["box.boundaries=[\"periodic\", \"periodic\", \"periodic\"]", edges, walls[2]];
     let (open, walls, periodic) = (told(&[]), told(&walls), told(&periodic));
     assert!(open.contains("the box follows the spheres") && open.contains("200, 0.7407% by volume"), "{open}");
-    assert!(walls.contains("walls      ") && walls.contains("than a tenth of their radius"), "{walls}");
+    assert!(walls.contains("walls      ") && walls.contains("that lie in layers on one"), "{walls}");
     assert!(!periodic.contains("periodic box"), "{periodic}");
 }
