@@ -49,6 +49,8 @@ def main():
         f"starts with the errors that these have. Viscosities are to agree within {ALLOWED:g} errors. Overlaps are over the roughness.",
         "",
         *table(["φ", "μ", "", "relative viscosity", "stiffness", "largest overlap"], rows),
+        "",
+        f"Not so: {'; '.join(failed)}." if failed else "So it is.",
     ]
     write_section("dense.md", "contact-sizes", "Two boxes, two stiffnesses", lines)
     if failed:
