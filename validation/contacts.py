@@ -36,7 +36,7 @@ def fit(fraction, friction):
     return (1 - fraction / (0.546 + 0.094 * decay)) ** -2
 
 
-def scene(fraction, friction, spheres=SPHERES, seed=2, stiffness='"auto"'):
+def scene(fraction, friction, spheres=SPHERES, seed=2, stiffness='"auto"', step=STEP):
     number = spheres / (1 + RATIO**-3)
     counts = {1.0: round(number), RATIO: round(number / RATIO**3)}
     volume = sum(4 / 3 * np.pi * radius**3 * count for radius, count in counts.items())
@@ -48,7 +48,7 @@ fluid.viscosity = 1.0
 flow = {{ kind = "shear", rate = 1.0 }}
 contacts = {{ friction = {friction}, roughness = {ROUGHNESS}, stiffness = {stiffness} }}
 hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
-time = {{ step = {STEP}, duration = {STRAIN} }}
+time = {{ step = {step}, duration = {STRAIN} }}
 output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
 {species}"""
 
