@@ -12,7 +12,7 @@ FULL = "--full" in sys.argv[1:]
 SPHERES, SEEDS = 200, range(1, 7 if FULL else 4)
 CASES = ((0.45, 0.5), (0.50, 0.5)) if FULL else ((0.45, 0.5),)
 STIFFER = 4.0
-# Short: with steps four times as long, which springs that settle can take, those that are stiffer are off by a third.
+# Short enough for the stiffer springs too.
 STEP = 0.00125
 # What is compared with the first: spheres over its number, stiffness over that which it settles at.
 WAYS = {"as it settles": (1.0, None), "half as many spheres": (0.5, None), f"{STIFFER:g} times as stiff": (1.0, STIFFER)}
