@@ -2,7 +2,7 @@
 
 use crate::layout::Layout;
 use crate::shared::Shared;
-use crate::transform::Complexes;
+use crate::transform::{Complexes, MODES};
 use crate::{Real, memory::Memory};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -223,7 +223,7 @@ impl<T: Real> Field<T, Spectral> {
         let most = self.layout.points[0] / 2;
         self.set_blocks(|[first, m2, m3]| {
             let mut block = Complexes::default();
-            for lane in 0..T::LANES.min(most - first) {
+            for lane in 0..MODES.min(most - first) {
                 for (component, value) in values([first + lane, m2, m3]).into_iter().enumerate() {
                     block[component][0][lane] = value.re;
                     block[component][1][lane] = value.im;
@@ -233,21 +233,24 @@ impl<T: Real> Field<T, Spectral> {
         });
     }
 
-    /// The same, by the values of modes that are beside each other along x, from one on, as many as a vector has lanes; those
-    /// from `m1 = nx/2` on are left out.
+    /// The same, by the values of [`MODES`] that are beside each other along x, from one on; those that this rank does not own are
+    /// left out.
     pub(crate) fn set_blocks(&mut self, values: impl Fn([usize; 3]) -> Complexes + Sync) {
         let (layout, [nx, _, nz]) = (&self.layout, self.layout.points);
         let memory = Shared::new(self.memory.values_mut());
-        let firsts = || layout.blocks.clone().map(|block| block * T::LANES).filter(|first| *first < nx / 2);
+        let end = (layout.blocks.end * T::LANES).min(nx / 2);
+        let firsts = (layout.blocks.start * T::LANES..end).step_by(MODES);
         (0..nz).into_par_iter().for_each(|m3| {
-            for (m2, first) in layout.modes.clone().flat_map(|m2| firsts().map(move |first| (m2, first))) {
+            for (m2, first) in layout.modes.clone().flat_map(|m2| firsts.clone().map(move |first| (m2, first))) {
                 let block = values([first, m2, m3]);
-                for (component, parts) in block.iter().enumerate() {
-                    let place = layout.spectral.at(component, m2 - layout.modes.start, m3) + layout.in_row::<T>(first);
-                    for (part, lanes) in parts.iter().enumerate() {
-                        for (lane, &value) in lanes[..T::LANES.min(nx / 2 - first)].iter().enumerate() {
-                            // SAFETY: each mode has places of its own, and is set once.
-                            unsafe { *memory.at(place + part * T::LANES + lane) = T::from_f64(value) };
+                for (component, [real, imaginary]) in block.iter().enumerate() {
+                    let row = layout.spectral.at(component, m2 - layout.modes.start, m3);
+                    for lane in 0..MODES.min(end - first) {
+                        let place = row + layout.in_row::<T>(first + lane);
+                        // SAFETY: each mode has places of its own, and is set once.
+                        unsafe {
+                            *memory.at(place) = T::from_f64(real[lane]);
+                            *memory.at(place + T::LANES) = T::from_f64(imaginary[lane]);
                         }
                     }
                 }
