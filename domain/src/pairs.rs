@@ -35,6 +35,9 @@ pub struct Pairs {
     list: Vec<Pair>,
 }
 
+/// Particles whose pairs one thread picks at a time.
+const BATCH: usize = 256;
+
 impl Pairs {
     /// Finds the pairs among the local particles and ghosts of this rank, the first `owned` of which it owns. `ids` are
     /// unique and the same on all ranks; they decide which rank keeps a pair that two ranks find.
@@ -57,17 +60,27 @@ impl Pairs {
 
     /// The same pairs in the same order, from the neighbours within the cutoff of the particles that this rank owns.
     pub fn of(neighbours: &Neighbours, ids: &[u64], owned: usize) -> Self {
-        let sorted = |mut pairs: Vec<Pair>| {
-            pairs.sort_unstable_by_key(|pair| (pair.i, pair.j, pair.steps));
-            pairs
-        };
+        let sort = |pairs: &mut [Pair]| pairs.sort_unstable_by_key(|pair| (pair.i, pair.j, pair.steps));
         let of_row =
             |row: usize| neighbours.of(row).iter().map(move |n| Pair { i: row as u32, j: n.row, steps: n.steps });
-        let firsts = |row: usize| sorted(of_row(row).filter(|pair| is_kept(pair, ids, owned)).collect());
-        let mut list: Vec<Pair> = (0..owned).into_par_iter().flat_map_iter(firsts).collect();
-        // Those whose first particle another rank owns come last, as it does.
-        let of_others = (0..owned).flat_map(of_row).filter(|pair| pair.j as usize >= owned).map(Pair::reversed);
-        list.extend(sorted(of_others.filter(|pair| is_kept(pair, ids, owned)).collect()));
+        let of_batch = |batch: usize| {
+            let mut pairs = Vec::new();
+            for row in batch * BATCH..owned.min((batch + 1) * BATCH) {
+                let first = pairs.len();
+                pairs.extend(of_row(row).filter(|pair| is_kept(pair, ids, owned)));
+                sort(&mut pairs[first..]);
+            }
+            pairs
+        };
+        let batches: Vec<Vec<Pair>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+        let mut list = batches.concat();
+        if ids.len() > owned {
+            // Those whose first particle another rank owns come last, as it does.
+            let of_others = (0..owned).flat_map(of_row).filter(|pair| pair.j as usize >= owned).map(Pair::reversed);
+            let mut kept: Vec<Pair> = of_others.filter(|pair| is_kept(pair, ids, owned)).collect();
+            sort(&mut kept);
+            list.extend(kept);
+        }
         Self { list }
     }
 

@@ -15,6 +15,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// lists also of particles that may migrate from other ranks.
 pub struct VerletList {
     cutoff: f64,
+    /// The skin over the cutoff.
+    skin: f64,
     partition: Partition,
     found: Option<Found>,
     near: Neighbours,
@@ -59,7 +61,14 @@ impl VerletList {
 
     /// Empty lists, on the ranks of a domain decomposition.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
-        Self { cutoff, partition: partition.clone(), found: None, near: Neighbours::default(), searches: 0 }
+        let (partition, near) = (partition.clone(), Neighbours::default());
+        Self { cutoff, skin: SKIN, partition, found: None, near, searches: 0 }
+    }
+
+    /// With another skin over the cutoff.
+    #[must_use]
+    pub fn with_skin(self, skin: f64) -> Self {
+        Self { skin, ..self }
     }
 
     /// The neighbours of each owned particle within the cutoff at the last positions, by rows.
@@ -96,7 +105,7 @@ impl VerletList {
         let comm = self.partition.comm();
         let (mut ids, mut positions) = (present.ids.to_vec(), present.positions.to_vec());
         // Who asks but once needs no skin.
-        let skin = if self.searches > 0 { SKIN } else { 0.0 };
+        let skin = if self.searches > 0 { self.skin } else { 0.0 };
         self.searches += 1;
         let reach = (1.0 + skin) * self.cutoff;
         let mut listed = vec![true; present.owned];

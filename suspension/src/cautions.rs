@@ -15,6 +15,7 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
         straight_box(model),
         steadiness::caution(model, radii),
         long_steps(model),
+        stiff_contacts(model),
         far_diffusion(model, radii),
         quick_tethers(model, radii),
         burden(model, radii),
@@ -31,6 +32,9 @@ fn burden(model: &Model, radii: &Radii) -> Option<String> {
 /// Strain of a step up to which it changes the viscosity of spheres in contact by less than a tenth.
 const LONGEST_STRAIN: f64 = 0.01;
 
+/// Contacts that settle may come out this many times as stiff as the estimate, without any need of shorter steps.
+const STIFF: f64 = 1.5;
+
 /// Contacts stick and slide for a step at a time.
 fn long_steps(model: &Model) -> Option<String> {
     let rate = model.flow.as_shear(model.shear_rates().largest());
@@ -41,6 +45,23 @@ fn long_steps(model: &Model) -> Option<String> {
         format!(
             "time.step = {step} is a strain of {:.3}, and contacts stick or slide for a whole step; take {limit:.3} or less",
             Number(strain)
+        )
+    })
+}
+
+/// Contacts much stiffer than overlaps ask for need shorter steps: a contact is made within one step of its stiffness' strain.
+fn stiff_contacts(model: &Model) -> Option<String> {
+    let (contacts, rates) = (model.contacts?, model.shear_rates());
+    let (stiffness, rate) = (contacts.stiffness.or(contacts.settled)?, model.flow.as_shear(rates.largest()));
+    let excess = stiffness / contacts.sufficient_stiffness(model);
+    let limit = LONGEST_STRAIN / rate / excess;
+    (model.shear_rates().stress().is_none() && excess > STIFF && model.time_step > limit * 1.001).then(|| {
+        format!(
+            "contacts.stiffness = {} is {:.2} times what keeps overlaps at contacts.overlap here, and steps have to be as much              shorter: viscosities may come out tens of percent too high with time.step = {}; take {:.3} or less, or a              smaller stiffness",
+            Number(stiffness),
+            Number(excess),
+            Number(model.time_step),
+            Number(limit)
         )
     })
 }
@@ -137,6 +158,32 @@ mod tests {
             let said = cautions(&model, &Radii::of_model(&model).unwrap());
             assert_eq!(said.iter().any(|s| s.contains("take 0.005 or less")), warned, "{said:?}");
         }
+    }
+
+    /// At the usual stiffness steps may be as long as contacts allow, at four times that a quarter.
+    #[test]
+    fn steps_too_long_for_stiff_contacts_are_warned_of() {
+        use crate::model::{Adaptive, Contacts, Hydrodynamics, Integrator};
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+        let said = |times: Option<f64>, step| {
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 60)], (step, 1));
+            let sheared = Parameters {
+                flow: Flow::Shear { rate: 2.0, lees_edwards: true },
+                hydrodynamics: Hydrodynamics { lubrication: true, ..Hydrodynamics::default() },
+                integrator: Integrator::Implicit(Adaptive::UNLIMITED),
+                ..usual
+            };
+            let contacts = Contacts::new(0.5);
+            let stiffness = times.map(|times| times * contacts.sufficient_stiffness(&sheared));
+            let model =
+                Model::new(Parameters { contacts: Some(Contacts { stiffness, ..contacts }), ..sheared }).unwrap();
+            cautions(&model, &Radii::of_model(&model).unwrap())
+        };
+        for (times, step) in [(None, 0.005), (Some(1.0), 0.005), (Some(4.0), 0.00125)] {
+            assert_eq!(said(times, step), Vec::<String>::new(), "{times:?} times as stiff, steps of {step}");
+        }
+        assert!(said(Some(4.0), 0.0025)[0].contains("is 4 times what keeps overlaps"));
+        assert!(said(Some(4.0), 0.0025)[0].contains("take 0.00125 or less"));
     }
 
     /// A bond between two spheres relaxes by both of them: at `2 k / (6 pi mu a)`, which order 4 follows up to 0.3 in a step.

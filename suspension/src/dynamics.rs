@@ -18,7 +18,8 @@ use crate::hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, STILL, 
 use crate::integrator::{self, EXPECTED};
 use crate::model::{self, Integrator, Model, Multipoles};
 use crate::moving_box::MovingBox;
-use crate::relative_motion::RelativeMotion;
+use crate::near::NearLists;
+use crate::relative_motion::{RelativeMotion, WATCHED};
 use crate::setup::Setup;
 use crate::step_error::StepError;
 use crate::substeps;
@@ -91,6 +92,8 @@ pub struct Dynamics {
     crowding: Option<Crowding>,
     /// The largest weight of negative eigenvalues in the near field of random motions.
     clipped: f64,
+    /// Pairs whose relative motion limits steps.
+    watched: NearLists,
     /// Where the box follows the particles.
     following: Option<Following>,
     axes: UserAxes,
@@ -129,6 +132,7 @@ impl Dynamics {
             clipped: 0.0,
             crowding,
             smallest_radius: setup.radii.smallest(),
+            watched: NearLists::new(WATCHED * setup.radii.largest(), &setup.partition),
             following: Following::of(model, &setup.radii),
             axes: model.user_axes(),
             partition: setup.partition,
@@ -404,7 +408,8 @@ impl Dynamics {
 
     /// The relative motion of near pairs, with the velocities of the columns named. Collective.
     pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> RelativeMotion<N> {
-        RelativeMotion::find(particles, &self.moving, &self.partition, columns)
+        let near = self.watched.find(particles, (self.moving.cell(), &self.partition));
+        RelativeMotion::new(near, particles, &self.moving, columns)
     }
 
     /// From which gap to which lubrication acts, if it does.

@@ -6,6 +6,7 @@ use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::extrapolation;
 use crate::integrator::{EXPECTED, MEAN, PAST, PAST_OF_ANY_LENGTH, move_by, remember};
 use crate::model::Adaptive;
+use crate::relative_motion::RelativeMotion;
 use crate::step_error::StepError;
 use crate::substeps::{AHEAD, SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
 use domain::{Comm, Particles, Vector};
@@ -120,12 +121,13 @@ impl Substep<'_> {
             proposed(particles, &ages, control, &comm).min(dynamics.moving_box().longest_substep()).min(rest);
         let before = (particles.clone(), dynamics.moving_box().clone());
         loop {
-            let length = choose((particles, &ages), (rest, longest), (control, clock), dynamics)?;
+            let mut approach = dynamics.approach(particles, USED);
+            let length = choose((&mut approach, &ages), (rest, longest), (control, clock), dynamics)?;
             let step = length.step;
             let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
             let implicit = Some(length.implicit() * step);
             let moment = Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit };
-            expect(particles, &length, dynamics);
+            expect(particles, &length, approach, dynamics);
             let mut outcome = dynamics.evaluate(particles, &moment)?;
             let mut error = correct(particles, &length, control, dynamics);
             if error > 1.0 && error.is_finite() {
@@ -162,12 +164,12 @@ fn proposed(particles: &mut Particles, ages: &[f64], control: &Adaptive, comm: &
 
 /// A share of `rest`, not longer than `longest`, in which gaps are expected not to lose more than they may. Collective.
 fn choose(
-    (particles, ages): (&mut Particles, &[f64]),
+    (approach, ages): (&mut RelativeMotion<3>, &[f64]),
     (rest, mut longest): (f64, f64),
     (control, clock): (&Adaptive, &Clock),
     dynamics: &Dynamics,
 ) -> Result<Length, StepError> {
-    let (mut approach, comm) = (dynamics.approach(particles, USED), dynamics.partition().comm());
+    let comm = dynamics.partition().comm();
     loop {
         let is_smooth = control.tolerance.is_finite();
         let length = Length { ages: ages.to_vec(), step: share(rest, longest), is_smooth };
@@ -186,10 +188,9 @@ fn choose(
 }
 
 /// Moves the particles to where they are expected at the end of a substep. Collective.
-fn expect(particles: &mut Particles, length: &Length, dynamics: &mut Dynamics) {
+fn expect(particles: &mut Particles, length: &Length, mut approach: RelativeMotion<3>, dynamics: &mut Dynamics) {
     let expected = combined(particles, [VELOCITY, PAST[0]], length.extrapolation());
     particles.vectors(EXPECTED).copy_from_slice(&expected);
-    let mut approach = dynamics.approach(particles, USED);
     let sheared = approach.carried_by(dynamics.moving_box().carry(length.step, length.expected()));
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
     move_by(particles, USED, length.expected());

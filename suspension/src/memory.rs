@@ -11,9 +11,11 @@ use crate::forces::SurfaceForces;
 use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
 use crate::integrator::{AdamsBashforth, PAST_OF_ANY_LENGTH};
 use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
+use crate::near::NearLists;
 use crate::open_box;
 use crate::plan::{Radii, largest_strain};
 use crate::random_motion::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
+use crate::relative_motion::WATCHED;
 use crate::sampling;
 use crate::tethers::TRAP_NUMBERS;
 use crate::warm_start::WarmStart;
@@ -219,7 +221,7 @@ impl Share<'_> {
 
     /// Lists of who is within a distance.
     fn lists(&self, distance: f64) -> Bytes {
-        let numbers = [distance, distance * VerletList::REACH].map(|reach| self.expected.neighbours(reach));
+        let numbers = [distance, distance * NearLists::REACH].map(|reach| self.expected.neighbours(reach));
         VerletList::bytes([self.expected.owned(), self.expected.present(distance), self.expected.total()], numbers)
     }
 
@@ -265,17 +267,18 @@ impl Share<'_> {
         let random = if self.is_brownian() { VECTORS * owned } else { 0.0 };
         let solve = solve.or(Bytes::list::<[f64; AMBIENT_NUMBERS]>(random).freed());
         let evaluation = Particles::migration_bytes(owned).freed().or(loads.then(guess).then(solve).freed());
-        evaluation.or(self.approach())
+        let [lists, approach] = self.approach();
+        lists.then(evaluation.or(approach))
     }
 
-    /// Steps of any length look at pairs up to a gap of a radius.
-    fn approach(&self) -> Bytes {
+    /// Steps of any length look at pairs up to a gap of a radius: the lists of these, which are kept, and what is made of them.
+    fn approach(&self) -> [Bytes; 2] {
         if matches!(self.model.integrator, Integrator::AdamsBashforth { .. }) {
-            return Bytes::default();
+            return [Bytes::default(); 2];
         }
-        let distance = 3.0 * self.expected.largest_radius();
+        let distance = WATCHED * self.expected.largest_radius();
         let pairs = 0.5 * self.expected.owned() * self.expected.neighbours(distance);
-        self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed()
+        [self.lists(distance), self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed()]
     }
 
     fn report(&self) -> Bytes {

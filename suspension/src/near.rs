@@ -4,16 +4,29 @@ use bytemuck::Pod;
 use domain::{
     Halo, LocalAndGhosts, Neighbour, Neighbours, Pair, Pairs, Particles, Partition, PeriodicBox, Vector, VerletList,
 };
+use rayon::prelude::*;
 use std::cell::RefCell;
 use std::ops::AddAssign;
 
 /// The pairs within a cutoff, with what is needed of the images that other ranks own.
 pub struct Near {
     halo: Halo,
+    places: Places,
+    pairs: Pairs,
+}
+
+/// Where the particles and ghosts of a rank are, and their radii.
+struct Places {
     cell: PeriodicBox,
     positions: Vec<Vector>,
     radii: Vec<f64>,
-    pairs: Pairs,
+}
+
+impl Places {
+    fn pair(&self, pair: &Pair) -> (Vector, [f64; 2], [i32; 3]) {
+        let radii = [pair.i, pair.j].map(|row| self.radii[row as usize]);
+        (pair.separation(&self.cell, &self.positions), radii, pair.steps.map(i32::from))
+    }
 }
 
 /// Who is near whom, found again and again as particles move.
@@ -22,15 +35,28 @@ pub struct NearLists {
     lists: RefCell<VerletList>,
 }
 
+/// The skin over the cutoff, which is a few radii: spheres move far before lists are made anew, and these are short all the same.
+const SKIN: f64 = 0.25;
+
+/// Pairs that one thread goes through at least.
+const BATCH: usize = 1024;
+
 impl NearLists {
+    /// The range of the lists over the cutoff.
+    pub const REACH: f64 = 1.0 + SKIN;
+
     /// Of pairs whose centres are nearer than `cutoff`.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
-        Self { cutoff, lists: RefCell::new(VerletList::new(cutoff, partition)) }
+        Self { cutoff, lists: RefCell::new(Self::lists(cutoff, partition)) }
+    }
+
+    fn lists(cutoff: f64, partition: &Partition) -> VerletList {
+        VerletList::new(cutoff, partition).with_skin(SKIN)
     }
 
     /// Of ranks that share out space in another way.
     pub fn divide(&mut self, partition: &Partition) {
-        self.lists = RefCell::new(VerletList::new(self.cutoff, partition));
+        self.lists = RefCell::new(Self::lists(self.cutoff, partition));
     }
 
     /// The same as [`Near::find`], by lists that are made anew now and then. Collective.
@@ -66,7 +92,7 @@ impl Near {
         halo.extend(&mut radii);
         halo.extend(&mut ids);
         let pairs = find(&positions, &ids);
-        Self { halo, cell: *cell, positions, radii, pairs }
+        Self { halo, places: Places { cell: *cell, positions, radii }, pairs }
     }
 
     /// For each particle that this rank owns, the sum of what its pairs give to the first and to the second of them;
@@ -89,25 +115,36 @@ impl Near {
     /// Of vectors that each particle of this rank has, for each pair that of the second less that of the first.
     /// Collective.
     pub fn differences(&self, values: &[Vector]) -> Vec<Vector> {
-        let mut present = values.to_vec();
-        self.halo.extend(&mut present);
+        let present = self.present(values.to_vec());
         let difference = |pair: &Pair| present[pair.j as usize] - present[pair.i as usize];
-        self.pairs.list().iter().map(difference).collect()
+        self.pairs.list().par_iter().with_min_len(BATCH).map(difference).collect()
+    }
+
+    /// For each pair what is made of it, as of [`Near::pairs`], and of the differences of the values of both in some lists of
+    /// vectors, as of [`Near::differences`]. Collective.
+    pub fn map<T: Send, const N: usize>(
+        &self,
+        values: [Vec<Vector>; N],
+        of_pair: impl Fn((Vector, [f64; 2], [i32; 3]), [Vector; N]) -> T + Sync,
+    ) -> Vec<T> {
+        let (present, places) = (values.map(|list| self.present(list)), &self.places);
+        let made = |pair: &Pair| {
+            let difference = |list: &Vec<Vector>| list[pair.j as usize] - list[pair.i as usize];
+            of_pair(places.pair(pair), present.each_ref().map(difference))
+        };
+        self.pairs.list().par_iter().with_min_len(BATCH).map(made).collect()
+    }
+
+    /// Vectors that the particles of this rank have, and those of its ghosts.
+    fn present(&self, mut values: Vec<Vector>) -> Vec<Vector> {
+        self.halo.extend(&mut values);
+        values
     }
 
     /// The pairs: from the first centre to the second, both radii, and how many lattice steps the second is from its
     /// own place.
     pub fn pairs(&self) -> impl Iterator<Item = (Vector, [f64; 2], [i32; 3])> + '_ {
-        let one = |pair: &Pair| (self.separation(pair), self.radii_of(pair), pair.steps.map(i32::from));
-        self.pairs.list().iter().map(one)
-    }
-
-    fn separation(&self, pair: &Pair) -> Vector {
-        pair.separation(&self.cell, &self.positions)
-    }
-
-    fn radii_of(&self, pair: &Pair) -> [f64; 2] {
-        [self.radii[pair.i as usize], self.radii[pair.j as usize]]
+        self.pairs.list().iter().map(|pair| self.places.pair(pair))
     }
 }
 

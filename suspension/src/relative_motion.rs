@@ -5,10 +5,17 @@ use crate::moving_box::MovingBox;
 use crate::near::Near;
 use bytemuck::{Pod, Zeroable};
 use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
+use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// Pairs are watched up to this gap over the largest radius.
-const WATCHED: f64 = 1.0;
+/// Pairs are watched whose centres are nearer than this many of the largest radius.
+pub const WATCHED: f64 = 3.0;
+
+/// Gaps to walls are watched up to this many radii.
+const WATCHED_AT_WALLS: f64 = 1.0;
+
+/// Pairs that one thread looks at.
+const BATCH: usize = 1024;
 
 /// Rounds in which pairs are moved apart before that is given up.
 const MOST_ROUNDS: usize = 100;
@@ -40,19 +47,22 @@ struct MovingAtWall<const N: usize> {
 }
 
 impl<const N: usize> RelativeMotion<N> {
-    /// The near pairs of particles whose columns of these names hold velocities. Collective.
+    /// The near pairs of particles whose columns of these names hold velocities, found by themselves. Collective.
     pub fn find(particles: &mut Particles, moving: &MovingBox, partition: &Partition, columns: [&str; N]) -> Self {
         let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
         partition.comm().max(&mut largest);
-        let near = Near::find(particles, moving.cell(), partition, (2.0 + WATCHED) * largest[0]);
-        let velocities = columns.map(|name| near.differences(particles.vectors(name)));
-        let pair = |(k, (separation, radii, steps)): (usize, (Vector, [f64; 2], [i32; 3]))| {
+        let near = Near::find(particles, moving.cell(), partition, WATCHED * largest[0]);
+        Self::new(near, particles, moving, columns)
+    }
+
+    /// Those of near pairs that were found for particles, whose columns of these names hold velocities. Collective.
+    pub fn new(near: Near, particles: &mut Particles, moving: &MovingBox, columns: [&str; N]) -> Self {
+        let velocities = columns.map(|name| particles.vectors(name).to_vec());
+        let at_walls = at_walls(particles, moving.cell(), velocities.each_ref());
+        let pairs = near.map(velocities, |(separation, radii, steps), velocities| {
             let image = moving.velocity_of_image(steps);
-            let velocities = std::array::from_fn(|n| velocities[n][k] + image);
-            MovingPair { separation, velocities, radii }
-        };
-        let pairs = near.pairs().enumerate().map(pair).collect();
-        let at_walls = at_walls(particles, moving.cell(), columns);
+            MovingPair { separation, velocities: velocities.map(|velocity| velocity + image), radii }
+        });
         Self { near, pairs, at_walls, carry: Deformation::NONE }
     }
 
@@ -67,11 +77,16 @@ impl<const N: usize> RelativeMotion<N> {
     /// `least[1]`, where smaller ones count as so large; those of spheres that overlap do not count at all if that is
     /// zero. Collective.
     pub fn after(&self, [weights, lower]: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
-        let mut change = Change { gap: f64::INFINITY, loss: 0.0, error: 0.0 };
-        for pair in &self.pairs {
-            let after = |weights| pair.gap_after(weights, self.carry);
-            change.note(pair.gap(), [weights, lower].map(after), least.map(|least| least * pair.mean_radius()));
-        }
+        let carry = self.carry;
+        let of_pairs = |pairs: &[MovingPair<N>]| {
+            let mut change = Change::NONE;
+            for pair in pairs {
+                let after = |weights| pair.gap_after(weights, carry);
+                change.note(pair.gap(), [weights, lower].map(after), least.map(|least| least * pair.mean_radius()));
+            }
+            change
+        };
+        let mut change = self.pairs.par_chunks(BATCH).map(of_pairs).reduce(|| Change::NONE, Change::worse);
         for sphere in &self.at_walls {
             let after = |weights| sphere.gap_after(weights);
             change.note(sphere.gap(), [weights, lower].map(after), least.map(|least| least * sphere.radius));
@@ -128,6 +143,14 @@ pub struct Change {
 }
 
 impl Change {
+    /// Where there are no gaps.
+    const NONE: Self = Self { gap: f64::INFINITY, loss: 0.0, error: 0.0 };
+
+    /// The worst of both.
+    fn worse(self, other: Self) -> Self {
+        Self { gap: self.gap.min(other.gap), loss: self.loss.max(other.loss), error: self.error.max(other.error) }
+    }
+
     /// Notes a gap before and after, by two sets of weights, over those that it counts as at least.
     fn note(&mut self, gap: f64, [after, other]: [f64; 2], least: [f64; 2]) {
         self.gap = self.gap.min(gap);
@@ -155,13 +178,16 @@ impl AddAssign for Push {
 }
 
 /// The spheres that are near walls.
-fn at_walls<const N: usize>(particles: &mut Particles, cell: &PeriodicBox, columns: [&str; N]) -> Vec<MovingAtWall<N>> {
+fn at_walls<const N: usize>(
+    particles: &Particles,
+    cell: &PeriodicBox,
+    velocities: [&Vec<Vector>; N],
+) -> Vec<MovingAtWall<N>> {
     if cell.boundaries().walls() == 0 {
         return Vec::new();
     }
-    let velocities = columns.map(|name| particles.vectors(name).to_vec());
     let of_row = |(row, (&place, &radius)): (usize, (&Vector, &f64))| {
-        let (own, watched) = (velocities.each_ref().map(|of| of[row]), (1.0 + WATCHED) * radius);
+        let (own, watched) = (velocities.map(|of| of[row]), (1.0 + WATCHED_AT_WALLS) * radius);
         let near = cell.to_walls(place).filter(move |to| to.distance < watched);
         near.map(move |to| MovingAtWall { row, to, velocities: own.map(|v| v.dot(to.axis)), radius })
     };

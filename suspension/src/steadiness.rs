@@ -18,7 +18,7 @@ pub fn caution(model: &Model, radii: &Radii) -> Option<String> {
         _ => " time.order = 2,",
     };
     let is_brownian = matches!(model.integrator, Integrator::Brownian(_));
-    let instead = if is_brownian { "" } else { ", or time.integrator = \"adaptive\"" };
+    let instead = if is_brownian { "" } else { ", or time.integrator = \"implicit\"" };
     (step > longest).then(|| {
         format!(
             "time.step = {} is longer than the {:.2} with which pairs are steady that repulsion holds \

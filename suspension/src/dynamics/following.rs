@@ -61,6 +61,7 @@ impl Dynamics {
         let done = self.hydrodynamics.mobility().work().evaluations;
         self.following.iter_mut().for_each(|following| following.evaluations += done);
         self.forces.divide(&self.partition);
+        self.watched.divide(&self.partition);
         self.crowding.iter_mut().for_each(|crowding| crowding.divide(&self.partition));
         self.hydrodynamics.replan(&planned.plan, &self.partition);
     }

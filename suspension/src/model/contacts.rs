@@ -87,7 +87,7 @@ impl Contacts {
 
     /// What keeps the largest overlaps about where they are aimed at, under the forces by which the flow and weight press
     /// spheres of the mean radius together.
-    fn sufficient_stiffness(&self, p: &Parameters) -> f64 {
+    pub(crate) fn sufficient_stiffness(&self, p: &Parameters) -> f64 {
         let spheres: f64 = p.species.iter().map(|s| s.count.unwrap_or(1) as f64).sum();
         let radius = p.species.iter().map(|s| s.count.unwrap_or(1) as f64 * s.radius).sum::<f64>() / spheres;
         let filled = p.species.iter().map(|s| s.count.unwrap_or(0) as f64 * volume(s.radius)).sum::<f64>();
