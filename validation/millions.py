@@ -18,7 +18,7 @@ from support.program import PROGRAM, ROOT
 RANKS = 2
 SIZES, MORE = (1_000_000,), (4_000_000,)
 FRACTION = 0.12
-# What the issue asks for: seconds of a million random spheres, and bytes of a rank of their run.
+# At most so many seconds for a million random places, and bytes of a rank of a run with them.
 START, PEAK = 10.0, 1.5e9
 EXAMPLE = pathlib.Path(PROGRAM).parent / "examples" / "random_start"
 BUILD = ["cargo", "build", "--quiet", "--release", "--package", "fcm-solve-domain", "--features", "mpi", "--example", "random_start"]

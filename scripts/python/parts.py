@@ -1,12 +1,9 @@
-"""The parts of the benchmark that are no mobility on its own: transforms, whole steps, and what ranks exchange."""
+"""The parts of the benchmark that are no mobility on its own: transforms, stencils, and what ranks exchange."""
 
-import csv
 import json
 import math
 import os
-import pathlib
 import subprocess
-import tempfile
 
 TRANSFORMS = [48, 64, 96, 128, 144, 192]
 RANKS = [2, 4, 8, 16, 32, 64]
@@ -61,63 +58,6 @@ def stencils(programs, target):
             rate, peak = operations / seconds, peaks[precision]
             cells = [loop, precision, f"{points}^3", f"{1e9 * seconds:.0f}", f"{rate / 1e9:.1f}", f"{peak / 1e9:.0f}"]
             rows.append("| " + " | ".join([*cells, f"{rate / peak:.0%}"]) + " |")
-    return rows
-
-
-SCENE = """
-title = "{title}"
-seed = 1
-[box]
-edges = [48.0, 48.0, 48.0]
-[fluid]
-viscosity = 1.0
-[[species]]
-name = "spheres"
-radius = 1.0
-count = 3200
-force = [0.0, 0.0, {force}]
-[particles]
-initial = "random"
-minimum_gap = 0.02
-{flow}
-[repulsion]
-strength = 40.0
-range = 0.1
-[hydrodynamics]
-tolerance = 1e-3
-[time]
-step = {step}
-steps = 60
-[output]
-trajectory_every = 60
-observables_every = 5
-checkpoint_every = 60
-"""
-SHEAR = '[flow]\nkind = "shear"\nrate = 1.0\nlees_edwards = true'
-STEPS = {"settling": dict(force=-18.85, flow="", step=0.05), "sheared": dict(force=0.0, flow=SHEAR, step=0.005)}
-
-
-def steps(programs):
-    """Stresslet iterations and time of whole steps, against the time of one mobility."""
-    rows = ["| suspension | iterations, cold | iterations, later | ms a step | mobilities' worth |", "|---|---|---|---|---|"]
-    for title, values in STEPS.items():
-        mobility = programs.solve("", **{"no-error": True})
-        mobility.run()
-        with tempfile.TemporaryDirectory() as folder:
-            scene = pathlib.Path(folder) / "scene.toml"
-            scene.write_text(SCENE.format(title=title, **values))
-            out = pathlib.Path(folder) / "out"
-            command = [programs.ours, "run", scene, "--out", out, "--threads", 1]
-            subprocess.run(list(map(str, command)), check=True, capture_output=True)
-            lines = list(csv.DictReader(open(out / "observables.csv")))
-        # The first steps are those of Runge and Kutta, without a history to start from.
-        later = lines[2:]
-        iterations = sum(float(line["iterations"]) for line in later) / len(later)
-        mobility.run()
-        seconds = sorted(float(line["seconds_per_step"]) for line in later)[len(later) // 2]
-        worth = seconds / (sum(line["seconds"]["total"] for line in mobility.lines) / len(mobility.lines))
-        cold = float(lines[0]["iterations"])
-        rows.append(f"| {title} | {cold:.0f} | {iterations:.1f} | {1e3 * seconds:.0f} | {worth:.1f} |")
     return rows
 
 
@@ -182,13 +122,6 @@ def page(programs, target):
         "window's polynomials, the coefficients of the rows, sorting the spheres, and clearing the grid.",
         "",
         *stencils(programs, target),
-        "",
-        "## Whole steps",
-        "",
-        "3,200 spheres at 12%, tolerance 1e-3, one thread: iterations for the stresslets from nothing and from the steps",
-        "before, and the time of a step over that of one mobility.",
-        "",
-        *steps(programs),
         "",
         "## What ranks exchange",
         "",
