@@ -23,6 +23,8 @@ FRACTIONS = (0.50, 0.54) if FULL else (0.50,)
 SETTLED, STRAIN = (1.5, 6.0) if FULL else (1.0, 2.5)
 # The stress may be off in the mean by this part of it.
 STRESS_ERROR = 0.02
+# Viscosities at a given stress and at the rate that it gave may be so many errors apart.
+WAYS_APART = 3.0
 
 
 def scene(fraction, stress, flow, time):
@@ -70,11 +72,14 @@ def under_stress(case):
 
 
 def at_rate(case):
-    """The relative viscosity at the mean rate that a stress gave."""
+    """The relative viscosity at the mean rate that a stress gave, with its error."""
     fraction, rate = case
     columns = series(scene(fraction, 0.0, f"rate = {rate}", f"step = {0.005 / rate}, duration = {STRAIN / rate}"))
-    late = columns["time"] * rate > SETTLED
-    return columns["relative_viscosity"][late].mean()
+    late = np.flatnonzero(columns["time"] * rate > SETTLED)
+    means = [columns["relative_viscosity"][block].mean() for block in np.array_split(late, 6)]
+    found = columns["relative_viscosity"][late].mean(), np.std(means, ddof=1) / np.sqrt(len(means))
+    print(case, *(f"{number:.4g}" for number in found), flush=True)
+    return found
 
 
 def draw(found):
@@ -100,7 +105,8 @@ def main():
     draw(found)
     rows = [[f"{fraction:.0%}", f"{over:g}", f"{found[fraction, over][0]:.1f} ± {found[fraction, over][1]:.1f}", f"{PAIRS_ALONE[fraction][over]:g}",
              f"{found[fraction, over][2]:.2f}", f"{found[fraction, over][3]:.4f}"] for fraction, over in cases]
-    ways = ", ".join(f"{found[case][0]:.1f} and {viscosity:.1f} at {case[1]:g}" for case, viscosity in zip(compared, rated))
+    ways = ", ".join(f"{found[case][0]:.1f} ± {found[case][1]:.1f} and {viscosity:.1f} ± {error:.1f} at {case[1]:g}" for case, (viscosity, error) in zip(compared, rated))
+    apart = {case: abs(found[case][0] - viscosity) / np.hypot(found[case][1], error) for case, (viscosity, error) in zip(compared, rated)}
     lines = [
         f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume each, friction {FRICTION:g} where a contact bears more than the critical",
         f"load \\\\(F_c\\\\), means over strains of about {SETTLED:g} to {STRAIN:g} in one run; stresses are in units of \\\\(F_c / (6 \\pi a^2)\\\\). Beside the",
@@ -109,12 +115,14 @@ def main():
         "",
         *table(["φ", "stress", "relative viscosity", "pairs alone", "frictional", "stress found"], rows),
         "",
-        f"With the stress given, and with the mean rate that came out given, at 50%: {ways}.",
+        f"With the stress given, and with the mean rate that came out given, at 50%: {ways}; these are to agree within",
+        f"{WAYS_APART:g} errors. Where the viscosity fluctuates, that over the mean rate is below that of the mean stress.",
         "",
         "![Shear thickening](figures/thickening.png)",
     ]
     write_section("dense.md", "thickening", "Shear thickening", lines)
     failed = [f"{case}: the stress is {values[3]:.4f} of what was asked for" for case, values in found.items() if abs(values[3] - 1) > STRESS_ERROR]
+    failed += [f"{case}: {errors:.1f} errors apart with stress and rate given" for case, errors in apart.items() if errors > WAYS_APART]
     for fraction in FRACTIONS:
         low, high = (found[fraction, over][0] for over in (0.2, 5.0))
         if high < 1.8 * low:

@@ -26,7 +26,7 @@ ROUNDS = 3
 # Spheres of two radii, half the volume each, and the strains over which a run is timed.
 COUNTS, FRACTION, FRICTIONS, STRAINS = {1.0: 147, 1.4: 53}, 0.45, (0.0, 0.5), (1.0, 2.0)
 # Spheres and steps beside JFSD.
-EQUAL, EQUAL_FRACTION, STEPS = 500, 0.2, 2
+EQUAL, EQUAL_FRACTION, STEPS, OURS = 500, 0.2, 2, (20, 420)
 # Spheres between walls and the distance of these beside DPStokes, and its points with the tolerance here whose error is about the same.
 BETWEEN, BETWEEN_FRACTION, HEIGHT, KERNELS = 1000, 0.2, 20.0, {4: 1e-2, 6: 3e-4}
 
@@ -174,12 +174,12 @@ origin_zero_flow = true;
         return cpu_seconds(command, cwd=self.folder, env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"})
 
 
-def beside_lf_dem(program, folder):
+def beside_lf_dem(program, folder, count):
     """Rows of CPU seconds for a unit of strain: of the strains of a run less those of a shorter one."""
     ours, theirs = Ours(program, folder), LfDem(os.environ["LF_DEM"], folder)
     for friction in FRICTIONS:
         rounds = []
-        for _ in range(ROUNDS):
+        for _ in range(count):
             mine = [ours.rough(friction, strain) for strain in STRAINS]
             start = ours.start(friction)
             other = [theirs.rough(friction, strain, start) for strain in STRAINS]
@@ -187,7 +187,7 @@ def beside_lf_dem(program, folder):
         yield row(f"friction {friction:g}", rounds)
 
 
-def beside_jfsd(program, folder):
+def beside_jfsd(program, folder, count):
     """Rows of CPU seconds for a step, without Brownian motion and with it."""
     ours, place = Ours(program, folder), pathlib.Path(os.environ["JFSD"])
     script = TOP / "scripts" / "peers" / "jfsd_viscosity.py"
@@ -195,14 +195,14 @@ def beside_jfsd(program, folder):
     environment = {**os.environ, "JAX_PLATFORMS": "cpu"}
     for name, heat in [("in shear", 0), ("in shear, Brownian", 0.1)]:
         rounds = []
-        for _ in range(ROUNDS):
-            few, many = (ours.lubricated(steps, heat) for steps in (10, 30))
+        for _ in range(count):
+            few, many = (ours.lubricated(steps, heat) for steps in OURS)
             said = subprocess.run([*command, str(heat)], cwd=place, env=environment, check=True, capture_output=True, text=True)
-            rounds.append([(many - few) / 20, float(said.stdout.split()[0])])
+            rounds.append([(many - few) / (OURS[1] - OURS[0]), float(said.stdout.split()[0])])
         yield row(f"{EQUAL} spheres at {EQUAL_FRACTION:.0%} {name}", rounds)
 
 
-def beside_dpstokes(program, folder):
+def beside_dpstokes(program, folder, count):
     """Rows of CPU seconds for a product of the mobility with forces between walls."""
     ours, checkout = Slit(program, folder), pathlib.Path(os.environ["DPSTOKES"]).resolve()
     script = TOP / "scripts" / "peers" / "dpstokes_slit.py"
@@ -212,7 +212,7 @@ def beside_dpstokes(program, folder):
     }
     for points, tolerance in KERNELS.items():
         rounds = []
-        for _ in range(ROUNDS):
+        for _ in range(count):
             few, many = (ours.drift(tolerance, steps) for steps in (50, 450))
             places = ours.places()
             command = ["bash", "-c", 'ulimit -s unlimited; exec "$@"', "bash", sys.executable, script, places, str(points)]
@@ -251,18 +251,20 @@ NAMES = {"DPSTOKES": "DPStokes"}
 def main():
     parser = argparse.ArgumentParser(prog="scripts/benchmark --peers", description=__doc__)
     parser.add_argument("--program", required=True, help="this program")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"how often everything is run [{ROUNDS}]")
     arguments = parser.parse_args()
+    command = "scripts/benchmark --peers" + (f" --rounds {arguments.rounds}" if arguments.rounds != ROUNDS else "")
     chosen = [peer for peer in PEERS if os.environ.get(peer)]
     if not chosen:
         raise SystemExit(f"set {' or '.join(PEERS)} to where that program is, see docs/src/peers.md")
     for peer in chosen:
         name, title, compare, about = PEERS[peer]
         with tempfile.TemporaryDirectory() as folder:
-            rows = list(compare(arguments.program, folder))
-        lines = [*about, f"One thread, medians and ranges of {ROUNDS} rounds in turns, on {platform.machine()}.", ""]
+            rows = list(compare(arguments.program, folder, arguments.rounds))
+        lines = [*about, f"One thread, medians and ranges of {arguments.rounds} in turns, on {platform.machine()}.", ""]
         lines += table(["", "fcm-solve", NAMES.get(peer, peer), "times as long"], rows)
         print(title, *lines, sep="\n")
-        write_section("peers.md", name, title, lines, "scripts/benchmark --peers")
+        write_section("peers.md", name, title, lines, command)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
         straight_box(model),
         steadiness::caution(model, radii),
         long_steps(model),
-        stiff_contacts(model),
+        stiff_contacts(model, radii),
         far_diffusion(model, radii),
         quick_tethers(model, radii),
         burden(model, radii),
@@ -32,8 +32,11 @@ fn burden(model: &Model, radii: &Radii) -> Option<String> {
 /// Strain of a step up to which it changes the viscosity of spheres in contact by less than a tenth.
 const LONGEST_STRAIN: f64 = 0.01;
 
-/// Contacts that settle may come out this many times as stiff as the estimate, without any need of shorter steps.
+/// Contacts that are no more than this many times as stiff as the estimate need no shorter steps.
 const STIFF: f64 = 1.5;
+
+/// The volume fraction from which on contacts bear much of the stress.
+const DENSE: f64 = 0.3;
 
 /// Contacts stick and slide for a step at a time.
 fn long_steps(model: &Model) -> Option<String> {
@@ -49,13 +52,14 @@ fn long_steps(model: &Model) -> Option<String> {
     })
 }
 
-/// Contacts much stiffer than overlaps ask for need shorter steps: a contact is made within one step of its stiffness' strain.
-fn stiff_contacts(model: &Model) -> Option<String> {
+/// Where contacts bear much of the stress, those that are much stiffer than overlaps ask for need steps that are as much shorter.
+fn stiff_contacts(model: &Model, radii: &Radii) -> Option<String> {
     let (contacts, rates) = (model.contacts?, model.shear_rates());
-    let (stiffness, rate) = (contacts.stiffness.or(contacts.settled)?, model.flow.as_shear(rates.largest()));
+    let (stiffness, rate) = (contacts.stiffness?, model.flow.as_shear(rates.largest()));
     let excess = stiffness / contacts.sufficient_stiffness(model);
     let limit = LONGEST_STRAIN / rate / excess;
-    (model.shear_rates().stress().is_none() && excess > STIFF && model.time_step > limit * 1.001).then(|| {
+    let is_dense = radii.volume() / model.cell.volume() > DENSE;
+    (rates.stress().is_none() && is_dense && excess > STIFF && model.time_step > limit * 1.001).then(|| {
         format!(
             "contacts.stiffness = {} is {:.2} times what keeps overlaps at contacts.overlap here, and steps have to be as much              shorter: viscosities may come out tens of percent too high with time.step = {}; take {:.3} or less, or a              smaller stiffness",
             Number(stiffness),
@@ -165,8 +169,8 @@ mod tests {
     fn steps_too_long_for_stiff_contacts_are_warned_of() {
         use crate::model::{Adaptive, Contacts, Hydrodynamics, Integrator};
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
-        let said = |times: Option<f64>, step| {
-            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 60)], (step, 1));
+        let said = |count, times: Option<f64>, step| {
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, count)], (step, 1));
             let sheared = Parameters {
                 flow: Flow::Shear { rate: 2.0, lees_edwards: true },
                 hydrodynamics: Hydrodynamics { lubrication: true, ..Hydrodynamics::default() },
@@ -179,11 +183,20 @@ mod tests {
                 Model::new(Parameters { contacts: Some(Contacts { stiffness, ..contacts }), ..sheared }).unwrap();
             cautions(&model, &Radii::of_model(&model).unwrap())
         };
-        for (times, step) in [(None, 0.005), (Some(1.0), 0.005), (Some(4.0), 0.00125)] {
-            assert_eq!(said(times, step), Vec::<String>::new(), "{times:?} times as stiff, steps of {step}");
+        for (count, times, step) in
+            [(60, None, 0.005), (60, Some(1.0), 0.005), (60, Some(4.0), 0.00125), (9, Some(4.0), 0.005)]
+        {
+            assert_eq!(
+                said(count, times, step),
+                Vec::<String>::new(),
+                "{count}, {times:?} times as stiff, steps of {step}"
+            );
         }
-        assert!(said(Some(4.0), 0.0025)[0].contains("is 4 times what keeps overlaps"));
-        assert!(said(Some(4.0), 0.0025)[0].contains("take 0.00125 or less"));
+        let warned = said(60, Some(4.0), 0.0025);
+        assert!(
+            warned[0].contains("is 4 times what keeps overlaps") && warned[0].contains("take 0.00125 or less"),
+            "{warned:?}"
+        );
     }
 
     /// A bond between two spheres relaxes by both of them: at `2 k / (6 pi mu a)`, which order 4 follows up to 0.3 in a step.
