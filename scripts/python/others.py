@@ -226,7 +226,8 @@ def row(name, rounds):
     """Medians, and the ratio with its range."""
     ratios = sorted(other / mine for mine, other in rounds)
     mine, other = (median(column) for column in zip(*rounds))
-    return [name, f"{mine:.3g}", f"{other:.3g}", f"{median(ratios):.1f} ({ratios[0]:.1f} to {ratios[-1]:.1f})"]
+    spread = f" ({ratios[0]:.1f} to {ratios[-1]:.1f})" if len(ratios) > 1 else ""
+    return [name, f"{mine:.3g}", f"{other:.3g}", f"{median(ratios):.1f}{spread}"]
 
 
 PEERS = {
@@ -261,7 +262,8 @@ def main():
         name, title, compare, about = PEERS[peer]
         with tempfile.TemporaryDirectory() as folder:
             rows = list(compare(arguments.program, folder, arguments.rounds))
-        lines = [*about, f"One thread, medians and ranges of {arguments.rounds} in turns, on {platform.machine()}.", ""]
+        how_often = "one round" if arguments.rounds == 1 else f"medians and ranges of {arguments.rounds} rounds"
+        lines = [*about, f"One thread, {how_often} in turns, on {platform.machine()}.", ""]
         lines += table(["", "fcm-solve", NAMES.get(peer, peer), "times as long"], rows)
         print(title, *lines, sep="\n")
         write_section("peers.md", name, title, lines, command)
