@@ -107,7 +107,7 @@ pub fn root_times<const N: usize, E>(
     mut apply: impl FnMut(&[[f64; N]]) -> Result<Vec<[f64; N]>, E>,
 ) -> Result<(Vec<[f64; N]>, Drawn), E> {
     let dot = |a: &[[f64; N]], b: &[[f64; N]]| {
-        let mut sum = [a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum::<f64>()];
+        let mut sum = [product(a.as_flattened(), b.as_flattened())];
         comm.sum(&mut sum);
         sum[0]
     };
@@ -150,6 +150,19 @@ pub fn root_times<const N: usize, E>(
         beside.push(rest);
         basis.push(scaled(&next, 1.0 / rest));
     }
+}
+
+/// The sum of the products of two lists' numbers, in lanes that add up side by side.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut lanes = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            *lane += a * b;
+        }
+    }
+    lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 fn subtract<const N: usize>(from: &mut [[f64; N]], factor: f64, vector: &[[f64; N]]) {

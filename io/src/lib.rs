@@ -43,8 +43,8 @@ mod verified;
 
 pub use atomic_file::replace as replace_file;
 pub use case::{
-    Answer, Background, BoundariesError, Case, CaseBoundary, CaseBox, CaseBoxError, NOISE_NUMBERS, Noise, OneOrAll,
-    Terms, UnknownBoundary,
+    Answer, Background, BoundariesError, Case, CaseBoundary, CaseBox, CaseBoxError, CaseMethod, NOISE_NUMBERS, Noise,
+    OneOrAll, Terms, UnknownBoundary,
 };
 pub use causes::in_full;
 pub use checkpoint::Checkpoints;

@@ -18,7 +18,7 @@ class Mobility:
         self,
         spheres: tuple[tuple[list[list[float]], list[str]], float, list[float], bool],
         fluid: tuple[float, float],
-        terms: tuple[bool, float | None],
+        terms: tuple[bool, float | None, str],
         comm: tuple[int, str] | None,
     ) -> None: ...
     @property

@@ -123,6 +123,8 @@ class Mobility:
                 larger sphere (2.5 if it is True)
     rigid       whether to solve for the stresslets that keep the spheres rigid
     multipoles  "dipole": forces, torques and stresslets; "monopole": forces alone
+    method      "direct": the envelopes themselves on the grid; "split": wider ones on a coarser grid, and the difference
+                pair by pair; "auto": the one that takes less time
     strain      the box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)
     boundaries  what the box is along x, y and z: one axis may have "walls" at 0 and at its edge, a "wall" at 0, or be
                 "open", the others "periodic"; or all are "open": then the edges are to be longer than the spheres'
@@ -146,6 +148,7 @@ class Mobility:
         comm: Any = None,
         count: int | None = None,
         boundaries: Sequence[str] = ("periodic", "periodic", "periodic"),
+        method: str = "auto",
     ) -> None:
         self._radii = _radii(radii, count)
         self._rigid = bool(rigid)
@@ -159,7 +162,7 @@ class Mobility:
             raise ValueError(f"boundaries are {boundaries}; they need to be three words, for x, y and z")
         spheres = ((rows, [str(axis) for axis in boundaries]), float(strain), self._radii.tolist(), self._rigid)
         fluid = (float(viscosity), float(tolerance))
-        self._core = _core.Mobility(spheres, fluid, (self._dipoles, _cutoff(lubrication)), handle(comm))
+        self._core = _core.Mobility(spheres, fluid, (self._dipoles, _cutoff(lubrication), method), handle(comm))
         self._positions: np.ndarray | None = None
         self._say(self._core.burden())
 

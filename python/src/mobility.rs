@@ -3,10 +3,10 @@
 use crate::arrays::{Rows, list_of, rows_of};
 use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
-use crate::error::{explained, refused};
+use crate::error::{explained, input_error, refused};
 use crate::signals::Signals;
 use domain::{Bytes, Comm, Tensor, Turn, Vector};
-use fcm::{Loads, Motion, Multipoles};
+use fcm::{Loads, MethodName, Motion, Multipoles};
 use io::{CaseBoundary, CaseBox};
 use lubrication::Range;
 use numpy::PyArray2;
@@ -37,18 +37,18 @@ type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 #[pymethods]
 impl Mobility {
     /// Plans the mobility; `spheres` is the box, edges in one row or lattice vectors in three, with its strain, the radii and whether they are rigid, `fluid` the
-    /// viscosity and the relative error, `terms` whether there are dipoles, and the gap where lubrication ends; the box comes
-    /// with what it is along each axis.
+    /// viscosity and the relative error, `terms` whether there are dipoles, the gap where lubrication ends, and the method; the box
+    /// comes with what it is along each axis.
     #[new]
     #[pyo3(signature = (spheres, fluid, terms, comm))]
     fn new(
         py: Python<'_>,
         spheres: (GivenBox, f64, Vec<f64>, bool),
         fluid: (f64, f64),
-        terms: (bool, Option<f64>),
+        terms: (bool, Option<f64>, &str),
         comm: Option<(i32, String)>,
     ) -> PyResult<Self> {
-        let (((rows, axes), strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication)) =
+        let (((rows, axes), strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication, method)) =
             (spheres, fluid, terms);
         let given = (Some(given_box(&rows)), boundaries(&axes)?);
         let (cell, turn) = CaseBox::bounded(given.0, strain, given.1, (&[], &[])).map_err(|cause| refused(&cause))?;
@@ -63,6 +63,7 @@ impl Mobility {
             rigid,
             tolerance,
             lubrication: lubrication.map_err(|cause| refused(&cause))?,
+            method: named(method)?,
             costs: without_lock(py, || io::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
         };
         Self::planned(py, (parameters, turn), (count, &comm))
@@ -216,6 +217,16 @@ fn answer(py: Python<'_>, motions: Motions) -> PyResult<Answer<'_>> {
         iterations,
         residual,
     ))
+}
+
+/// The method of a word, if it is not left to the planner.
+fn named(method: &str) -> PyResult<Option<MethodName>> {
+    match method {
+        "auto" => Ok(None),
+        "direct" => Ok(Some(MethodName::Direct)),
+        "split" => Ok(Some(MethodName::Split)),
+        other => Err(input_error(format!("method is \"{other}\"; it needs to be \"auto\", \"direct\" or \"split\""))),
+    }
 }
 
 /// What the box is along each axis.

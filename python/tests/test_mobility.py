@@ -197,6 +197,10 @@ def test_the_plan_is_that_of_the_program(program, tmp_path):
     assert plan.text == answer["plan"] and str(plan).startswith(plan.text)
     assert plan.method in ("direct", "split") and len(plan.grid) == 3
     assert plan.tolerance == 1e-4 and 0 < plan.expected_error <= 1e-4 and plan.expected_seconds > 0
+    for method in ("direct", "split"):
+        assert mobility(method=method).plan.method == method
+    with pytest.raises(fcm.InputError, match='"auto", "direct" or "split"'):
+        mobility(method="spectral")
 
 
 def test_the_number_of_threads_stays():

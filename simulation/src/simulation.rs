@@ -37,8 +37,8 @@ pub trait Simulation {
         Err(SimulationError::new(NoLoads))
     }
 
-    /// Takes one step, or several where steps are very short, but none beyond step `last`. `Err` on every rank or on
-    /// none.
+    /// Takes one step, or several where steps are very short, but none beyond step `last`, which is the next at which anybody
+    /// looks at the particles' motions. `Err` on every rank or on none.
     fn advance(&mut self, last: u64) -> Result<(), SimulationError>;
 
     /// The particles now, all on the first rank in the order of their ids.

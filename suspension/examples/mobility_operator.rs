@@ -45,6 +45,7 @@ fn mobility(cell: PeriodicBox, radii: Vec<f64>) -> Result<Mobility, Box<dyn Erro
         rigid: true,
         tolerance: 1e-6,
         lubrication: None,
+        method: None,
         costs: Costs::default(),
     };
     Ok(Mobility::new(parameters, Bytes::default(), &Comm::alone())?)

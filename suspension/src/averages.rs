@@ -38,6 +38,11 @@ impl Averages {
         Self { samples, from, sheared, flow: model.flow, columns, statistics, axes, comm }
     }
 
+    /// Whether a sample may be taken at a step.
+    pub fn are_due(&self, step: u64) -> bool {
+        self.samples.is_due(step)
+    }
+
     /// Takes a sample if it is time for one. Collective.
     pub fn sample(&mut self, suspension: &Suspension) {
         let clock = suspension.clock();

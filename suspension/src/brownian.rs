@@ -4,7 +4,7 @@ use crate::columns::VELOCITY;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::integrator::{PAST, move_by};
 use crate::model::BrownianScheme;
-use crate::random_motion::{self, DISPLACEMENT, DRIFT_VELOCITY, RANDOM_VELOCITY};
+use crate::random_motion::{self, DISPLACEMENT, DRIFT_VELOCITY};
 use crate::step_error::StepError;
 use domain::Particles;
 use fcm::Stream;
@@ -40,28 +40,37 @@ const PART: f64 = 0.02;
 /// ```
 ///
 /// where `U` are the motions that rigid spheres have in that fluid under all forces, those of lubrication's noise by the same
-/// random numbers at `x*`; or by two evaluations of the random part of `U`, with the same `v, w, e, f`,
+/// random numbers at `x*`; or by two evaluations of `U`, with the same `v, w, e, f` and forces,
 ///
 /// ```text
 /// x* = x + a dt/2 v
-/// x(t + dt) = x + dt (U_forces(x) + U_noise(x) + [U_noise(x*) - U_noise(x)] / a),        a = 0.02
+/// x(t + dt) = x + dt (U(x) + [U(x*) - U(x)] / a),        a = 0.02
 /// ```
 ///
 /// The covariance of `U` is that of the mobility of rigid, lubricated spheres. The divergence of the method's own mobility
 /// vanishes, so that the mean of `U` has the drift `kT div M` of the constrained one: `f` does not depend on `v`, and it makes no
 /// difference to the mean where it is taken. In the second, the same difference of stresslets has the mean `-kT div D` of
 /// those of the first moments `D` that forces cause, with a variance that does not grow as `dt` falls; and near spheres are not
-/// moved into each other before the solve. Both are of order 1 in `dt`, weakly. Collective; fails on every rank or on none.
+/// moved into each other before the solve. Both are of order 1 in `dt`, weakly. In the second, the motions by forces alone are
+/// those of the particles after the step, but only where it is `seen`: nothing goes on from them. Collective; fails on every rank or on
+/// none.
 pub fn advance(
     particles: &mut Particles,
-    clock: &Clock,
+    (clock, is_seen): (&Clock, bool),
     (heat, scheme): (&Heat, BrownianScheme),
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let (stream, amplitude) = heat.of_step(clock);
     match scheme {
         BrownianScheme::Midpoint => midpoint(particles, clock, (amplitude, stream), dynamics),
-        BrownianScheme::TwoEvaluations => two_evaluations(particles, clock, (amplitude, stream), dynamics),
+        BrownianScheme::TwoEvaluations => {
+            let outcome = two_evaluations(particles, clock, (amplitude, stream), dynamics)?;
+            if is_seen {
+                dynamics.remember(particles);
+                dynamics.evaluate(particles, &Moment::in_step(clock, 1.0, 0))?;
+            }
+            Ok(outcome)
+        }
     }
 }
 
@@ -83,36 +92,22 @@ fn midpoint(
     Ok(outcome)
 }
 
-/// Velocities by forces are those of the columns, and are computed again at the end.
 fn two_evaluations(
     particles: &mut Particles,
     clock: &Clock,
     noise: (f64, Stream),
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
-    let (start, steps) = (Moment::in_step(clock, 0.0, 0), dynamics.steps_before(clock));
-    dynamics.remember(particles);
-    let outcome = random_velocities(particles, &start, noise, dynamics)?;
-    move_by(particles, [VELOCITY, RANDOM_VELOCITY, DRIFT_VELOCITY], [clock.dt(); 3]);
-    random_motion::forget(particles);
-    dynamics.evaluate(particles, &Moment::in_step(clock, 1.0, steps))?;
-    Ok(outcome)
-}
-
-/// Notes random velocities and their drift.
-fn random_velocities(
-    particles: &mut Particles,
-    start: &Moment,
-    noise: (f64, Stream),
-    dynamics: &mut Dynamics,
-) -> Result<Outcome, StepError> {
+    let start = Moment::in_step(clock, 0.0, 0);
     dynamics.fluctuate(particles, noise);
-    let outcome = dynamics.move_at_random(particles, start, noise)?;
-    random_motion::displace(particles, PART * 0.5 * start.clock.dt());
+    random_motion::displace(particles, PART * 0.5 * clock.dt());
+    let outcome = dynamics.move_at_random(particles, &start, noise)?;
     move_by(particles, [DISPLACEMENT], [1.0]);
-    dynamics.place(particles, start)?;
-    dynamics.note_drift(particles, start, PART)?;
-    move_by(particles, [DISPLACEMENT], [-1.0]);
+    dynamics.place(particles, &start)?;
+    dynamics.note_drift(particles, &start, PART)?;
+    move_by(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
+    random_motion::forget(particles);
+    dynamics.place(particles, &Moment::in_step(clock, 1.0, 0))?;
     Ok(outcome)
 }
 

@@ -49,6 +49,12 @@ pub struct Outcome {
     pub residual: f64,
 }
 
+impl Outcome {
+    fn of(solved: &Solved) -> Self {
+        Self { iterations: solved.iterations, residual: solved.residual }
+    }
+}
+
 /// When an evaluation is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moment {
@@ -250,7 +256,7 @@ impl Dynamics {
         let (mut loads, tethers) = self.loads_at(particles, moment, ahead.as_ref())?;
         let Some(contacts) = &self.contacts else {
             let resisting = (&[][..], &tethers);
-            return Ok((self.solve((particles, &cell), (&loads, resisting, &STILL), guess, moment)?, 0.0));
+            return Ok((self.solve(particles, (&loads, resisting), guess, moment)?, 0.0));
         };
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
@@ -258,8 +264,7 @@ impl Dynamics {
         let with = (contacts::Ahead { along, across }, velocities, flow);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
-        let outcome =
-            self.solve((particles, &cell), (&loads, (&touching.springs(), &tethers), &STILL), guess, moment)?;
+        let outcome = self.solve(particles, (&loads, (&touching.springs(), &tethers)), guess, moment)?;
         let motion = WarmStart::motion(particles);
         if moment.implicit.is_some() {
             let noted = touching.note(particles, &motion);
@@ -285,15 +290,27 @@ impl Dynamics {
         Ok((loads, resisting))
     }
 
-    /// Solves for the motions under loads, with what springs resist, in a fluid that moves at the particles besides, and writes
-    /// them into the particles' columns.
+    /// Solves for the motions under loads, with what springs resist, and writes them into the particles' columns.
     fn solve(
         &mut self,
-        (particles, cell): (&mut Particles, &PeriodicBox),
-        (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
+        particles: &mut Particles,
+        (loads, springs): (&Loads, (&[Vec<ContactSprings>], &TetherResistance)),
         guess: &Guess,
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
+        let solved = self.solved(particles, (loads, springs, &STILL), guess, moment)?;
+        self.record(particles, &solved);
+        Ok(Outcome::of(&solved))
+    }
+
+    /// The motions under loads, with what springs resist, in a fluid that moves at the particles besides.
+    fn solved(
+        &mut self,
+        particles: &mut Particles,
+        (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
+        guess: &Guess,
+        moment: &Moment,
+    ) -> Result<Solved, StepError> {
         let surface = self.forces.surface();
         let resistance =
             moment.implicit.map(|time| move |d: f64, between: Surfaces| surface.resistance(time, d, between));
@@ -301,13 +318,12 @@ impl Dynamics {
         let (strain_rate, strain_slope) = self.moving.strain_rate();
         let constant_flux = self.moving.keeps_flux();
         let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient, constant_flux };
-        let solved = self.hydrodynamics.solve(cell, particles, &acting, guess);
+        let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {
             flux.set_curvature(solved.curvature);
         }
-        self.record(particles, &solved);
-        Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
+        Ok(solved)
     }
 
     /// Brings the particles into the box as it is at a moment, and to their ranks. Collective.
@@ -391,10 +407,7 @@ impl Dynamics {
     /// Writes what was solved for into the particles' columns, the background flow included as far as velocities have it while
     /// particles move.
     fn record(&self, particles: &mut Particles, solved: &Solved) {
-        let places = particles.positions.iter().zip(&particles.radii);
-        let carried = places.zip(&solved.motion.velocities);
-        let velocities: Vec<_> = carried.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
-        particles.vectors(VELOCITY).copy_from_slice(&velocities);
+        self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
             let own = &solved.motion.angular_velocities;
             let turned = particles.positions.iter().zip(own).map(|(&x, &own)| own + self.moving.angular_velocity_at(x));
@@ -404,6 +417,13 @@ impl Dynamics {
             particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
             self.warm_start.record(particles, solved);
         }
+    }
+
+    /// Notes velocities in a column, with what the background flow carries.
+    fn note_carried(&self, particles: &mut Particles, column: &str, velocities: &[Vector]) {
+        let places = particles.positions.iter().zip(&particles.radii).zip(velocities);
+        let carried: Vec<_> = places.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
+        particles.vectors(column).copy_from_slice(&carried);
     }
 
     /// The relative motion of near pairs, with the velocities of the columns named. Collective.

@@ -14,8 +14,8 @@ use domain::{
     Vector,
 };
 use fcm::{
-    Costs, Drawn, Evaluation, Fixed, Loads, Motion, Multipoles, OutsideError, Plan, PlanError, Problem, SolveError,
-    Stream, check_inside,
+    Costs, Drawn, Evaluation, Fixed, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, PlanError, Problem,
+    SolveError, Stream, check_inside,
 };
 use lubrication::{PairForceError, Range};
 use solver::BackgroundFlow;
@@ -37,6 +37,8 @@ pub struct MobilityParameters {
     pub tolerance: f64,
     /// The gaps between rigid spheres at which lubrication acts, if it does.
     pub lubrication: Option<Range>,
+    /// How the far field is evaluated; in the way that takes less time if it is not said.
+    pub method: Option<MethodName>,
     /// What the machine takes for the parts of an evaluation.
     pub costs: Costs,
 }
@@ -396,7 +398,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         threads: 1,
         ranks: 1,
         costs: parameters.costs,
-        fixed: Fixed::default(),
+        fixed: Fixed { method: parameters.method, ..Fixed::default() },
     }
 }
 

@@ -92,8 +92,10 @@ impl Simulation for Observed {
         self.suspension.add_loads(loads).map_err(SimulationError::new)
     }
 
-    fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
-        match self.suspension.step() {
+    fn advance(&mut self, last: u64) -> Result<(), SimulationError> {
+        let next = self.suspension.clock().step() + 1;
+        let is_seen = next == last || self.averages.as_ref().is_some_and(|averages| averages.are_due(next));
+        match self.suspension.step_seen(is_seen) {
             Err(StepError::Interrupted(_)) => return Ok(()),
             taken => taken.map_err(SimulationError::new)?,
         }

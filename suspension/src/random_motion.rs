@@ -11,8 +11,7 @@ const AMBIENT: &str = "ambient motion";
 pub const AMBIENT_NUMBERS: usize = 11;
 
 /// Columns of random motions, loads and stresslets, the far field's part of these first.
-pub const RANDOM_VELOCITY: &str = "random velocity";
-const RANDOM: [&str; 2] = [RANDOM_VELOCITY, "random angular velocity"];
+const RANDOM: [&str; 2] = ["random velocity", "random angular velocity"];
 const LOADS: [&str; 2] = ["random force", "random torque"];
 const STRESSLETS: [&str; 2] = ["random far stresslet", "random stresslet"];
 
@@ -45,15 +44,20 @@ pub fn solve(
         constant_flux: false,
     };
     let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
-    let found = Found {
-        motion: Motion { strain_rates: Vec::new(), ..solved.motion.clone() },
-        stresslets_far: solved.far.stresslets.clone(),
-        stresslets: solved.stresslets.clone(),
-    };
-    let exact = hydrodynamics.fluid_around((cell, particles), loads, &found)?;
+    note_solved(hydrodynamics, (cell, particles), (loads, &solved))?;
+    Ok(solved)
+}
+
+/// Notes motions that were solved for under loads, and the fluid in which they are exact. Collective; fails on every rank or on none.
+pub fn note_solved(
+    hydrodynamics: &mut Hydrodynamics,
+    (cell, particles): (&PeriodicBox, &mut Particles),
+    (loads, solved): (&Loads, &Solved),
+) -> Result<(), SolveError> {
+    let (exact, found) = hydrodynamics.fluid_around((cell, particles), loads, solved)?;
     set_ambient(particles, &exact, 1.0);
     note(particles, loads, &found);
-    Ok(solved)
+    Ok(())
 }
 
 /// Notes as mean motions and stresslets by heat what random ones that were noted are more where the particles are now, with the same
@@ -85,7 +89,7 @@ pub fn drift(particles: &mut Particles) -> (Motion, Vec<Traceless>) {
     (Motion { velocities, angular_velocities, strain_rates: Vec::new() }, tensors(particles, BROWNIAN).to_vec())
 }
 
-/// Notes displacements by the fluid's velocities over a time.
+/// Notes displacements by the velocities of the fluid as it was drawn, over a time.
 pub fn displace(particles: &mut Particles, time: f64) {
     let displacements: Vec<Vector> = ambient(particles).velocities.into_iter().map(|v| v * time).collect();
     particles.vectors(DISPLACEMENT).copy_from_slice(&displacements);
@@ -125,7 +129,7 @@ pub fn ambient(particles: &mut Particles) -> Motion {
 }
 
 /// Notes loads, and what they and the fluid do.
-pub fn note(particles: &mut Particles, loads: &Loads, found: &Found) {
+fn note(particles: &mut Particles, loads: &Loads, found: &Found) {
     let Motion { velocities, angular_velocities, .. } = &found.motion;
     let vectors = RANDOM.into_iter().zip([velocities, angular_velocities]);
     for (name, list) in vectors.chain(LOADS.into_iter().zip([&loads.forces, &loads.torques])) {

@@ -131,7 +131,13 @@ impl Suspension {
     /// Takes one step. `Err` on every rank or on none. A step that fails or is interrupted is not taken: all is as it
     /// was before it, to the last bit.
     pub fn step(&mut self) -> Result<(), StepError> {
-        self.or_as_before(Self::take_step)
+        self.step_seen(true)
+    }
+
+    /// As [`Self::step`]; where nobody looks at the particles' motions after it, columns may have those of an earlier step, if
+    /// nothing goes on from them. The next step is the same whether this one is seen or not, to the last bit.
+    pub fn step_seen(&mut self, is_seen: bool) -> Result<(), StepError> {
+        self.or_as_before(|suspension| suspension.take_step(is_seen))
     }
 
     /// Adds loads to those of the model: from now on every evaluation of the mobility has the function's loads at its own
@@ -189,7 +195,7 @@ impl Suspension {
         changed
     }
 
-    fn take_step(&mut self) -> Result<(), StepError> {
+    fn take_step(&mut self, is_seen: bool) -> Result<(), StepError> {
         let Self { particles, dynamics, clock, outcome, integrator, heat, .. } = self;
         let before = dynamics.evaluations();
         dynamics.begin_step(particles, clock)?;
@@ -198,7 +204,7 @@ impl Suspension {
             Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
             Integrator::Brownian(scheme) => {
                 let heat = heat.as_ref().expect("a model whose steps are Brownian has heat");
-                brownian::advance(particles, clock, (heat, *scheme), dynamics)?
+                brownian::advance(particles, (clock, is_seen), (heat, *scheme), dynamics)?
             }
             Integrator::AdamsBashforth { order } => {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?

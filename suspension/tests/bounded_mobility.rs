@@ -19,6 +19,7 @@ fn parameters(edges: [f64; 3], boundaries: Boundaries, count: usize) -> Mobility
         rigid: true,
         tolerance: 1e-3,
         lubrication: None,
+        method: None,
         costs: Costs::default(),
     }
 }

@@ -189,6 +189,7 @@ fn the_flux_of_one_sphere_is_that_of_the_fluid_around_it() {
         rigid: false,
         tolerance: 1e-5,
         lubrication: None,
+        method: None,
         costs: Costs::default(),
     };
     let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();

@@ -107,6 +107,7 @@ fn a_pair_moves_as_its_mobility_says() {
                 rigid: true,
                 tolerance: 1e-5,
                 lubrication: Some(Range::new(Range::WIDE, Range::CLOSEST).unwrap()),
+                method: None,
                 costs: Costs::default(),
             };
             let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();

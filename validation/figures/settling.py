@@ -16,9 +16,8 @@ SIZE = {
     "quick": {"time": 30.0, "settled": 5.0, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 12},
     "full": {"time": 400.0, "settled": 20.0, "seeds": 1, "scarce": 100, "least": 48.0, "placings": 12},
 }
-# Of steps of order 2, which bear a stiffer barrier than those of order 4, about half of the longest with which pairs of equal
-# spheres are steady.
-STEP = 0.05
+# Between samples, in Stokes times; divided as far as the errors of places, in radii, need.
+STEP, TOLERANCE = 0.1, 1e-2
 # Force at contact over the weight of a small sphere and the squared harmonic mean radius, of equal spheres and of unlike ones, the gap
 # where it starts, and a shorter one.
 BARRIER, BARRIER_OF_UNLIKE, RANGE, SHORT_RANGE = 2.0, 4.0, 0.2, 0.05
@@ -31,8 +30,6 @@ def scene(species, edge, mode, seed, time=None, reach=RANGE, stronger=1.0):
     time = size["time"] if time is None else time
     alike = all(radius == 1 and density > 0 for _, radius, density, _ in species)
     strength = stronger * (BARRIER if alike else BARRIER_OF_UNLIKE)
-    step = STEP * reach / RANGE * BARRIER / strength
-    every = round(0.1 / step)
 
     def kind(name, radius, density, amount):
         how_many = {"count": amount} if isinstance(amount, int) else {"volume_fraction": amount}
@@ -47,9 +44,9 @@ def scene(species, edge, mode, seed, time=None, reach=RANGE, stronger=1.0):
         "particles": {"initial": "random", "minimum_gap": 0.01},
         "repulsion": {"strength": strength * WEIGHT, "range": reach, "radius_power": 2},
         "hydrodynamics": {"tolerance": 1e-2},
-        "time": {"step": step, "steps": round(time / step), "order": 2},
-        "output": {"trajectory_every": 0, "observables_every": every, "checkpoint_every": 500},
-        "statistics": {"every": every, "from": min(size["settled"], time), "axis": "z"},
+        "time": {"step": STEP, "steps": round(time / STEP), "integrator": "implicit", "tolerance": TOLERANCE},
+        "output": {"trajectory_every": 0, "observables_every": 1, "checkpoint_every": 100},
+        "statistics": {"every": 1, "from": min(size["settled"], time), "axis": "z"},
     }
 
 

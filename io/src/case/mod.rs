@@ -13,6 +13,7 @@ pub use bounded_box::{CaseBox, CaseBoxError};
 
 use crate::FileError;
 use domain::{PeriodicBox, Turn};
+use fcm::MethodName;
 use hdf5::File;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -57,6 +58,9 @@ pub struct Case {
     /// The gap where lubrication ends over the larger radius of the two; the program's default if absent.
     #[serde(default)]
     pub lubrication_cutoff: Option<f64>,
+    /// How the far field is evaluated.
+    #[serde(default)]
+    pub method: CaseMethod,
     /// The background flow.
     #[serde(default)]
     pub background: Background,
@@ -100,6 +104,30 @@ pub enum Terms {
     /// Forces, torques and stresslets.
     #[default]
     Dipole,
+}
+
+/// How the far field is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CaseMethod {
+    /// In the way that takes less time.
+    #[default]
+    Auto,
+    /// The envelopes themselves on the grid.
+    Direct,
+    /// Wider envelopes on a coarser grid, and the difference pair by pair.
+    Split,
+}
+
+impl CaseMethod {
+    /// The method of a plan that it allows alone, if it does.
+    pub fn alone(self) -> Option<MethodName> {
+        match self {
+            Self::Auto => None,
+            Self::Direct => Some(MethodName::Direct),
+            Self::Split => Some(MethodName::Split),
+        }
+    }
 }
 
 /// A linear flow.

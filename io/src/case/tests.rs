@@ -70,6 +70,8 @@ fn mistakes_are_named() {
     let drift = r#", "rigid": false, "noise": {"draws": 2, "seed": 1, "drift": true}"#;
     assert!(message(drift).contains("noise.drift is true, but only rigid particles drift"));
     assert!(message(r#", "multipoles": "quadrupole""#).contains("unknown variant"));
+    let method = message(r#", "method": "spectral""#);
+    assert!(method.contains("`spectral`, expected one of `auto`, `direct`, `split`"), "{method}");
     assert!(read(r#"{"viscosity": 1}"#).unwrap_err().contains("missing field `positions`"));
     assert!(read(r#"{"box": [1, 2]}"#).unwrap_err().contains("box needs to be three edges, or three lattice vectors"));
 }

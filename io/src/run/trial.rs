@@ -6,7 +6,7 @@ use crate::{GranularDisksScene, Kind, Output, Scene, SuspensionScene, Trajectory
 use domain::{Comm, Number, readable_bytes};
 use simulation::{Outline, Schedule, Simulation, Table};
 use std::time::{Duration, Instant};
-use suspension::{Forecast, Observed, Start};
+use suspension::{Forecast, Observed, Start, StatisticsOfRank};
 
 /// Time and output that a run is expected to take.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +61,12 @@ const LAUNCH_TIME: f64 = 0.01;
 /// Bytes of an HDF5 file of frames besides what is in them.
 const FILE: f64 = 2e5;
 
+/// Those of a file of averages of a sweep.
+const SWEEP_FILE: f64 = 4e4;
+
+/// Bytes of all tables of averages, for each species.
+const TABLES: f64 = 6e5;
+
 /// Bytes of a grid point's velocity.
 const POINT: f64 = 24.0;
 
@@ -113,22 +119,28 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
         simulation.advance(next(output, step).min(last)).map_err(RunError::Simulation)?;
         observe(simulation, output);
     }
-    let tried = simulation.clock().step();
+    let (tried, trial_time) = ends[ends.len() - 1];
     if tried == 0 {
         return Ok(None);
     }
-    let warm = ends.iter().take_while(|(step, _)| *step <= WARM_UP).count() - 1;
-    let warm = if warm + 1 < ends.len() { warm } else { 0 };
-    let (warm_step, warm_time) = ends[warm];
-    let step = trying.costs * usual(&ends[warm..]);
+    let step = trying.costs * usual(last_part(&ends));
     let course = if let Kind::Suspension(scene) = scene.kind() { suspension::course(&scene.model) } else { 1.0 };
     let step = step * course;
-    let steps = step * (steps_of_all(scene) - warm_step as f64).max(0.0);
+    let steps = step * (steps_of_all(scene) - tried as f64).max(0.0);
     let written = written(&mut trying, scene, output);
     let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
     let start = LAUNCH_TIME + trying.costs * start;
-    let run = start + trying.costs * warm_time + steps + written.seconds;
+    let run = start + trying.costs * trial_time + steps + written.seconds;
     Ok(Some(Trial { start, step, run, bytes: written.bytes, tried, copy }))
+}
+
+/// Those of steps and times at the ends of some that tell most of steps to come: the second half of what follows the first steps, if
+/// that has enough of them.
+fn last_part(ends: &[(u64, f64)]) -> &[(u64, f64)] {
+    let warm = ends.iter().take_while(|(step, _)| *step <= WARM_UP).count() - 1;
+    let after = if warm + 1 < ends.len() { &ends[warm..] } else { ends };
+    let middle = (after.len() - 1) / 2;
+    if after.len() - 1 - middle < TIMED as usize { after } else { &after[middle..] }
 }
 
 /// Seconds a step, by steps and times at the ends of some: the mean, in which those that took many times as long as the median,
@@ -235,16 +247,20 @@ fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
     if let Kind::GranularDisks(disks) = scene.kind()
         && let Some(sweep) = &disks.sweep
     {
-        return Written { bytes: FILE + sweep.cases().len() as f64 * series.bytes, seconds: 0.0 };
+        return Written { bytes: SWEEP_FILE + sweep.cases().len() as f64 * series.bytes, seconds: 0.0 };
     }
     let now = simulation.frame();
     let frame = trying.particles * Trajectory::frame_bytes(&now) as f64;
-    let mut shares = [checkpoint::bytes_of(&simulation.state()) as f64, now.particles.len() as f64];
+    let state = simulation.state();
+    let sampled = state.statistics.iter().map(Vec::len).sum::<usize>() as f64;
+    let mut shares = [checkpoint::bytes_of(&state) as f64 - sampled, now.particles.len() as f64, sampled];
     simulation.comm().sum(&mut shares);
-    let state = trying.particles * shares[0];
-    let contacts = count(output.contacts) * (CONTACTS_FILE + CONTACTS * trying.particles * shares[1]);
+    let [state, particles, sampled] = shares.map(|share| trying.particles * share);
     let tables = simulation.averages().map(|set| set.tables).unwrap_or_default();
     let averages = NUMBER * tables.iter().map(numbers_of).sum::<usize>() as f64;
+    let [sampled, averages] = grown(scene, particles, [sampled, averages]);
+    let state = state + sampled;
+    let contacts = count(output.contacts) * (CONTACTS_FILE + CONTACTS * particles);
     let files = [rows, frames].into_iter().filter(|&count| count > 0.0).count() as f64;
     let fields = count(output.fields) * POINT * trying.field_points;
     // One at the start and one at the end.
@@ -263,6 +279,18 @@ fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
             + BYTE_TIME * (fields + contacts)
             + checkpoints * a_checkpoint,
     }
+}
+
+/// Bytes of the statistics of so many particles at the end of a run, in a checkpoint and as tables, by those of now.
+fn grown(scene: &Scene, particles: f64, now: [f64; 2]) -> [f64; 2] {
+    let Kind::Suspension(scene) = scene.kind() else { return now };
+    let model = &scene.model;
+    let Some(wanted) = model.statistics else { return now };
+    let before = (wanted.from / model.time_step) as u64;
+    let samples = wanted.samples.count_until(model.steps) - wanted.samples.count_until(before.min(model.steps));
+    let [sampled, tables] = now;
+    let at_the_end = StatisticsOfRank::alone(particles).state_bytes(model, samples);
+    [sampled.max(at_the_end), tables.max(TABLES * model.species.len() as f64)]
 }
 
 /// Numbers and words of a table.
@@ -312,6 +340,15 @@ mod tests {
         let found = usual(&[(6, 3.0), (7, 4.0), (8, 5.0), (10, 7.0), (11, 28.0)]);
         assert!((found - 8.0 / 5.0).abs() < 1e-15, "{found}");
         assert!((usual(&[(6, 3.0), (8, 7.0)]) - 2.0).abs() < 1e-15);
+    }
+
+    /// Of steps after the first ones the later half, unless that is too few.
+    #[test]
+    fn later_steps_tell_more() {
+        let ends: Vec<(u64, f64)> = (0..=16).map(|step| (step, step as f64)).collect();
+        assert_eq!(last_part(&ends), &ends[11..]);
+        assert_eq!(last_part(&ends[..=9]), &ends[6..=9]);
+        assert_eq!(last_part(&ends[..=4]), &ends[..=4]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{Dynamics, Moment, Outcome};
 use crate::crowding::{Crowded, Crowding};
-use crate::hydrodynamics::{Found, Guess};
+use crate::hydrodynamics::{Guess, Solved};
 use crate::integrator::PAST;
 use crate::random_motion::{self, CHANGE, ambient, set_ambient};
 use crate::step_error::StepError;
@@ -24,9 +24,7 @@ impl Dynamics {
     /// The velocities of the fluid as it was drawn and of the background flow, as the first past ones.
     pub fn carry(&self, particles: &mut Particles) {
         let drawn = ambient(particles).velocities;
-        let carried = drawn.into_iter().zip(particles.positions.iter().zip(&particles.radii));
-        let velocities: Vec<Vector> = carried.map(|(v, (&x, &a))| v + self.moving.carried_velocity_of(x, a)).collect();
-        particles.vectors(PAST[0]).copy_from_slice(&velocities);
+        self.note_carried(particles, PAST[0], &drawn);
     }
 
     /// As [`Self::evaluate`], with the fluid moving as it was drawn, and noise of lubrication by the same random numbers.
@@ -37,10 +35,21 @@ impl Dynamics {
         moment: &Moment,
         noise: (f64, Stream),
     ) -> Result<Outcome, StepError> {
+        let (_, solved) = self.solve_fluctuating(particles, moment, noise)?;
+        self.record(particles, &solved);
+        Ok(Outcome::of(&solved))
+    }
+
+    /// The motions under all that acts, loads of lubrication's noise among it, in the fluid as it was drawn.
+    fn solve_fluctuating(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        noise: (f64, Stream),
+    ) -> Result<(Loads, Solved), StepError> {
         self.unless_interrupted()?;
         self.place(particles, moment)?;
         self.look_for_crowding(particles);
-        let cell = *self.moving.cell();
         let (mut loads, tethers) = self.loads_at(particles, moment, None)?;
         let noise = self.pair_noise(particles, noise);
         for (loads, noise) in [(&mut loads.forces, noise.forces), (&mut loads.torques, noise.torques)] {
@@ -48,27 +57,28 @@ impl Dynamics {
             loads.iter_mut().zip(noise).for_each(|(load, noise)| *load += noise);
         }
         let ambient = ambient(particles);
-        self.solve((particles, &cell), (&loads, (&[], &tethers), &ambient), &Guess::induced_by(&ambient), moment)
+        let solved =
+            self.solved(particles, (&loads, (&[], &tethers), &ambient), &Guess::induced_by(&ambient), moment)?;
+        Ok((loads, solved))
     }
 
-    /// Solves for the random motions of the particles alone, in the fluid as it was drawn and with noise of lubrication, and notes
-    /// them. Collective; fails on every rank or on none.
+    /// As [`Self::evaluate_fluctuating`], but what was found is not that of the particles: its velocities are the first past ones,
+    /// and its motions are noted, as their change is to be known, see [`random_motion::note_solved`]. Collective; fails on every rank
+    /// or on none.
     pub fn move_at_random(
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
         noise: (f64, Stream),
     ) -> Result<Outcome, StepError> {
-        self.unless_interrupted()?;
-        self.look_for_crowding(particles);
-        let (cell, fluid, loads) = (*self.moving.cell(), ambient(particles), self.pair_noise(particles, noise));
-        if !self.rigid {
-            random_motion::note(particles, &loads, &Found { motion: fluid, ..Found::default() });
-            return Ok(Outcome::default());
+        let (loads, solved) = self.solve_fluctuating(particles, moment, noise)?;
+        self.note_carried(particles, PAST[0], &solved.motion.velocities);
+        if self.rigid {
+            let cell = *self.moving.cell();
+            let noted = random_motion::note_solved(&mut self.hydrodynamics, (&cell, particles), (&loads, &solved));
+            noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         }
-        let solved = random_motion::solve(&mut self.hydrodynamics, (&cell, particles), (&loads, &fluid));
-        let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
-        Ok(Outcome { iterations: solved.iterations, residual: solved.residual })
+        Ok(Outcome::of(&solved))
     }
 
     /// Notes the drift of the random motions where the particles are now, see [`random_motion::note_drift`]: none of particles that

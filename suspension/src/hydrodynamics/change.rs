@@ -5,8 +5,8 @@ use super::near_pairs::NearPairs;
 use super::particle_matrix::ParticleMatrix;
 use super::scaled::{self, Scaled};
 use super::screw::{Screw, Screws};
-use super::{Hydrodynamics, MOST_ITERATIONS, ROUGH, STILL, alone, ended, unknowns};
-use domain::{Interrupt, Particles, PeriodicBox, Traceless};
+use super::{Hydrodynamics, MOST_ITERATIONS, ROUGH, STILL, Solved, alone, ended, unknowns};
+use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
 
 /// Motions of spheres that are at rest but for the motions of the fluid at each and loads, and what goes with them.
@@ -30,18 +30,23 @@ struct Left<'a> {
 
 impl Hydrodynamics {
     /// The motions that the fluid would need to have at rigid spheres besides, each its own, for a solution under loads to be
-    /// exact: those with which it was solved for but for the error of the solve. Collective.
+    /// exact, and the solution in that fluid: those with which it was solved for but for the error of the solve, and what a
+    /// background flow does to the spheres. Collective.
     pub fn fluid_around(
         &mut self,
         place: (&PeriodicBox, &Particles),
         loads: &Loads,
-        found: &Found,
-    ) -> Result<Motion, SolveError> {
+        solved: &Solved,
+    ) -> Result<(Motion, Found), SolveError> {
         let units = self.units;
-        let residual = self.left_over(place, (loads, &STILL), found, |left| Ok(left.residual))?;
-        let Residual { stiff, strain_rates, .. } = residual;
-        let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
-        Ok(scaled::motion_back(&needed, &units))
+        let motion = Motion { strain_rates: Vec::new(), ..solved.motion.clone() };
+        let found = Found { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
+        self.left_over(place, (loads, &STILL), &found, |Left { near, residual, .. }| {
+            let Residual { stiff, strain_rates, .. } = residual;
+            let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
+            let stresslets = whole(near, &found, &units);
+            Ok((scaled::motion_back(&needed, &units), Found { stresslets, ..found.clone() }))
+        })
     }
 
     /// What a solution becomes for rigid spheres that have moved a little since it was found, with the same loads and in the fluid
@@ -72,12 +77,9 @@ impl Hydrodynamics {
             let mut motion = scaled::motion_back(&motion, &units);
             motion.strain_rates.clear();
             motion.add(1.0, &found.motion);
-            let own = scaled::motion(&motion, &units);
-            let by_pairs = near.stresslets(&Screws::new(count, &own.velocities, &own.angular_velocities));
             let far = found.stresslets_far.iter().zip(change.moments).map(|(&s, d)| s - d * units.torque());
-            let stresslets_far: Vec<Traceless> = far.collect();
-            let whole = stresslets_far.iter().zip(by_pairs).map(|(&far, near)| far + near * units.torque());
-            Ok(Found { motion, stresslets: whole.collect(), stresslets_far })
+            let there = Found { motion, stresslets_far: far.collect(), stresslets: Vec::new() };
+            Ok(Found { stresslets: whole(near, &there, &units), ..there })
         })
     }
 
@@ -99,6 +101,7 @@ impl Hydrodynamics {
         };
         let (interrupt, comm) = (self.far.interrupt().clone(), self.partition.comm());
         let mobility = self.far.mobility();
+        mobility.constrain(None);
         mobility.arrange(cell, particles);
         let (single, strain_resistance) = alone(mobility.plan().viscosity / units.viscosity, &own.radii);
         let is_matrix = self.preconditioned && self.near.is_some();
@@ -111,6 +114,13 @@ impl Hydrodynamics {
         let residual = system.residual(&start, Traceless::ZERO);
         then(Left { near: &near, system, residual, interrupt: &interrupt })
     }
+}
+
+/// The whole stresslets that go with motions and the far field's part. Collective.
+fn whole(near: &NearPairs, found: &Found, units: &Units) -> Vec<Traceless> {
+    let own = scaled::motion(&found.motion, units);
+    let by_pairs = near.stresslets(&Screws::new(found.stresslets_far.len(), &own.velocities, &own.angular_velocities));
+    found.stresslets_far.iter().zip(by_pairs).map(|(&far, near)| far + near * units.torque()).collect()
 }
 
 /// The unknowns of a solution.

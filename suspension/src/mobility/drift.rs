@@ -44,8 +44,9 @@ impl Mobility {
             if is_rigid {
                 let (fluid, _) = self.hydrodynamics.noise(&cell, &particles, (tolerance, stream));
                 let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
-                random_motion::solve(&mut self.hydrodynamics, (&cell, &mut particles), (&loads, &fluid))?;
+                random_motion::set_ambient(&mut particles, &fluid, 1.0);
                 random_motion::displace(&mut particles, step);
+                random_motion::solve(&mut self.hydrodynamics, (&cell, &mut particles), (&loads, &fluid))?;
                 move_by(&mut particles, [DISPLACEMENT], [1.0]);
                 particles.wrap(&cell);
                 particles.migrate(&self.partition, &cell);
