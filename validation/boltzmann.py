@@ -1,15 +1,13 @@
 """Equilibrium of spheres that heat moves does not know hydrodynamics: energy, virial and pair distribution of Brownian motion
 with and without lubrication against Monte Carlo of the same potential."""
 
-import pathlib
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
 from support.page import table, write_section
-from support.program import run
+from support.program import results
 
 FULL = "--full" in sys.argv[1:]
 COUNT, FRACTION, STRENGTH, RANGE = 64, 0.3, 60.0, 0.4
@@ -81,11 +79,7 @@ output = {{ trajectory_every = {every}, observables_every = 0, checkpoint_every 
 radius = 1.0
 count = {COUNT}
 """
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene, out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
+    with results(scene) as out:
         with h5py.File(out / "trajectory.h5") as file:
             places = file["particles/all/position/value"][:]
             time = file["particles/all/position/time"][:]

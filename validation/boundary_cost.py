@@ -1,14 +1,12 @@
 """What walls and open space cost: a solve for the motions of rigid spheres between walls, above one, or in open fluid over one for the
 same spheres in a periodic box of the same edges, in turns, medians."""
 
-import pathlib
 import sys
-import tempfile
 
 import h5py
 import numpy as np
 from support.page import table, write_section
-from support.program import mobility, run
+from support.program import mobility, results
 
 FULL = "--full" in sys.argv[1:]
 TOLERANCE, HEIGHT, COUNT, ROUNDS = 1e-3, 20.0, 2000, 9 if FULL else 3
@@ -26,7 +24,7 @@ def box(kind, fraction):
     return [volume ** (1 / 3)] * 3 if kind == "open" else [(volume / HEIGHT) ** 0.5] * 2 + [HEIGHT]
 
 
-def places(edges, folder):
+def places(edges):
     """Random places of spheres between walls at the ends of the box."""
     scene = f"""seed = 3
 box = {{ edges = {edges}, boundaries = ["periodic", "periodic", "walls"] }}
@@ -39,11 +37,7 @@ output.trajectory_every = 1
 radius = 1.0
 count = {COUNT}
 """
-    out = pathlib.Path(folder) / "out"
-    ended = run(scene, out)
-    if ended.returncode:
-        raise SystemExit(ended.stderr)
-    with h5py.File(out / "trajectory.h5") as file:
+    with results(scene) as out, h5py.File(out / "trajectory.h5") as file:
         # Through all of their faces no sphere reaches out of the box.
         return np.clip(file["particles/all/position/value"][0], 0.0, np.array(edges))
 
@@ -56,8 +50,7 @@ def seconds(case, boundaries):
 
 def row(kind, fraction, allowed, failed):
     edges = box(kind, fraction)
-    with tempfile.TemporaryDirectory() as folder:
-        positions = places(edges, folder)
+    positions = places(edges)
     forces = np.random.default_rng(1).normal(size=(COUNT, 3))
     case = {"box": edges, "viscosity": 1.0, "radii": 1.0, "positions": positions, "forces": forces}
     boundaries = ["open"] * 3 if kind == "open" else ["periodic", "periodic", kind]

@@ -1,15 +1,12 @@
 """What a step of Brownian motion takes, over one solve for the motions of the same spheres under random forces that starts from
 nothing: in turns, medians."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 
 import h5py
 import numpy as np
 from support.page import table, write_section
-from support.program import mobility, run
+from support.program import mobility, results, rows_of
 
 FULL = "--full" in sys.argv[1:]
 COUNT, FRACTIONS, ROUNDS = 2000, (0.1, 0.3), 7 if FULL else 3
@@ -20,7 +17,7 @@ SCHEMES = [("midpoint", STEPS, "1.3"), ("two-evaluations", STEPS, "1.9"), ("two-
 TOLERANCE = 1e-3
 
 
-def timed_steps(fraction, lubrication, scheme, every, place):
+def timed_steps(fraction, lubrication, scheme, every):
     """Seconds of a step, the box's edge, and the places at the start, which do not overlap."""
     edge = (COUNT * 4 / 3 * np.pi / fraction) ** (1 / 3)
     scene = f"""seed = 2
@@ -35,26 +32,20 @@ output = {{ trajectory_every = {STEPS}, observables_every = {every}, checkpoint_
 radius = 1.0
 count = {COUNT}
 """
-    out = pathlib.Path(place) / "out"
-    ended = run(scene, out)
-    if ended.returncode:
-        raise SystemExit(ended.stderr)
-    with open(out / "observables.csv") as file:
-        seconds = [float(row["seconds_per_step"]) for row in csv.DictReader(file)][1:]
-    with h5py.File(out / "trajectory.h5") as file:
+    with results(scene) as out, h5py.File(out / "trajectory.h5") as file:
+        seconds = [float(row["seconds_per_step"]) for row in rows_of(out / "observables.csv")][1:]
         return np.median(seconds), edge, file["particles/all/position/value"][0]
 
 
 def row(scheme, every, meant, fraction, lubrication):
     forces = np.random.default_rng(1).normal(size=(COUNT, 3)).tolist()
     ratios, steps = [], []
-    with tempfile.TemporaryDirectory() as place:
-        for _ in range(ROUNDS):
-            step, edge, places = timed_steps(fraction, lubrication, scheme, every, place)
-            case = {"box": [edge] * 3, "viscosity": 1.0, "radii": 1.0, "positions": places.tolist(), "lubrication": lubrication, "forces": forces}
-            solve = np.median([mobility(case, TOLERANCE)["seconds"] for _ in range(3)])
-            ratios.append(step / solve)
-            steps.append(1e3 * step)
+    for _ in range(ROUNDS):
+        step, edge, places = timed_steps(fraction, lubrication, scheme, every)
+        case = {"box": [edge] * 3, "viscosity": 1.0, "radii": 1.0, "positions": places.tolist(), "lubrication": lubrication, "forces": forces}
+        solve = np.median([mobility(case, TOLERANCE)["seconds"] for _ in range(3)])
+        ratios.append(step / solve)
+        steps.append(1e3 * step)
     spread = f"{np.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})"
     seen = "every step" if every == 1 else "the last"
     cells = [scheme, seen, f"{fraction:.0%}", "yes" if lubrication else "no", f"{np.median(steps):.0f}", spread, meant]

@@ -1,16 +1,12 @@
 """Random motions of hard spheres at equilibrium: whitened by the mobility's own matrix, and the short-time diffusivity that they
 give against the trace of that matrix and published values; with what a draw takes, over one solve."""
 
-import json
-import pathlib
-import subprocess
 import sys
-import tempfile
 
 import numpy as np
 from support import hard_spheres
 from support.page import table, write_section
-from support.program import PROGRAM, mobility
+from support.program import mobility
 
 FULL = "--full" in sys.argv[1:]
 FRACTIONS = (0.1, 0.2, 0.3, 0.4) if FULL else (0.1, 0.3)

@@ -1,16 +1,13 @@
 """Viscosity of colloids against the Peclet number, by two evaluations, with the parts of its stress; and where shear vanishes that
 of the correlation of stresses at rest (Green & Kubo)."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
 from support.page import table, write_section
-from support.program import mobility, run
+from support.program import mobility, results, rows_of
 
 FULL = "--full" in sys.argv[1:]
 COUNT, FRACTION, STRENGTH, RANGE = (64, 0.3, 60.0, 0.4) if FULL else (24, 0.3, 60.0, 0.4)
@@ -44,13 +41,8 @@ output = {{ trajectory_every = {round(length / step / frames) if frames else 0},
 radius = 1.0
 count = {COUNT}
 """
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene, out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "observables.csv") as file:
-            lines = list(csv.DictReader(file))
+    with results(scene) as out:
+        lines = rows_of(out / "observables.csv")
         places = []
         if frames:
             with h5py.File(out / "trajectory.h5") as file:

@@ -4,10 +4,7 @@ Guazzelli, Phys. Fluids 18, 038104, 2006), and how it goes on.
 With --full a larger one of forces alone besides, which becomes a torus and breaks up (Metzger, Nicolas & Guazzelli, J. Fluid
 Mech. 580, 283, 2007); times are in units of radius over velocity at first."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 
 import h5py
 import matplotlib
@@ -16,7 +13,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from support.page import save, table, write_section
-from support.program import run
+from support.program import results, rows_of
 
 FULL = "--full" in sys.argv[1:]
 SEEDS = (1, 2, 3, 4)
@@ -54,13 +51,8 @@ force = [0.0, 0.0, {-6 * np.pi}]
 
 def result(cloud, seed, *overrides):
     """Rows of the time series, and the positions of each frame."""
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene(cloud, seed), out, overrides)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "observables.csv") as file:
-            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    with results(scene(cloud, seed), overrides) as out:
+        rows = [{key: float(value) for key, value in row.items()} for row in rows_of(out / "observables.csv")]
         with h5py.File(out / "trajectory.h5") as file:
             return rows, file["particles/all/position/value"][:]
 

@@ -8,15 +8,12 @@ Normal stresses make a difference. With a part beside the viscous one that goes 
 fluid whose second normal stress difference in shear is N2 and whose first is zero, a shear stress s makes the ratio 1 in planar,
 1 + N2 / (sqrt(3) s) in uniaxial and 1 - N2 / (sqrt(3) s) in biaxial extension."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from support.page import table, write_section
-from support.program import run
+from support.program import series
 
 FULL = "--full" in sys.argv[1:]
 SEEDS = range(1, 4 if FULL else 2)
@@ -49,14 +46,7 @@ output = {{ trajectory_every = 0, observables_every = 2, checkpoint_every = 0 }}
 
 def observed(case):
     """Means of the viscosity and of N2 over parts of a run, where the fluid and the shear have a viscosity and a rate of 1."""
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene(*case), out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "observables.csv") as file:
-            rows = [[float(row[name]) for name in ["time", *COLUMNS]] for row in csv.DictReader(file)]
-    late = np.array([row[1:] for row in rows if row[0] > SETTLED])
+    late = np.array([[row[name] for name in COLUMNS] for row in series(scene(*case)) if row["time"] > SETTLED])
     return [block.mean(axis=0) for block in np.array_split(late, 4)]
 
 

@@ -1,14 +1,11 @@
 """A suspension between walls through which a given flux goes, beside the same that a given pressure gradient drives: the flux of spheres over
 the pressure gradient, of which one is given and the other fluctuates, or the other way round."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 
 import numpy as np
 from support.page import table, write_section
-from support.program import run
+from support.program import series
 
 FULL = "--full" in sys.argv[1:]
 SIZE, HEIGHT = 14.0, 10.0
@@ -43,14 +40,8 @@ volume_fraction = {fraction}
 
 def series_of(flow, fraction):
     """The flux of spheres and, if there is one, the pressure gradient, in the settled part of a run."""
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene(flow, fraction), out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "observables.csv") as file:
-            rows = [row for row in csv.DictReader(file) if float(row["time"]) >= SETTLED]
-    columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    rows = [row for row in series(scene(flow, fraction)) if row["time"] >= SETTLED]
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     return columns["particle_flux_x[sphere]"], columns.get("pressure_gradient")
 
 

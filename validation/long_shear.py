@@ -3,34 +3,26 @@ as it was.
 
 scripts/validate long-shear [STEPS] [--full]: 100,000 steps unless said otherwise, in full with more spheres. It fails if spheres overlap or a number is not finite."""
 
-import csv
 import sys
-import tempfile
 
 import numpy as np
 from stability import SPHERES, sheared
 from support.page import table, write_section
-from support.program import run
+from support.program import series
 
 FRACTION, STEP, PARTS = 0.4, 2e-3, 10
 COLUMNS = ("smallest_gap", "iterations", "relative_viscosity")
 
 
-def series(steps):
-    """The columns of all steps but the start, and how the run ended."""
-    with tempfile.TemporaryDirectory() as folder:
-        ended = run(sheared("adaptive", STEP, FRACTION, steps=steps), f"{folder}/run")
-        with open(f"{folder}/run/observables.csv") as file:
-            rows = [[float(row[name]) for name in COLUMNS] for row in csv.DictReader(file)]
-    if ended.returncode:
-        raise SystemExit(ended.stderr)
-    return np.array(rows[1:])
+def steps_of(steps):
+    """The columns of all steps but the start."""
+    return np.array([[row[name] for name in COLUMNS] for row in series(sheared("adaptive", STEP, FRACTION, steps=steps))[1:]])
 
 
 def main():
     said = [int(word) for word in sys.argv[1:] if word != "--full"]
     steps = said[0] if said else 100_000
-    found = series(steps)
+    found = steps_of(steps)
     rows = []
     for part in np.array_split(found, PARTS):
         gaps, iterations, viscosity = part.T

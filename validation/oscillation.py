@@ -1,15 +1,12 @@
 """Moduli of a dense suspension under oscillating strain, by its amplitude: as that vanishes, contacts rest, the storage modulus
 of rigid spheres goes, and the loss modulus becomes that of their places; at large amplitudes contacts are made and broken."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from support.page import table, write_section
-from support.program import run
+from support.program import results, rows_of
 
 FULL = "--full" in sys.argv[1:]
 AMPLITUDES = (0.001, 0.01, 0.05, 0.2, 1.0)
@@ -34,13 +31,9 @@ time = {{ step = {period / steps}, steps = {(PERIODS + 1) * steps} }}
 statistics = {{ every = 1, from = {period * (1 - 1e-9)} }}
 output = {{ trajectory_every = 0, observables_every = 0, checkpoint_every = 0 }}
 {species}"""
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene, out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "statistics" / "harmonics.csv") as file:
-            return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    with results(scene) as out:
+        harmonics = rows_of(out / "statistics" / "harmonics.csv")
+    return [{name: float(value) for name, value in row.items()} for row in harmonics]
 
 
 def main():

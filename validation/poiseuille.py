@@ -2,10 +2,7 @@
 viscosity beside a fit to that of bulk suspensions (Morris & Boulay, J. Rheol. 43, 1213, 1999); a Poiseuille flow that is blunted, and
 spheres that migrate to its middle (Nott & Brady, J. Fluid Mech. 275, 157, 1994)."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 
 import matplotlib
 
@@ -13,7 +10,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from support.page import save, table, write_section
-from support.program import run
+from support.program import results, rows_of
 
 FULL = "--full" in sys.argv[1:]
 SIZE, HEIGHT = (20.0, 16.0) if FULL else (14.0, 10.0)
@@ -49,18 +46,9 @@ volume_fraction = {fraction}
 """
 
 
-def rows_of(path):
-    with open(path) as file:
-        return list(csv.DictReader(file))
-
-
 def result(flow, fraction):
     """Columns of the time series and of the profile."""
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene(flow, fraction), out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
+    with results(scene(flow, fraction)) as out:
         series, profile = rows_of(out / "observables.csv"), rows_of(out / "statistics" / "profile.csv")
     profile = [row for row in profile if row["species"] == "all"]
     return tuple({key: np.array([float(row[key]) for row in rows]) for key in rows[0] if key != "species"} for rows in (series, profile))

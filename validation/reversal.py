@@ -2,15 +2,12 @@
 
 Contacts open at once, so that the least viscosity is that of lubrication, whatever the friction; then they are made anew."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from support.page import save, table, write_section
-from support.program import run
+from support.program import series
 
 SEEDS = range(1, 7 if "--full" in sys.argv[1:] else 3)
 FRICTIONS = (0.0, 0.5)
@@ -36,19 +33,12 @@ output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
 {species}"""
 
 
-def series(case):
+def course(case):
     """Time, viscosity and the contacts' part of it."""
     seed, friction = case
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene(seed, friction), out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "observables.csv") as file:
-            rows = list(csv.DictReader(file))
-    contact = [sum(float(value) for name, value in row.items() if name.startswith("stress_contact_xy")) / float(row["shear_rate"])
-               for row in rows]
-    return np.array([[float(row["time"]), float(row["relative_viscosity"]), of_contacts] for row, of_contacts in zip(rows, contact)])
+    rows = series(scene(seed, friction))
+    contact = [sum(value for name, value in row.items() if name.startswith("stress_contact_xy")) / row["shear_rate"] for row in rows]
+    return np.array([[row["time"], row["relative_viscosity"], of_contacts] for row, of_contacts in zip(rows, contact)])
 
 
 def draw(means):
@@ -66,7 +56,7 @@ def draw(means):
 def main():
     cases = [(seed, friction) for friction in FRICTIONS for seed in SEEDS]
     with ThreadPoolExecutor(2) as two:
-        found = dict(zip(cases, two.map(series, cases)))
+        found = dict(zip(cases, two.map(course, cases)))
     means = {friction: np.mean([found[seed, friction] for seed in SEEDS], axis=0) for friction in FRICTIONS}
     draw(means)
     rows, least = [], {}

@@ -4,13 +4,11 @@ Rough spheres stay at the distance of contact from where they meet until their l
 and follow the trajectory of smooth spheres from there (da Cunha & Hinch, J. Fluid Mech. 309, 211, 1996)."""
 
 import itertools
-import pathlib
-import tempfile
 
 import h5py
 import numpy as np
 from support.page import table, write_section
-from support.program import run
+from support.program import results
 
 # Offsets across the flow where the spheres are 3 radii apart along it, by roughness.
 EXACT = {1e-3: 0.783, 5e-3: 1.0175, 1e-2: 1.126}
@@ -48,11 +46,7 @@ def offset(roughness, friction, step):
     stiffness = 1e4 / roughness
     contacts = f"contacts = {{ friction = {friction}, roughness = {roughness}, stiffness = {stiffness} }}\n"
     time = f"time = {{ step = {step}, duration = {STRAIN} }}\n"
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(contacts + time + SCENE, out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
+    with results(contacts + time + SCENE) as out:
         with h5py.File(out / "trajectory.h5") as file:
             apart = separations(file)
     after = np.argmax(apart[:, 0] > 3.0)

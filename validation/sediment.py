@@ -1,9 +1,7 @@
 """Spheres that settle on a bottom: their front against the hindered settling of a periodic box (Richardson & Zaki 1954), the sediment
 that they make, and how a bottom screens fluctuations of the velocity."""
 
-import pathlib
 import sys
-import tempfile
 
 import h5py
 import matplotlib
@@ -12,7 +10,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from support.page import save, table, write_section
-from support.program import run
+from support.program import results
 
 FULL = "--full" in sys.argv[1:]
 SIZE, HEIGHT = (20.0, 40.0) if FULL else (10.0, 24.0)
@@ -46,11 +44,7 @@ force = [0.0, 0.0, {-6 * np.pi}]
 
 def frames(boundary, seed, steps=0):
     """Times, heights and velocities of each frame."""
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(scene(boundary, seed, max(steps, 1)), out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
+    with results(scene(boundary, seed, max(steps, 1))) as out:
         with h5py.File(out / "trajectory.h5") as file:
             particles = file["particles/all"]
             return particles["position/time"][:], particles["position/value"][:, :, 2], particles["velocity/value"][:]

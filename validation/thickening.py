@@ -1,15 +1,12 @@
 """Shear thickening under controlled stress: friction acts between spheres that are pressed together with more than a
 critical load, so that a suspension goes from the viscosity without friction to that with it as the stress grows."""
 
-import csv
-import pathlib
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from support.page import save, table, write_section
-from support.program import run
+from support.program import series
 
 FULL = "--full" in sys.argv[1:]
 FRICTION, CRITICAL_LOAD, COUNTS = 1.0, 1.0, {1.0: 73, 1.4: 27}
@@ -41,16 +38,10 @@ output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
 {species}"""
 
 
-def series(text):
+def columns_of(text):
     """The columns of the time series of a scene."""
-    with tempfile.TemporaryDirectory() as place:
-        out = pathlib.Path(place) / "out"
-        ended = run(text, out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "observables.csv") as file:
-            rows = list(csv.DictReader(file))
-    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    rows = series(text)
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 def under_stress(case):
@@ -58,8 +49,8 @@ def under_stress(case):
     fraction, over = case
     stress = over * UNIT
     rate = stress / PAIRS_ALONE[fraction][over]
-    columns = series(scene(fraction, stress, f'control = "stress", stress = {stress}',
-                           f"step = {0.01 / rate}, duration = {STRAIN / rate}"))
+    columns = columns_of(scene(fraction, stress, f'control = "stress", stress = {stress}',
+                               f"step = {0.01 / rate}, duration = {STRAIN / rate}"))
     half = columns["strain"][-1] * SETTLED / STRAIN
     late = np.flatnonzero(columns["strain"] > half)
     blocks = np.array_split(late, 6)
@@ -74,7 +65,7 @@ def under_stress(case):
 def at_rate(case):
     """The relative viscosity at the mean rate that a stress gave, with its error."""
     fraction, rate = case
-    columns = series(scene(fraction, 0.0, f"rate = {rate}", f"step = {0.005 / rate}, duration = {STRAIN / rate}"))
+    columns = columns_of(scene(fraction, 0.0, f"rate = {rate}", f"step = {0.005 / rate}, duration = {STRAIN / rate}"))
     late = np.flatnonzero(columns["time"] * rate > SETTLED)
     means = [columns["relative_viscosity"][block].mean() for block in np.array_split(late, 6)]
     found = columns["relative_viscosity"][late].mean(), np.std(means, ddof=1) / np.sqrt(len(means))

@@ -8,7 +8,7 @@ import tempfile
 
 import numpy as np
 from support.page import table, write_section
-from support.program import PROGRAM, ROOT, mobility, run
+from support.program import PROGRAM, ROOT, mobility, series
 
 # Digits that grids have: of f32 where the tolerance is 1e-3, of f64 where it is 1e-7.
 ALLOWED = {1e-3: 1e-6, 1e-7: 1e-12}
@@ -121,23 +121,17 @@ def powers_of(column):
     return next((powers for start, powers in DIMENSIONS.items() if column.startswith(start)), None)
 
 
-def series(kind, units):
+def in_units_of_one(kind, units):
     """The time series of a run, by column, in units of 1."""
-    with tempfile.TemporaryDirectory() as place:
-        folder = pathlib.Path(place) / "run"
-        ended = run(scene(kind, units), folder)
-        if ended.returncode:
-            raise SystemExit(f"{kind} in units of {units}: {ended.stderr}")
-        with open(folder / "observables.csv") as file:
-            rows = list(csv.DictReader(file))
+    rows = series(scene(kind, units))
     names = [name for name in rows[0] if powers_of(name)]
     factors = {name: np.prod([unit**power for unit, power in zip(units, powers_of(name))]) for name in names}
-    return {name: np.array([float(row[name]) for row in rows]) / factors[name] for name in names}
+    return {name: np.array([row[name] for row in rows]) / factors[name] for name in names}
 
 
 def difference_of_runs(kind, units, expected):
     """The largest difference in any column over the largest number of a column with the same dimensions."""
-    found, largest = series(kind, units), {}
+    found, largest = in_units_of_one(kind, units), {}
     for name, values in expected.items():
         largest[powers_of(name)] = max(largest.get(powers_of(name), 0.0), np.abs(values).max())
     scaled = {name: np.abs(found[name] - values).max() / largest[powers_of(name)] for name, values in expected.items() if values.any()}
@@ -146,7 +140,7 @@ def difference_of_runs(kind, units, expected):
 
 def worst_run(kind, systems=OF_RUNS):
     """The largest difference between a run in any units and the same in units of 1."""
-    expected = series(kind, (1.0, 1.0, 1.0))
+    expected = in_units_of_one(kind, (1.0, 1.0, 1.0))
     return max(difference_of_runs(kind, units, expected) for units in systems)
 
 

@@ -1,14 +1,11 @@
 """What whole steps take without lubrication, over one mobility of the same spheres: settling and sheared, in turns, medians."""
 
-import csv
 import json
-import pathlib
 import subprocess
-import tempfile
 
 import numpy as np
 from support.page import table, write_section
-from support.program import PROGRAM, run
+from support.program import PROGRAM, series
 
 COUNT, FRACTION, TOLERANCE, ROUNDS, STEPS, EVERY = 3200, 0.12, 1e-3, 5, 60, 5
 SETTLING, SHEARED = ("force = [0.0, 0.0, -18.85]", ""), ("", 'flow = { kind = "shear", rate = 1.0, lees_edwards = true }')
@@ -45,17 +42,11 @@ count = {COUNT}
 
 def timed_steps(text):
     """Iterations of the first solve; evaluations of a step later, and its median seconds."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "out"
-        ended = run(text, out)
-        if ended.returncode:
-            raise SystemExit(ended.stderr)
-        with open(out / "observables.csv") as file:
-            rows = list(csv.DictReader(file))
+    rows = series(text)
     # The first steps have little to go on from.
     later = rows[2:]
-    evaluations = np.mean([float(row["evaluations"]) for row in later])
-    return float(rows[0]["iterations"]), evaluations, np.median([float(row["seconds_per_step"]) for row in later])
+    evaluations = np.mean([row["evaluations"] for row in later])
+    return rows[0]["iterations"], evaluations, np.median([row["seconds_per_step"] for row in later])
 
 
 def mobility_seconds():

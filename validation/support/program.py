@@ -1,5 +1,7 @@
 """One call of fcm-solve from a script."""
 
+import contextlib
+import csv
 import json
 import os
 import pathlib
@@ -40,3 +42,26 @@ def run(scene, folder, overrides=()):
     for override in overrides:
         command += ["--set", override]
     return subprocess.run(command, capture_output=True, text=True)
+
+
+@contextlib.contextmanager
+def results(scene, overrides=()):
+    """The folder of what a scene's run has written, until it has been looked at; the script ends if the run fails."""
+    with tempfile.TemporaryDirectory() as place:
+        out = pathlib.Path(place) / "out"
+        ended = run(scene, out, overrides)
+        if ended.returncode:
+            raise SystemExit(ended.stderr)
+        yield out
+
+
+def rows_of(path):
+    """The rows of a table, by the names of its columns."""
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
+def series(scene, overrides=()):
+    """The rows of the time series of a scene's run, numbers by the names of their columns."""
+    with results(scene, overrides) as out:
+        return [{name: float(value) for name, value in row.items()} for row in rows_of(out / "observables.csv")]
