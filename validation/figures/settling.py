@@ -17,7 +17,7 @@ SIZE = {
     "full": {"time": 400.0, "settled": 20.0, "seeds": 1, "scarce": 100, "least": 48.0, "placings": 12},
 }
 # Between samples, in Stokes times; divided as far as the errors of places, in radii, need.
-STEP, TOLERANCE = 0.1, 1e-2
+STEP, TOLERANCE = 0.5, 1e-2
 # Force at contact over the weight of a small sphere and the squared harmonic mean radius, of equal spheres and of unlike ones, the gap
 # where it starts, and a shorter one.
 BARRIER, BARRIER_OF_UNLIKE, RANGE, SHORT_RANGE = 2.0, 4.0, 0.2, 0.05
@@ -45,7 +45,7 @@ def scene(species, edge, mode, seed, time=None, reach=RANGE, stronger=1.0):
         "repulsion": {"strength": strength * WEIGHT, "range": reach, "radius_power": 2},
         "hydrodynamics": {"tolerance": 1e-2},
         "time": {"step": STEP, "steps": round(time / STEP), "integrator": "implicit", "tolerance": TOLERANCE},
-        "output": {"trajectory_every": 0, "observables_every": 1, "checkpoint_every": 100},
+        "output": {"trajectory_every": 0, "observables_every": 1, "checkpoint_every": 40},
         "statistics": {"every": 1, "from": min(size["settled"], time), "axis": "z"},
     }
 

@@ -31,7 +31,7 @@ struct Left<'a> {
 impl Hydrodynamics {
     /// The motions that the fluid would need to have at rigid spheres besides, each its own, for a solution under loads to be
     /// exact, and the solution in that fluid: those with which it was solved for but for the error of the solve, and what a
-    /// background flow does to the spheres. Collective.
+    /// background flow does to the spheres. The solution is the last one that was found. Collective.
     pub fn fluid_around(
         &mut self,
         place: (&PeriodicBox, &Particles),
@@ -41,7 +41,7 @@ impl Hydrodynamics {
         let units = self.units;
         let motion = Motion { strain_rates: Vec::new(), ..solved.motion.clone() };
         let found = Found { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
-        self.left_over(place, (loads, &STILL), &found, |Left { near, residual, .. }| {
+        self.left_over(place, (loads, &STILL), (&found, false), |Left { near, residual, .. }| {
             let Residual { stiff, strain_rates, .. } = residual;
             let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
             let stresslets = whole(near, &found, &units);
@@ -65,7 +65,7 @@ impl Hydrodynamics {
         tolerance: f64,
     ) -> Result<Found, SolveError> {
         let (units, comm) = (self.units, self.partition.comm().clone());
-        self.left_over(place, (loads, fluid), found, |left| {
+        self.left_over(place, (loads, fluid), (found, true), |left| {
             let Left { near, mut system, mut residual, interrupt } = left;
             let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt };
             let count = found.stresslets.len();
@@ -83,12 +83,13 @@ impl Hydrodynamics {
         })
     }
 
-    /// Makes the system at some places, and does something with what a solution leaves over there.
+    /// Makes the system at some places, and does something with what a solution leaves over there; what is for new places and
+    /// solves alone only if spheres have moved.
     fn left_over<T>(
         &mut self,
         (cell, particles): (&PeriodicBox, &Particles),
         (loads, fluid): (&Loads, &Motion),
-        found: &Found,
+        (found, have_moved): (&Found, bool),
         then: impl FnOnce(Left) -> Result<T, SolveError>,
     ) -> Result<T, SolveError> {
         let (units, own) = (self.units, scaled::particles(particles, &self.units));
@@ -102,9 +103,11 @@ impl Hydrodynamics {
         let (interrupt, comm) = (self.far.interrupt().clone(), self.partition.comm());
         let mobility = self.far.mobility();
         mobility.constrain(None);
-        mobility.arrange(cell, particles);
+        if have_moved {
+            mobility.arrange(cell, particles);
+        }
         let (single, strain_resistance) = alone(mobility.plan().viscosity / units.viscosity, &own.radii);
-        let is_matrix = self.preconditioned && self.near.is_some();
+        let is_matrix = have_moved && self.preconditioned && self.near.is_some();
         let matrix = is_matrix.then(|| ParticleMatrix::new((comm, &near), &single, ROUGH));
         let start = guessed(&near, &single, &scaled::found(found, &units));
         let loads = scaled::times(loads, 1.0 / units.torque());
