@@ -119,28 +119,22 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
         simulation.advance(next(output, step).min(last)).map_err(RunError::Simulation)?;
         observe(simulation, output);
     }
-    let (tried, trial_time) = ends[ends.len() - 1];
+    let tried = simulation.clock().step();
     if tried == 0 {
         return Ok(None);
     }
-    let step = trying.costs * usual(last_part(&ends));
+    let warm = ends.iter().take_while(|(step, _)| *step <= WARM_UP).count() - 1;
+    let warm = if warm + 1 < ends.len() { warm } else { 0 };
+    let (warm_step, warm_time) = ends[warm];
+    let step = trying.costs * usual(&ends[warm..]);
     let course = if let Kind::Suspension(scene) = scene.kind() { suspension::course(&scene.model) } else { 1.0 };
     let step = step * course;
-    let steps = step * (steps_of_all(scene) - tried as f64).max(0.0);
+    let steps = step * (steps_of_all(scene) - warm_step as f64).max(0.0);
     let written = written(&mut trying, scene, output);
     let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
     let start = LAUNCH_TIME + trying.costs * start;
-    let run = start + trying.costs * trial_time + steps + written.seconds;
+    let run = start + trying.costs * warm_time + steps + written.seconds;
     Ok(Some(Trial { start, step, run, bytes: written.bytes, tried, copy }))
-}
-
-/// Those of steps and times at the ends of some that tell most of steps to come: the second half of what follows the first steps, if
-/// that has enough of them.
-fn last_part(ends: &[(u64, f64)]) -> &[(u64, f64)] {
-    let warm = ends.iter().take_while(|(step, _)| *step <= WARM_UP).count() - 1;
-    let after = if warm + 1 < ends.len() { &ends[warm..] } else { ends };
-    let middle = (after.len() - 1) / 2;
-    if after.len() - 1 - middle < TIMED as usize { after } else { &after[middle..] }
 }
 
 /// Seconds a step, by steps and times at the ends of some: the mean, in which those that took many times as long as the median,
@@ -340,15 +334,6 @@ mod tests {
         let found = usual(&[(6, 3.0), (7, 4.0), (8, 5.0), (10, 7.0), (11, 28.0)]);
         assert!((found - 8.0 / 5.0).abs() < 1e-15, "{found}");
         assert!((usual(&[(6, 3.0), (8, 7.0)]) - 2.0).abs() < 1e-15);
-    }
-
-    /// Of steps after the first ones the later half, unless that is too few.
-    #[test]
-    fn later_steps_tell_more() {
-        let ends: Vec<(u64, f64)> = (0..=16).map(|step| (step, step as f64)).collect();
-        assert_eq!(last_part(&ends), &ends[11..]);
-        assert_eq!(last_part(&ends[..=9]), &ends[6..=9]);
-        assert_eq!(last_part(&ends[..=4]), &ends[..=4]);
     }
 
     #[test]
