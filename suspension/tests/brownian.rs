@@ -88,6 +88,19 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
+/// Steps after which nobody looks at motions lead to the same places, to the last bit.
+#[test]
+fn steps_are_the_same_unseen() {
+    let places = |scheme: &str, is_seen: bool| {
+        let mut suspension = Suspension::start(&model_of(SHEARED, &[scheme]), &Comm::alone()).unwrap();
+        (0..3).for_each(|_| suspension.step_seen(is_seen).unwrap());
+        suspension.gathered(None).positions
+    };
+    for scheme in [r#"time.brownian="midpoint""#, TWO] {
+        assert_eq!(places(scheme, true), places(scheme, false), "{scheme}");
+    }
+}
+
 #[test]
 fn ranks_agree() {
     let model = model_of(SHEARED, &["hydrodynamics.tolerance=1e-7", "time.steps=6"]);
