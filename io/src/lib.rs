@@ -44,7 +44,7 @@ mod verified;
 pub use atomic_file::replace as replace_file;
 pub use case::{
     Answer, Background, BoundariesError, Case, CaseBoundary, CaseBox, CaseBoxError, CaseMethod, NOISE_NUMBERS, Noise,
-    OneOrAll, Terms, UnknownBoundary,
+    OneOrAll, Terms, UnknownBoundary, UnknownMethod,
 };
 pub use causes::in_full;
 pub use checkpoint::Checkpoints;

@@ -3,11 +3,11 @@
 use crate::arrays::{Rows, list_of, rows_of};
 use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
-use crate::error::{explained, input_error, refused};
+use crate::error::{explained, refused};
 use crate::signals::Signals;
 use domain::{Bytes, Comm, Tensor, Turn, Vector};
-use fcm::{Loads, MethodName, Motion, Multipoles};
-use io::{CaseBoundary, CaseBox};
+use fcm::{Loads, Motion, Multipoles};
+use io::{CaseBoundary, CaseBox, CaseMethod};
 use lubrication::Range;
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -63,7 +63,7 @@ impl Mobility {
             rigid,
             tolerance,
             lubrication: lubrication.map_err(|cause| refused(&cause))?,
-            method: named(method)?,
+            method: CaseMethod::of_word(method).map_err(|cause| refused(&cause))?.alone(),
             costs: without_lock(py, || io::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
         };
         Self::planned(py, (parameters, turn), (count, &comm))
@@ -217,16 +217,6 @@ fn answer(py: Python<'_>, motions: Motions) -> PyResult<Answer<'_>> {
         iterations,
         residual,
     ))
-}
-
-/// The method of a word, if it is not left to the planner.
-fn named(method: &str) -> PyResult<Option<MethodName>> {
-    match method {
-        "auto" => Ok(None),
-        "direct" => Ok(Some(MethodName::Direct)),
-        "split" => Ok(Some(MethodName::Split)),
-        other => Err(input_error(format!("method is \"{other}\"; it needs to be \"auto\", \"direct\" or \"split\""))),
-    }
 }
 
 /// What the box is along each axis.

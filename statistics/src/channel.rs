@@ -13,7 +13,7 @@ use domain::{Tensor, Vector};
 /// phi_b = sum_n V_b,n / V_bin,      s_b = sum_n (V_b,n / (4/3 pi a_n^3)) S_n / V_bin,
 /// ```
 ///
-/// volume fraction and stress by the stresslets `S_n`; number density and velocities are of the spheres whose centres are in it.
+/// volume fraction and stress by the stresslets `S_n`, and that of pairs by their moments in the same way; number density and velocities are of the spheres whose centres are in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelProfile {
     bottom: f64,
@@ -35,6 +35,7 @@ struct Bin {
     slips: Fluctuations,
     angular_velocities: Fluctuations,
     stress: [Blocks; 6],
+    pair_stress: [Blocks; 6],
 }
 
 /// All spheres at one time.
@@ -54,6 +55,8 @@ pub struct ChannelSample<'a> {
     pub angular_velocities: &'a [Vector],
     /// Stresslets, force times length; none where there are none.
     pub stresslets: &'a [Tensor],
+    /// Shares of the symmetric first moments of forces between spheres, and of those of walls; none where there are no such forces.
+    pub pair_moments: &'a [Tensor],
 }
 
 /// The averages in a bin; of velocities, not a number where there was no centre.
@@ -73,17 +76,20 @@ pub struct ChannelRow {
     pub fluctuations: [Estimate; 6],
     /// Mean angular velocity.
     pub angular_velocity: [Estimate; 3],
-    /// Stress, xx xy xz yy yz zz, force over area.
+    /// Stress by stresslets, xx xy xz yy yz zz, force over area.
     pub stress: [Estimate; 6],
+    /// Stress by forces between spheres, likewise; without samples of them not a number.
+    pub pair_stress: [Estimate; 6],
 }
 
 /// The sums over spheres in a bin.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 struct Sums {
-    /// Of the volumes of slices, and of the stresslets in them.
+    /// Of the volumes of slices, and of the stresslets and moments in them.
     volume: f64,
     stress: [f64; 6],
+    pair_stress: [f64; 6],
     velocities: VectorSum,
     slips: VectorSum,
     angular_velocities: VectorSum,
@@ -111,7 +117,7 @@ impl ChannelProfile {
     pub fn add(&mut self, sample: &ChannelSample) {
         let sums = self.sums(sample);
         let spreads = self.spreads(sample, &sums);
-        self.add_sums(&sums, &spreads, !sample.stresslets.is_empty());
+        self.add_sums(&sums, &spreads, [sample.stresslets, sample.pair_moments].map(|list| !list.is_empty()));
     }
 
     /// Sums over some of the spheres at one time; those of parts are added number by number.
@@ -137,16 +143,19 @@ impl ChannelProfile {
     fn add_slices(&self, (bins, inside): (&mut [Sums], &mut f64), sample: &ChannelSample, n: usize) {
         let (height, radius) = (sample.heights[n], sample.radii[n]);
         let volume = cap(radius, radius);
-        let stresslet = sample.stresslets.get(n).copied().unwrap_or(Tensor::ZERO);
+        let moments = [sample.stresslets, sample.pair_moments].map(|list| list.get(n).copied().unwrap_or(Tensor::ZERO));
         let edge = |bin: usize| cap(self.bottom + bin as f64 * self.width - height, radius);
         let [first, last] = [height - radius, height + radius].map(|z| (z - self.bottom) / self.width);
         for bin in first.max(0.0) as usize..(last.max(0.0).ceil() as usize).min(self.count) {
             let part = edge(bin + 1) - edge(bin);
-            let share = stresslet * (part / volume);
+            let shares = moments.map(|moment| moment * (part / volume));
             for place in self.places(sample, n, bin) {
-                bins[place].volume += part;
-                for (sum, (i, j)) in bins[place].stress.iter_mut().zip(COMPONENTS) {
-                    *sum += share.col(i)[j];
+                let Sums { volume, stress, pair_stress, .. } = &mut bins[place];
+                *volume += part;
+                for (sums, share) in [stress, pair_stress].into_iter().zip(shares) {
+                    for (sum, (i, j)) in sums.iter_mut().zip(COMPONENTS) {
+                        *sum += share.col(i)[j];
+                    }
                 }
             }
             *inside += part;
@@ -183,15 +192,19 @@ impl ChannelProfile {
         all
     }
 
-    /// Adds all spheres at one time by their sums, which may be without stresslets.
-    pub fn add_sums(&mut self, sums: &[f64], spreads: &[f64], has_stresslets: bool) {
+    /// Adds all spheres at one time by their sums, which may be without stresslets, and without moments of pairs.
+    pub fn add_sums(&mut self, sums: &[f64], spreads: &[f64], [has_stresslets, has_pair_moments]: [bool; 2]) {
         self.outside.add(1.0 - sums[0] / sums[1]);
         let over = 1.0 / self.bin_volume;
         let (sums, spreads): (&[Sums], &[Spreads]) = (bytemuck::cast_slice(&sums[2..]), bytemuck::cast_slice(spreads));
         for ((bin, sums), spreads) in self.bins.iter_mut().flatten().zip(sums).zip(spreads) {
             bin.fraction.add(sums.volume * over);
-            if has_stresslets {
-                bin.stress.iter_mut().zip(sums.stress).for_each(|(blocks, sum)| blocks.add(sum * over));
+            let stresses = [
+                (has_stresslets, &mut bin.stress, sums.stress),
+                (has_pair_moments, &mut bin.pair_stress, sums.pair_stress),
+            ];
+            for (_, series, sums) in stresses.into_iter().filter(|(is_known, ..)| *is_known) {
+                series.iter_mut().zip(sums).for_each(|(blocks, sum)| blocks.add(sum * over));
             }
             bin.density.add(sums.velocities.count / self.bin_volume);
             bin.velocities.add_sums(&sums.velocities, &spreads[0]);
@@ -212,7 +225,13 @@ impl ChannelProfile {
             fluctuations: bin.slips.components(),
             angular_velocity: bin.angular_velocities.pooled_mean(),
             stress: bin.stress.each_ref().map(Blocks::estimate),
+            pair_stress: bin.pair_stress.each_ref().map(Blocks::estimate),
         })
+    }
+
+    /// Whether any sample had forces between spheres.
+    pub fn has_pair_stress(&self) -> bool {
+        self.bins.iter().flatten().next().is_some_and(|bin| bin.pair_stress[0].count() > 0)
     }
 
     /// The share of the spheres' volume that is in no bin: above the top, or below the bottom.
@@ -233,7 +252,9 @@ impl State for ChannelProfile {
             for fluctuations in [&mut bin.velocities, &mut bin.slips, &mut bin.angular_velocities] {
                 fluctuations.visit(store);
             }
-            for blocks in [&mut bin.fraction, &mut bin.density].into_iter().chain(&mut bin.stress) {
+            for blocks in
+                [&mut bin.fraction, &mut bin.density].into_iter().chain(&mut bin.stress).chain(&mut bin.pair_stress)
+            {
                 blocks.visit(store);
             }
         }

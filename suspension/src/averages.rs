@@ -1,8 +1,9 @@
 //! Statistics in the course of a run.
 
 use crate::Suspension;
+use crate::columns::{PAIR_MOMENT, PAIR_MOMENT_NUMBERS};
 use crate::model::{Flow, Model, Statistics as Wanted};
-use crate::sampling::{Sample, Statistics, needed_columns};
+use crate::sampling::{Sample, Statistics, needed_columns, needs_pair_moments};
 use crate::stress::ParticleStress;
 use crate::user_axes::UserAxes;
 use domain::{Comm, IdBlocks};
@@ -18,6 +19,8 @@ pub struct Averages {
     flow: Flow,
     /// Columns that a sample needs.
     columns: Vec<&'static str>,
+    /// Whether it needs the moments of forces between spheres.
+    needs_pair_moments: bool,
     statistics: Statistics,
     axes: UserAxes,
     comm: Comm,
@@ -33,9 +36,9 @@ impl Averages {
         let ((model, wanted), comm) = (of, suspension.comm().clone());
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
         let statistics = Statistics::in_blocks_of(size, of, suspension.particles(), &comm);
-        let columns = needed_columns(model);
+        let (columns, needs_pair_moments) = (needed_columns(model), needs_pair_moments(model));
         let (samples, from, axes) = (wanted.samples, wanted.from, model.user_axes());
-        Self { samples, from, sheared, flow: model.flow, columns, statistics, axes, comm }
+        Self { samples, from, sheared, flow: model.flow, columns, needs_pair_moments, statistics, axes, comm }
     }
 
     /// Whether a sample may be taken at a step.
@@ -53,8 +56,12 @@ impl Averages {
                 viscosity * rate + self.flow.driving_stress(&total, suspension.cell().gradient_axis())
             });
             let mut particles = Cow::Borrowed(suspension.particles());
-            if !self.axes.turn().is_none() {
-                let own = particles.with_columns(|name| self.columns.contains(&name));
+            if self.needs_pair_moments || !self.axes.turn().is_none() {
+                let mut own = particles.with_columns(|name| self.columns.contains(&name));
+                if self.needs_pair_moments {
+                    let column = own.column(PAIR_MOMENT, PAIR_MOMENT_NUMBERS);
+                    bytemuck::cast_slice_mut(&mut column.values).copy_from_slice(&suspension.pair_moments());
+                }
                 particles = Cow::Owned(self.axes.particles(own));
             }
             let (time, cell, particles) = (clock.time(), &self.axes.cell(suspension.cell()), &*particles);
@@ -89,7 +96,7 @@ impl Averages {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Parameters, Species};
+    use crate::model::{Parameters, Repulsion, Species, Start};
     use domain::{Boundaries, PeriodicBox, Turn, Vector};
     use simulation::Table;
 
@@ -100,6 +107,59 @@ mod tests {
         let turn = if boundaries == Boundaries::Walls { Turn::to_last(0) } else { Turn::default() };
         let statistics = Some(Wanted::ALL);
         Model::new(Parameters { turn, statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
+    }
+
+    /// The numbers of a column of a profile, of all spheres.
+    fn numbers<'a>(profile: &'a Table, name: &str) -> impl Iterator<Item = f64> + 'a {
+        let index = profile.columns.iter().position(|(column, _)| column == name).unwrap();
+        profile.rows.iter().filter(|(words, _)| words[0] == "all").map(move |(_, numbers)| numbers[index])
+    }
+
+    /// Forces between spheres and at a wall, across x: in the mean over the bins they press as in the whole box, in the axes of
+    /// the user, and where the spheres are.
+    #[test]
+    fn profiles_have_the_stress_of_forces_between_spheres() {
+        let start =
+            Start::Positions(vec![Vector::new(4.0, 4.0, 4.0), Vector::new(5.2, 5.2, 5.2), Vector::new(9.0, 9.0, 10.9)]);
+        let repulsion = Some(Repulsion { range: Some(0.5), ..Repulsion::new(3.0) });
+        let scene =
+            Model::new(Parameters { start, repulsion, ..Parameters::clone(&model(3, Boundaries::Walls)) }).unwrap();
+        for ranks in [1, 3] {
+            let found = Comm::threads(ranks, |comm| {
+                let suspension = Suspension::start(&scene, &comm).unwrap();
+                let mut averages = Averages::new(&scene, Wanted::ALL, &suspension);
+                averages.sample(&suspension);
+                let repulsion = scene.user_axes().tensor(&suspension.stress(1)[0].repulsion);
+                (repulsion, averages.tables())
+            });
+            let (repulsion, tables) = found.into_iter().next().unwrap();
+            let tables = tables.unwrap().tables;
+            let profile = tables.iter().find(|table| table.name == "profile").unwrap();
+            for (name, (i, j)) in
+                [("xx", (0, 0)), ("xy", (0, 1)), ("xz", (0, 2)), ("yy", (1, 1)), ("yz", (1, 2)), ("zz", (2, 2))]
+            {
+                let of_bins: Vec<f64> = numbers(profile, &format!("pair_stress_{name}")).collect();
+                let mean = of_bins.iter().sum::<f64>() / of_bins.len() as f64;
+                let expected = repulsion.col(i)[j];
+                assert!((mean - expected).abs() < 1e-12, "{name}: {mean}, not {expected}");
+                let is_pressed = |&(x, stress): &(f64, f64)| stress != 0.0 && (x < 2.5 || (6.7..9.5).contains(&x));
+                assert_eq!(numbers(profile, "x").zip(of_bins).find(is_pressed), None, "{name}");
+            }
+            assert!(repulsion.x_axis.x < 0.0 && repulsion.y_axis.x < 0.0);
+        }
+    }
+
+    /// Where nothing acts between spheres nothing is said of it.
+    #[test]
+    fn profiles_are_without_forces_that_there_are_not() {
+        let scene = model(3, Boundaries::Walls);
+        let suspension = Suspension::start(&scene, &Comm::alone()).unwrap();
+        let mut averages = Averages::new(&scene, Wanted::ALL, &suspension);
+        averages.sample(&suspension);
+        let tables = averages.tables().unwrap().tables;
+        let profile = tables.iter().find(|table| table.name == "profile").unwrap();
+        assert!(profile.columns.iter().all(|(name, _)| !name.starts_with("pair_stress")));
+        assert_eq!(profile.rows[0].1.len(), profile.columns.len());
     }
 
     /// What is taken up again gives the same bytes and tables; of another scene's it is refused.

@@ -1,7 +1,7 @@
 //! Flows that walls allow, and what spheres see of them.
 
+use crate::strain_rate::StrainRate;
 use domain::{Boundaries, PeriodicBox, Traceless, Vector};
-use fcm::Motion;
 use solver::BackgroundFlow;
 
 /// A background flow that does not fit the walls of a box.
@@ -19,9 +19,6 @@ pub enum FlowRefused {
     /// A pressure gradient across the walls.
     #[error("the pressure gradient has a component across the walls, along {0}; it drives no flow: leave it out")]
     Across(char),
-    /// A pressure gradient and lubrication.
-    #[error("a pressure gradient and lubrication are not for one case; take a shear, or leave out one of the two")]
-    Lubrication,
 }
 
 /// Refuses a linear flow that does not fit a box with walls across an axis of this name.
@@ -48,16 +45,10 @@ pub(crate) fn check_pressure(cell: &PeriodicBox, gradient: Vector, axis: char) -
 /// u(z) = -p' z (H - z) / (2 mu),
 /// ```
 ///
-/// relative to its velocity and half its vorticity at their centres: the velocity `a^2/6 u''` of Faxen's law, and the rate of
-/// strain of the slope `u'`.
-pub(crate) fn poiseuille(cell: &PeriodicBox, viscosity: f64, gradient: Vector, spheres: (&[Vector], &[f64])) -> Motion {
-    let (positions, radii) = spheres;
-    let bend = gradient / viscosity;
-    let slope = |x: &Vector| -0.5 * bend * (cell.edges().z - 2.0 * x.z);
-    let strain = |x: &Vector| Traceless([0.0, 0.0, 0.5 * slope(x).x, 0.0, 0.5 * slope(x).y]);
-    Motion {
-        velocities: radii.iter().map(|a| bend * (a * a / 6.0)).collect(),
-        angular_velocities: vec![Vector::ZERO; radii.len()],
-        strain_rates: positions.iter().map(strain).collect(),
-    }
+/// its rate of strain and the second derivative `u''`, by which spheres move with `a^2/6 u''` besides (Faxen).
+pub(crate) fn poiseuille(cell: &PeriodicBox, viscosity: f64, gradient: Vector) -> (StrainRate, Vector) {
+    let (bend, height) = (gradient / viscosity, cell.edges().z);
+    let slope = [0.5 * bend.x, 0.5 * bend.y];
+    let [xz, yz] = slope.map(|slope| -0.5 * slope * height);
+    (StrainRate { at_zero: Traceless([0.0, 0.0, xz, 0.0, yz]), slope }, bend)
 }

@@ -9,5 +9,9 @@ pub const STRESSLET: &str = "stresslet";
 /// The column of angular velocities.
 pub const ANGULAR_VELOCITY: &str = "angular_velocity";
 
+/// The column of shares of the first moments of forces between spheres, as tensors, where a sample needs them, and its width.
+pub const PAIR_MOMENT: &str = "pair moment";
+pub const PAIR_MOMENT_NUMBERS: usize = 9;
+
 /// The column of stresslets by heat of the last step, where they are told apart from random ones.
 pub const BROWNIAN: &str = "brownian stresslet";

@@ -315,9 +315,8 @@ impl Dynamics {
         let resistance =
             moment.implicit.map(|time| move |d: f64, between: Surfaces| surface.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
-        let (strain_rate, strain_slope) = self.moving.strain_rate();
-        let constant_flux = self.moving.keeps_flux();
-        let acting = Acting { loads, strain_rate, strain_slope, springs: springs.as_ref(), ambient, constant_flux };
+        let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
+        let acting = Acting { loads, strain_rate, springs: springs.as_ref(), ambient, constant_flux };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {

@@ -70,6 +70,7 @@ mod setup;
 mod single_evaluation;
 mod steadiness;
 mod step_error;
+mod strain_rate;
 mod stress;
 mod stretching;
 mod substeps;

@@ -9,6 +9,7 @@ use crate::channel_flow::{FlowRefused, check_linear, check_pressure, poiseuille}
 use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
+use crate::strain_rate::StrainRate;
 use domain::{
     Boundaries, Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn,
     Vector,
@@ -151,9 +152,6 @@ impl Mobility {
     pub fn drive(&mut self, pressure_gradient: Vector) -> Result<(), MobilityError> {
         let gradient = self.turn.vector(pressure_gradient);
         check_pressure(&self.parameters.cell, gradient, self.last_axis())?;
-        if self.parameters.lubrication.is_some() && gradient != Vector::ZERO {
-            return Err(FlowRefused::Lubrication.into());
-        }
         self.pressure_gradient = gradient;
         Ok(())
     }
@@ -242,8 +240,7 @@ impl Mobility {
                 let guess = Guess::induced_by(&ambient);
                 let acting = Acting {
                     loads: &loads,
-                    strain_rate: Traceless::ZERO,
-                    strain_slope: 0.0,
+                    strain_rate: StrainRate::default(),
                     springs: None,
                     ambient: &ambient,
                     constant_flux: false,
@@ -308,23 +305,13 @@ impl Mobility {
         if torques && multipoles == Multipoles::Dipole {
             loads.torques = particles.vectors(column::TORQUE).to_vec();
         }
-        let ambient = if self.pressure_gradient == Vector::ZERO {
-            STILL.clone()
-        } else {
-            let spheres = (&particles.positions[..], &particles.radii[..]);
-            poiseuille(cell, self.parameters.viscosity, self.pressure_gradient, spheres)
-        };
+        let (by_pressure, bend) = poiseuille(cell, self.parameters.viscosity, self.pressure_gradient);
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
-            let strain_rate = background.strain_rate();
-            let acting = Acting {
-                loads: &loads,
-                strain_rate,
-                strain_slope: 0.0,
-                springs: None,
-                ambient: &ambient,
-                constant_flux: false,
-            };
-            return self.hydrodynamics.solve(cell, particles, &acting, &Guess::default());
+            let strain_rate = StrainRate::uniform(background.strain_rate()) + by_pressure;
+            let acting = Acting { loads: &loads, strain_rate, springs: None, ambient: &STILL, constant_flux: false };
+            let mut solved = self.hydrodynamics.solve(cell, particles, &acting, &Guess::default())?;
+            carry(&mut solved.motion, &particles.radii, bend);
+            return Ok(solved);
         }
         if stresslets {
             loads.stresslets = traceless(particles, column::STRESSLET).to_vec();
@@ -332,10 +319,18 @@ impl Mobility {
         let mobility = self.hydrodynamics.mobility();
         mobility.arrange(cell, particles);
         let mut motion = mobility.apply(&loads, Evaluation::All);
-        motion.velocities.iter_mut().zip(&ambient.velocities).for_each(|(v, ambient)| *v += *ambient);
+        carry(&mut motion, &particles.radii, bend);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
         let (induced, curvature) = (Motion::default(), 0.0);
         Ok(Solved { motion, stresslets, far: loads, induced, curvature, iterations: 0, residual: 0.0 })
+    }
+}
+
+/// Adds the velocities `a^2/6 u''` that spheres of some radii have in a flow of that second derivative `u''` by Faxen's law, beyond
+/// the flow's own.
+fn carry(motion: &mut Motion, radii: &[f64], bend: Vector) {
+    if bend != Vector::ZERO {
+        motion.velocities.iter_mut().zip(radii).for_each(|(v, a)| *v += bend * (a * a / 6.0));
     }
 }
 

@@ -6,6 +6,7 @@ use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::{Extension, ShearRates};
 use crate::poiseuille::Poiseuille;
 use crate::pressure_flow::PressureFlow;
+use crate::strain_rate::StrainRate;
 use crate::stretching::{Matrix, Named, StretchingLattice};
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use simulation::Clock;
@@ -136,13 +137,10 @@ impl MovingBox {
         self.profile.map_or(sheared, |profile| sheared + profile.angular_velocity(place.z))
     }
 
-    /// The rate of strain of the background flow at `z = 0`, and by how much its xz component grows with z.
-    pub fn strain_rate(&self) -> (Traceless, f64) {
-        let sheared = self.flow.strain_rate();
-        self.profile.map_or((sheared, 0.0), |profile| {
-            let (strain_rate, slope) = profile.strain_rate();
-            (sheared + strain_rate, slope)
-        })
+    /// The rate of strain of the background flow.
+    pub fn strain_rate(&self) -> StrainRate {
+        let sheared = StrainRate::uniform(self.flow.strain_rate());
+        self.profile.map_or(sheared, |profile| sheared + profile.strain_rate())
     }
 
     /// The same with a rate of shear that a stress in a fluid of a viscosity drives, by solves of a tolerance, as

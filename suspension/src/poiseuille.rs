@@ -1,5 +1,6 @@
 //! The flow between walls that a pressure gradient drives.
 
+use crate::strain_rate::StrainRate;
 use domain::{Particles, Traceless, Vector};
 use fcm::{Motion, Multipoles};
 
@@ -50,8 +51,9 @@ impl Poiseuille {
         }
     }
 
-    /// The rate of strain at `z = 0`, and by how much its xz component grows with z.
-    pub fn strain_rate(&self) -> (Traceless, f64) {
-        (Traceless([0.0, 0.0, 0.5 * self.shear_rate(0.0), 0.0, 0.0]), -0.5 * self.curvature)
+    /// The rate of strain.
+    pub fn strain_rate(&self) -> StrainRate {
+        let at_zero = Traceless([0.0, 0.0, 0.5 * self.shear_rate(0.0), 0.0, 0.0]);
+        StrainRate { at_zero, slope: [-0.5 * self.curvature, 0.0] }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::columns::BROWNIAN;
 use crate::hydrodynamics::{Acting, Found, Guess, Hydrodynamics, Solved};
+use crate::strain_rate::StrainRate;
 use domain::{Particles, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion, SolveError};
 
@@ -35,14 +36,8 @@ pub fn solve(
     (cell, particles): (&PeriodicBox, &mut Particles),
     (loads, fluid): (&Loads, &Motion),
 ) -> Result<Solved, SolveError> {
-    let acting = Acting {
-        loads,
-        strain_rate: Traceless::ZERO,
-        strain_slope: 0.0,
-        springs: None,
-        ambient: fluid,
-        constant_flux: false,
-    };
+    let acting =
+        Acting { loads, strain_rate: StrainRate::default(), springs: None, ambient: fluid, constant_flux: false };
     let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
     note_solved(hydrodynamics, (cell, particles), (loads, &solved))?;
     Ok(solved)

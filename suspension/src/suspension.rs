@@ -321,12 +321,25 @@ impl Suspension {
 
     /// The stress of the particles of each of so many species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
+        let (volume, pairs) = (self.cell().volume(), self.pair_moments_by_origin());
+        ParticleStress::by_species(&self.particles, pairs.each_ref().map(Vec::as_slice), (species, volume), &self.comm)
+    }
+
+    /// Each particle's share of the symmetric first moments of all forces between spheres, and of those of walls. Collective.
+    pub fn pair_moments(&self) -> Vec<Tensor> {
+        let by_origin = self.pair_moments_by_origin();
+        let of_row = |row: usize| {
+            by_origin.iter().filter_map(|list| list.get(row).copied()).fold(Tensor::ZERO, |sum, m| sum + m)
+        };
+        (0..self.particles.len()).map(of_row).collect()
+    }
+
+    /// Those of repulsion, attraction, contacts and bonds, each none where there are no such forces. Collective.
+    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 4] {
         let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
             .map(|which| self.dynamics.surface_moments(which, &self.particles));
         let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
-        let bonds = self.dynamics.bond_moments(&self.particles);
-        let (volume, pairs) = (self.cell().volume(), [&repulsion[..], &attraction, &contacts, &bonds]);
-        ParticleStress::by_species(&self.particles, pairs, (species, volume), &self.comm)
+        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles)]
     }
 
     /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap

@@ -1,6 +1,6 @@
 //! The axes of the user, which a box with walls across x or y does not share with its own.
 
-use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
+use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
 use crate::model::Parameters;
 use domain::{Particles, PeriodicBox, Tensor, Traceless, Turn, Vector};
 use simulation::{ContactForces, VelocityField};
@@ -75,7 +75,7 @@ impl UserAxes {
         PeriodicBox::new(edges).and_then(|plain| plain.spanning(origin, edges)).expect("edges of a box")
     }
 
-    /// Particles with velocities, angular velocities and stresslets, as far as they have them.
+    /// Particles with velocities, angular velocities, stresslets and moments of pairs, as far as they have them.
     pub fn particles(&self, mut particles: Particles) -> Particles {
         if self.turn.is_none() {
             return particles;
@@ -95,6 +95,12 @@ impl UserAxes {
                     let stresslets: &mut [Traceless] = bytemuck::cast_slice_mut(&mut column.values);
                     for stresslet in stresslets {
                         *stresslet = self.turn.inverse().traceless(*stresslet);
+                    }
+                }
+                PAIR_MOMENT => {
+                    let moments: &mut [Tensor] = bytemuck::cast_slice_mut(&mut column.values);
+                    for moment in moments {
+                        *moment = self.tensor(moment);
                     }
                 }
                 other => unreachable!("\"{other}\" is for nobody outside"),

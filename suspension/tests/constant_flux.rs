@@ -7,6 +7,7 @@ mod support;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
 use ended::ended;
 use fcm::{Costs, Loads, Multipoles};
+use lubrication::{Range, WallForce};
 use simulation::{Quantity, Simulation};
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
@@ -139,8 +140,29 @@ const LAYERS: &str = "particles={initial=\"positions\", positions=[[1.0, 2.0, 1.
     [4.0, 4.3, 1.45], [1.5, 5.0, 1.45], [6.5, 5.5, 1.45], [1.0, 2.0, 8.0], [3.2, 2.2, 8.0], [5.5, 2.0, 8.0], [4.0, 4.3, 8.0], \
     [1.5, 5.0, 8.0], [6.5, 5.5, 8.0], [8.0, 3.6, 1.45], [3.7, 6.9, 1.45], [8.0, 3.6, 8.0]]}";
 
-/// The pressure gradient as a sum over the spheres, of loads that are not the fluid's and whole stresslets. Those of lubrication
-/// between two spheres count in the middle between them: exactly where both are at one height, else nearly.
+/// What lubrication at walls adds to the sum over spheres: the forces `L` by which it acts on the fluid along x, each with half of the
+/// square of the distance to its wall, since it acts relative to a flow that is linear from there on.
+fn at_walls(found: &Seen) -> f64 {
+    let (force, curvature) = (WallForce::new(VISCOSITY, Range::default()), found.gradient / VISCOSITY);
+    let of_sphere = |row: usize| {
+        let (place, radius) = (found.positions[row], found.radii[row]);
+        let passing = 0.5 * curvature * place.z * (HEIGHT - place.z) - curvature * radius * radius / 6.0;
+        let strain = 0.25 * curvature * (HEIGHT - 2.0 * place.z);
+        let (slip, spin) = (found.velocities[row] - Vector::X * passing, found.spins[row] - Vector::Y * strain);
+        let at_wall = |(axis, distance): (Vector, f64)| {
+            let Some(factor) = force.factor(axis, distance, radius) else { return 0.0 };
+            let (resistance, lever) = (factor.coefficients(), 0.5 * distance * distance);
+            let by_strain = resistance.by_strain(axis, Traceless([0.0, 0.0, strain, 0.0, 0.0]));
+            let by_motion = resistance.by_motion(axis, [slip + Vector::X * (curvature * lever), spin]);
+            (by_strain.force - by_motion.force).x * lever
+        };
+        [(-Vector::Z, place.z), (Vector::Z, HEIGHT - place.z)].map(at_wall).iter().sum::<f64>()
+    };
+    (0..found.radii.len()).map(of_sphere).sum()
+}
+
+/// The pressure gradient as a sum over the spheres, of loads that are not the fluid's and whole stresslets, and of lubrication at
+/// walls. Stresslets of lubrication between two spheres count in the middle between them: exactly where both are at one height, else nearly.
 #[test]
 fn the_pressure_gradient_is_a_sum_over_spheres() {
     let random = ["time.steps=0", "seed=5"];
@@ -158,7 +180,8 @@ fn the_pressure_gradient_is_a_sum_over_spheres() {
                 force.x * parabola - (stresslet.tensor().z_axis.x - 0.5 * torque.y) * (0.5 * HEIGHT - x.z)
             })
             .sum();
-        let expected = ALONE - 12.0 / (AREA * HEIGHT.powi(3)) * sum;
+        let by_walls = if lubrication == LUBRICATION[0] { at_walls(&found) } else { 0.0 };
+        let expected = ALONE - 12.0 / (AREA * HEIGHT.powi(3)) * (sum + by_walls);
         let error = (found.gradient - expected).abs() / (found.gradient - ALONE).abs();
         assert!(error < allowed, "{lubrication}: {} is not {expected}, {error:e}", found.gradient);
     }

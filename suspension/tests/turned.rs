@@ -187,7 +187,11 @@ fn numbers_are_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64)
     for (bin, species) in (0..27).map(|row| (row, ["small", "large", "all"][row / 9])) {
         let row = format!("{bin} {species}");
         vectors.extend(["velocity", "slip", "angular_velocity"].map(|name| format!("profile {name}_* {row}")));
-        tensors.extend(["T", "stress"].map(|name| format!("profile {name}_* {row}")));
+        for name in ["T", "stress", "pair_stress"].map(|name| format!("profile {name}_* {row}")) {
+            if upright.numbers.contains_key(&name.replace('*', "xx")) {
+                tensors.push(name);
+            }
+        }
     }
     for species in ["small", "large"] {
         for (mean, tensor, units) in [

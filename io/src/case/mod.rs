@@ -5,15 +5,16 @@ mod boundaries;
 mod bounded_box;
 mod check;
 mod hdf5_input;
+mod method;
 
 pub use answer::Answer;
 pub(crate) use boundaries::boundaries_of;
 pub use boundaries::{BoundariesError, CaseBoundary, UnknownBoundary};
 pub use bounded_box::{CaseBox, CaseBoxError};
+pub use method::{CaseMethod, UnknownMethod};
 
 use crate::FileError;
 use domain::{PeriodicBox, Turn};
-use fcm::MethodName;
 use hdf5::File;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -104,30 +105,6 @@ pub enum Terms {
     /// Forces, torques and stresslets.
     #[default]
     Dipole,
-}
-
-/// How the far field is evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CaseMethod {
-    /// In the way that takes less time.
-    #[default]
-    Auto,
-    /// The envelopes themselves on the grid.
-    Direct,
-    /// Wider envelopes on a coarser grid, and the difference pair by pair.
-    Split,
-}
-
-impl CaseMethod {
-    /// The method of a plan that it allows alone, if it does.
-    pub fn alone(self) -> Option<MethodName> {
-        match self {
-            Self::Auto => None,
-            Self::Direct => Some(MethodName::Direct),
-            Self::Split => Some(MethodName::Split),
-        }
-    }
 }
 
 /// A linear flow.

@@ -27,11 +27,7 @@ enum Plan {
 
 impl<T: Real> Gathered<T> {
     pub fn new(length: usize) -> Self {
-        let plan = if size_of::<T>() == size_of::<f32>() {
-            Plan::Single(FftPlanner::new().plan_fft_forward(length))
-        } else {
-            Plan::Double(FftPlanner::new().plan_fft_forward(length))
-        };
+        let plan = if size_of::<T>() == size_of::<f32>() { Plan::single(length) } else { Plan::double(length) };
         Self { plan, real: PhantomData }
     }
 
@@ -70,6 +66,15 @@ impl<T: Real> Gathered<T> {
 }
 
 impl Plan {
+    // Neither of these is generic, so that rustfft is compiled here and not once more wherever transforms are planned.
+    fn single(length: usize) -> Self {
+        Self::Single(FftPlanner::new().plan_fft_forward(length))
+    }
+
+    fn double(length: usize) -> Self {
+        Self::Double(FftPlanner::new().plan_fft_forward(length))
+    }
+
     /// Complex numbers of scratch.
     fn scratch(&self) -> usize {
         match self {

@@ -10,6 +10,7 @@ const NONE: ChannelSample = ChannelSample {
     slips: &[],
     angular_velocities: &[],
     stresslets: &[],
+    pair_moments: &[],
 };
 
 fn close(a: f64, b: f64) -> bool {
@@ -29,6 +30,7 @@ fn spheres_at_given_heights_have_known_profiles() {
         slips: &[-Vector::X, Vector::X, Vector::ZERO],
         angular_velocities: &spin,
         stresslets: &[Tensor::from_diagonal(Vector::new(2.0, -1.0, -1.0)), Tensor::ZERO, Tensor::ZERO],
+        pair_moments: &[Tensor::from_diagonal(-Vector::Z), Tensor::ZERO, Tensor::ZERO],
     };
     profile.add(&sample);
     profile.add(&sample);
@@ -39,6 +41,7 @@ fn spheres_at_given_heights_have_known_profiles() {
         assert!(close(row.volume_fraction.mean, half) && row.volume_fraction.error == 0.0, "{k}");
         // Half of the stresslet over the volume of the bin.
         assert!(close(row.stress[0].mean, if half > 0.0 { 0.2 } else { 0.0 }));
+        assert!(close(row.pair_stress[5].mean, if half > 0.0 { -0.1 } else { 0.0 }));
         assert!(close(row.number_density.mean, if k == 3 { 0.2 } else { 0.0 }), "{k}");
         assert_eq!(row.velocity[0].mean.is_nan(), k != 3);
     }
@@ -80,7 +83,8 @@ fn profiles_integrate_to_what_is_there() {
         let second = |r: &ChannelRow| r.fluctuations[0].mean + r.slip[0].mean.powi(2);
         assert!(close(by_number(&second), squares), "{count}");
         assert!(profile.outside().mean.abs() < 1e-14);
-        assert!(rows[0].stress[0].mean.is_nan(), "there were no stresslets");
+        assert!(rows[0].stress[0].mean.is_nan() && rows[0].pair_stress[0].mean.is_nan(), "there were none");
+        assert!(!profile.has_pair_stress());
     }
 }
 
@@ -91,6 +95,8 @@ fn spheres_may_be_added_in_parts() {
     let heights: Vec<f64> = (0..9).map(|n| f64::from(2 * n % 8) + 0.5).collect();
     let species = [0, 1, 0, 1, 0, 1, 0, 1, 0];
     let stresslets: Vec<Tensor> = vectors.iter().map(|v| Tensor::from_diagonal(*v)).collect();
+    let pair_moments: Vec<Tensor> = stresslets.iter().rev().map(|s| *s * 2.0).collect();
+    let tensors = |row: &ChannelRow| row.fluctuations.into_iter().chain(row.stress).chain(row.pair_stress);
     let of = |rows: std::ops::Range<usize>, spin: &'_ [Vector]| -> ChannelSample<'_> {
         let spin = if spin.is_empty() { &[][..] } else { &vectors[rows.clone()] };
         ChannelSample {
@@ -100,7 +106,8 @@ fn spheres_may_be_added_in_parts() {
             velocities: &vectors[rows.clone()],
             slips: &vectors[rows.clone()],
             angular_velocities: spin,
-            stresslets: &stresslets[rows],
+            stresslets: &stresslets[rows.clone()],
+            pair_moments: &pair_moments[rows],
         }
     };
     for spin in [&vectors[..], &[]] {
@@ -113,15 +120,13 @@ fn spheres_may_be_added_in_parts() {
         };
         let sums = added(&|sample| parts.sums(sample));
         let spreads = added(&|sample| parts.spreads(sample, &sums));
-        parts.add_sums(&sums, &spreads, true);
+        parts.add_sums(&sums, &spreads, [true; 2]);
         for (whole, parts) in
             whole.rows(None).chain(whole.rows(Some(1))).zip(parts.rows(None).chain(parts.rows(Some(1))))
         {
             assert_eq!(whole.velocity[1].mean.to_bits(), parts.velocity[1].mean.to_bits());
             assert_eq!(whole.angular_velocity[0].mean.is_nan(), spin.is_empty() || whole.velocity[0].mean.is_nan());
-            for (a, b) in
-                whole.fluctuations.iter().chain(&whole.stress).zip(parts.fluctuations.iter().chain(&parts.stress))
-            {
+            for (a, b) in tensors(&whole).zip(tensors(&parts)) {
                 assert!(close(a.mean, b.mean) || a.mean.is_nan() && b.mean.is_nan(), "{a:?} {b:?}");
             }
             assert!(close(whole.volume_fraction.mean, parts.volume_fraction.mean));

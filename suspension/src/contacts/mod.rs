@@ -8,6 +8,7 @@ mod touching;
 
 use crate::hydrodynamics::ContactSprings;
 use crate::moving_box::MovingBox;
+use crate::strain_rate::StrainRate;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
@@ -65,11 +66,9 @@ pub struct Acting {
 /// The flow that velocities are relative to.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow {
-    /// The rate of strain and the angular velocity at `z = 0`, and by how much the xz component of the one and the y component of
-    /// the other grow with z.
-    strain_rate: Traceless,
+    /// The rate of strain, and the angular velocity at `z = 0`.
+    strain_rate: StrainRate,
     turning: Vector,
-    slope: f64,
     /// The rate of strain expected besides.
     besides: Traceless,
 }
@@ -77,21 +76,19 @@ pub struct Flow {
 impl Flow {
     /// That of a box, and the rate of strain that is expected besides.
     pub fn of(moving: &MovingBox, besides: Traceless) -> Self {
-        let (strain_rate, slope) = moving.strain_rate();
-        Self { strain_rate, turning: moving.angular_velocity_at(Vector::ZERO), slope, besides }
+        Self { strain_rate: moving.strain_rate(), turning: moving.angular_velocity_at(Vector::ZERO), besides }
     }
 
     /// How fast its strain where the surfaces touch moves the centres apart: so spheres that the flow turns each in its own way
     /// slip as they do.
     fn strained(&self, contact: &Touching) -> Vector {
-        let sloping = Traceless([0.0, 0.0, self.slope * contact.place.z, 0.0, 0.0]);
-        strained(contact, self.strain_rate + sloping)
+        strained(contact, self.strain_rate.at(contact.place.z))
     }
 
     /// How fast a sphere that turns as the fluid does rolls over a wall, which does not turn.
     fn rolled(&self, contact: &Touching) -> Vector {
         let Surfaces::Wall(_) = contact.between else { return Vector::ZERO };
-        let turning = self.turning + Vector::Y * (self.slope * (contact.place - contact.separation).z);
+        let turning = self.turning + self.strain_rate.turning((contact.place - contact.separation).z);
         -contact.between.harmonic_radius() * turning.cross(contact.axis)
     }
 }

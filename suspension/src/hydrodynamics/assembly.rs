@@ -7,6 +7,7 @@ use super::pair_matrix::{Part, ROWS, Slice};
 use super::row_sums::{InStrain, Sums};
 use super::screw::Screw;
 use super::springs::Springs;
+use crate::strain_rate::StrainRate;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
 use lubrication::SIDE;
 use rayon::prelude::*;
@@ -25,9 +26,8 @@ pub struct Arrangement<'a> {
     pub ids: &'a [u64],
     pub species: &'a [u32],
     pub neighbours: &'a Neighbours,
-    /// The ambient rate of strain at `z = 0`, and by how much its xz component grows with z.
-    pub ambient: Traceless,
-    pub slope: f64,
+    /// The ambient rate of strain.
+    pub strain_rate: StrainRate,
 }
 
 /// Rows of a rank's particles: their stiff pairs, and the others.
@@ -137,7 +137,7 @@ impl<T: Stored> Assembly<'_, T> {
             for place in 0..listed.of(rows[0]).len() {
                 let mut packed = Packed::empty(kind(), (self.first + rows[0] as usize) as u32);
                 self.pack::<V, K, N>((listed, rows), place, &mut packed);
-                packed.assemble(part.group(), (&mut sums, &mut strained), self.arrangement.ambient);
+                packed.assemble(part.group(), (&mut sums, &mut strained), self.arrangement.strain_rate.at_zero);
             }
             part.end_slice(slice, &sums.totals());
             let (added, moved) = strained.totals();
@@ -157,14 +157,14 @@ impl<T: Stored> Assembly<'_, T> {
         place: usize,
         packed: &mut Packed<K, N>,
     ) {
-        let Arrangement { radii, slope, .. } = *self.arrangement;
+        let Arrangement { radii, strain_rate, .. } = *self.arrangement;
         for (lane, &row) in rows.iter().enumerate() {
             let range = listed.of(row);
             if place < range.len() {
                 let k = range.start + place;
                 let pair = &listed.pairs[k];
                 let sizes = pair.species.map(|s| radii[s as usize]);
-                packed.set::<V>(lane, (pair, sizes), listed.springs.get(k), slope);
+                packed.set::<V>(lane, (pair, sizes), listed.springs.get(k), strain_rate.slope);
             }
         }
     }

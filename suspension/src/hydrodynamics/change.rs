@@ -6,6 +6,7 @@ use super::particle_matrix::ParticleMatrix;
 use super::scaled::{self, Scaled};
 use super::screw::{Screw, Screws};
 use super::{Hydrodynamics, MOST_ITERATIONS, ROUGH, STILL, Solved, alone, ended, unknowns};
+use crate::strain_rate::StrainRate;
 use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
 
@@ -95,9 +96,7 @@ impl Hydrodynamics {
         let (units, own) = (self.units, scaled::particles(particles, &self.units));
         let scaled_cell = cell.scaled(1.0 / units.length);
         let near = match &mut self.near {
-            Some(field) => {
-                NearPairs::find((field, None), &own, (&scaled_cell, (Traceless::ZERO, 0.0)), &self.partition)
-            }
+            Some(field) => NearPairs::find((field, None), &own, (&scaled_cell, StrainRate::default()), &self.partition),
             None => NearPairs::none(&own, &scaled_cell, &self.partition),
         };
         let (interrupt, comm) = (self.far.interrupt().clone(), self.partition.comm());

@@ -5,6 +5,7 @@ use super::scaled;
 use super::screw::Screws;
 use super::{Hydrodynamics, Linear, Solved};
 use crate::poiseuille::Poiseuille;
+use crate::strain_rate::StrainRate;
 use domain::{Comm, Particles, PeriodicBox, Traceless, Units, Vector};
 use fcm::{Constraint, Evaluation, Loads, Mobility, Motion, Multipoles};
 
@@ -29,25 +30,20 @@ use fcm::{Constraint, Evaluation, Loads, Mobility, Motion, Multipoles};
 /// and the mobility is `M - m' m'^T / alpha`: the system stays symmetric, and the solution is that with the pressure gradient
 /// given, of whatever comes out here.
 pub struct ConstantFlux {
-    /// `m`
+    /// The rate of strain of the unit flow, and `m`.
+    flow: StrainRate,
     unit: Motion,
     /// `w`, with stresslets `w_E`.
     resisted: Loads,
     /// `m'` and `1 / alpha`.
     constraint: Constraint,
-    /// `w_E : E_inf / alpha`
+    /// `(w_E : E_inf + ...) / alpha`, with what lubrication at walls feels of a curved flow.
     ambient: f64,
 }
 
 impl Hydrodynamics {
-    /// What keeps the flux in an ambient flow of a rate of strain at `z = 0` and a slope of its xz component; particles are in place in
-    /// the mobility then. Collective.
-    pub(super) fn flux(
-        &mut self,
-        cell: &PeriodicBox,
-        particles: &Particles,
-        (strain_rate, slope): (Traceless, f64),
-    ) -> ConstantFlux {
+    /// What keeps the flux in an ambient flow of a rate of strain; particles are in place in the mobility then. Collective.
+    pub(super) fn flux(&mut self, cell: &PeriodicBox, particles: &Particles, strain_rate: StrainRate) -> ConstantFlux {
         let mobility = self.far.mobility();
         mobility.constrain(None);
         mobility.arrange(cell, particles);
@@ -58,9 +54,7 @@ impl Hydrodynamics {
         let height = cell.edges().z / units.length;
         let flow = Poiseuille { curvature: units.length / units.rate(), height }.strain_rate();
         let near = NearPairs::find((field, None), &own, (&cell.scaled(1.0 / units.length), flow), &self.partition);
-        let at = |place: &Vector| strain_rate + Traceless([0.0, 0.0, slope * place.z, 0.0, 0.0]);
-        let strain_rates: Vec<Traceless> = particles.positions.iter().map(at).collect();
-        flux.lubricated(mobility, (&near, &units), &strain_rates, self.partition.comm())
+        flux.lubricated(mobility, (&near, &units), (strain_rate, &particles.positions), self.partition.comm())
     }
 }
 
@@ -68,19 +62,20 @@ impl ConstantFlux {
     /// That of spheres without lubrication, between the walls of a box.
     fn new(cell: &PeriodicBox, particles: &Particles, (viscosity, multipoles): (f64, Multipoles)) -> Self {
         let [x, y, height] = cell.edges().to_array();
-        let unit = Poiseuille { curvature: 1.0, height }.motion(particles, multipoles);
+        let flow = Poiseuille { curvature: 1.0, height };
+        let unit = flow.motion(particles, multipoles);
         let compliance = 12.0 / (viscosity * x * y * height.powi(3));
         let constraint = Constraint { response: unit.clone(), compliance };
-        Self { unit, resisted: Loads::default(), constraint, ambient: 0.0 }
+        Self { flow: flow.strain_rate(), unit, resisted: Loads::default(), constraint, ambient: 0.0 }
     }
 
     /// The same with lubrication in the unit flow, in units of its own and without springs, of spheres in place in a mobility that
-    /// has no constraint, in an ambient flow of rates of strain. Collective.
+    /// has no constraint, in an ambient flow of a rate of strain. Collective.
     fn lubricated(
         mut self,
         mobility: &mut Mobility,
         (near, units): (&NearPairs, &Units),
-        strain_rates: &[Traceless],
+        (strain_rate, positions): (StrainRate, &[Vector]),
         comm: &Comm,
     ) -> Self {
         let unit = scaled::motion(&self.unit, units);
@@ -99,8 +94,12 @@ impl ConstantFlux {
             }
         };
         let by_loads = mobility.apply(&moved, wanted);
-        let strained: f64 = self.resisted.stresslets.iter().zip(strain_rates).map(|(&s, &e)| s.contract(e)).sum();
-        let mut sums = [self.unit.power(&self.resisted) + by_loads.power(&moved), strained];
+        let strained: f64 =
+            self.resisted.stresslets.iter().zip(positions).map(|(&s, place)| s.contract(strain_rate.at(place.z))).sum();
+        // Lubrication at walls is relative to flows that rest there.
+        let levers = near.levers(&passed) * units.length.powi(2);
+        let [own, besides] = [self.flow, strain_rate].map(|flow| flow.half_curvature().dot(levers));
+        let mut sums = [self.unit.power(&self.resisted) + by_loads.power(&moved) - own, strained + besides];
         comm.sum(&mut sums);
         let [more, strained] = sums;
         let Constraint { response, compliance } = &mut self.constraint;

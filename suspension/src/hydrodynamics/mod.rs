@@ -21,6 +21,7 @@ mod screw;
 mod springs;
 mod touching;
 
+use crate::strain_rate::StrainRate;
 pub use change::Found;
 use constant_flux::ConstantFlux;
 use coupled::{Coupled, Unknowns};
@@ -62,10 +63,8 @@ pub struct ShortRange {
 pub struct Acting<'a> {
     /// Forces and torques; stresslets are ignored and solved for.
     pub loads: &'a Loads,
-    /// The rate of strain of the background flow; where that is not uniform, at `z = 0`.
-    pub strain_rate: Traceless,
-    /// By how much its xz component grows with z.
-    pub strain_slope: f64,
+    /// The rate of strain of the background flow.
+    pub strain_rate: StrainRate,
     /// Springs whose resistance goes with the loads, if there are any.
     pub springs: Option<&'a Springs<'a>>,
     /// How the fluid moves at the particles besides, each its own, such as by heat; no entries stand for none.
@@ -196,16 +195,15 @@ impl Hydrodynamics {
         acting: &Acting,
         guess: &Guess,
     ) -> Result<Solved, SolveError> {
-        let Acting { loads, strain_rate: background, strain_slope, springs, ambient, constant_flux } = *acting;
-        let sloping = sloping(strain_slope, particles, ambient);
+        let Acting { loads, strain_rate, springs, ambient, constant_flux } = *acting;
+        let sloping = sloping(strain_rate, particles, ambient);
         let ambient = sloping.as_ref().unwrap_or(ambient);
-        let flux = constant_flux.then(|| self.flux(cell, particles, (background, strain_slope)));
+        let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
         self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
         if let Some(field) = &mut self.near {
             let (units, own) = (self.units, scaled::particles(particles, &self.units));
-            let scaled_background = background * (1.0 / units.rate());
-            let slope = strain_slope * units.length / units.rate();
-            let flow = (&cell.scaled(1.0 / units.length), (scaled_background, slope));
+            let scaled_rate = strain_rate.in_units(units.rate(), units.length);
+            let flow = (&cell.scaled(1.0 / units.length), scaled_rate);
             let resistance = springs.map(|springs| scaled::resistance(springs, &units));
             let contacts = springs.map(|springs| scaled::contacts(springs, &units)).unwrap_or_default();
             let tethers = springs.map(|springs| scaled::tethers(springs, &units)).unwrap_or_default();
@@ -224,7 +222,7 @@ impl Hydrodynamics {
                 let group = (self.partition.comm(), &interrupt);
                 let (loads, guess) = (scaled::times(loads, 1.0 / units.torque()), scaled::guess(guess, &units));
                 let ambient = scaled::motion(ambient, &units);
-                let found = lubricated(group, parts, &own.radii, (&loads, &ambient, scaled_background), &guess)?;
+                let found = lubricated(group, parts, &own.radii, (&loads, &ambient, scaled_rate.at_zero), &guess)?;
                 let mut solved = scaled::solution(&found, &units);
                 if let Some(flux) = &flux {
                     flux.complete(&mut solved, self.partition.comm());
@@ -232,7 +230,8 @@ impl Hydrodynamics {
                 return Ok(solved);
             }
         }
-        let solved = self.far.solve_in(cell, particles, (loads, ambient), background, &guess.stresslets_far)?;
+        let solved =
+            self.far.solve_in(cell, particles, (loads, ambient), strain_rate.at_zero, &guess.stresslets_far)?;
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
         let plan = self.far.mobility().plan();
@@ -282,10 +281,9 @@ fn in_units(lengths: &[f64], unit: f64) -> Vec<f64> {
 }
 
 /// How the fluid moves at particles besides the background flow at `z = 0`, whose rate of strain slopes, if it does.
-fn sloping(slope: f64, particles: &Particles, ambient: &Motion) -> Option<Motion> {
-    let at = |place: &Vector| Traceless([0.0, 0.0, slope * place.z, 0.0, 0.0]);
-    (slope != 0.0).then(|| {
-        let mut strain_rates: Vec<Traceless> = particles.positions.iter().map(at).collect();
+fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> Option<Motion> {
+    (!strain_rate.is_uniform()).then(|| {
+        let mut strain_rates: Vec<Traceless> = particles.positions.iter().map(|x| strain_rate.beyond(x.z)).collect();
         strain_rates.iter_mut().zip(&ambient.strain_rates).for_each(|(sum, &own)| *sum += own);
         Motion { strain_rates, ..ambient.clone() }
     })

@@ -8,6 +8,7 @@ use super::pair_lubrication::PairLubrication;
 use super::pair_matrix::{Padded, PairMatrix, ROWS, Resistance};
 use super::screw::{Screw, Screws};
 use super::springs::Springs;
+use crate::strain_rate::StrainRate;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Precision;
 use lubrication::WallForce;
@@ -90,12 +91,11 @@ impl Resisting {
 }
 
 impl NearPairs {
-    /// Finds the pairs within reach of lubrication or of springs, in a flow whose rate of strain is `ambient` at `z = 0` and has an
-    /// xz component that grows with z by `slope`, by lists that reach as far. Collective.
+    /// Finds the pairs within reach of lubrication or of springs, in a flow of a rate of strain, by lists that reach as far. Collective.
     pub fn find(
         (field, springs): (&mut NearField, Option<&Springs>),
         particles: &Particles,
-        (cell, (ambient, slope)): (&PeriodicBox, (Traceless, f64)),
+        (cell, strain_rate): (&PeriodicBox, StrainRate),
         partition: &Partition,
     ) -> Self {
         let owned = particles.len();
@@ -106,17 +106,16 @@ impl NearPairs {
         let (positions, species) = (&positions, &species);
         let ids = &ids;
         let arrangement =
-            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, ambient, slope };
+            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
         let (mut loads, mut moments) = (Screws::zero(owned), vec![Traceless::ZERO; owned]);
         let sums = (&mut loads.0[..], &mut moments[..]);
         let Resisting { mut stiff, soft } = match field.precision {
             Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, sums)),
             Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, sums)),
         };
-        let at_walls = at_walls::find(at_walls.as_ref(), springs, particles, cell);
+        let at_walls = at_walls::find((at_walls.as_ref(), springs), particles, (cell, strain_rate));
         for at_wall in &at_walls {
-            let sloping = Traceless([0.0, 0.0, slope * particles.positions[at_wall.row].z, 0.0, 0.0]);
-            let (load, moment) = at_wall.in_strain(ambient + sloping);
+            let (load, moment) = at_wall.in_flow;
             stiff.add_own(at_wall.row, &at_wall.own());
             loads.0[at_wall.row] += load;
             moments[at_wall.row] += moment;
@@ -186,6 +185,11 @@ impl NearPairs {
     /// Loads of lubrication on the fluid in the ambient flow, with the particles not moving relative to it.
     pub fn ambient_loads(&self) -> &Screws {
         &self.loads
+    }
+
+    /// The sum over this rank's spheres at walls of [`AtWall::lever`].
+    pub fn levers(&self, passed: &Screws) -> Vector {
+        self.at_walls.iter().map(|at_wall| at_wall.lever(passed)).sum()
     }
 
     /// The stresslets that lubrication adds to those of the far field for motions relative to the ambient flow.

@@ -42,8 +42,8 @@ pub struct Packed<K, const N: usize> {
     records: [[f64; N]; LANES],
     /// Unit vectors from the smaller sphere to the larger.
     axis: [[f64; LANES]; 3],
-    /// By how much the xz component of the ambient rate of strain is larger between them.
-    sloping: [f64; LANES],
+    /// By how much the components xz and yz of the ambient rate of strain are larger between them.
+    sloping: [[f64; LANES]; 2],
     others: [u32; LANES],
 }
 
@@ -51,7 +51,13 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
     /// No pairs, in lanes that stand for any row.
     #[inline(always)]
     pub fn empty(kind: K, row: u32) -> Self {
-        Self { kind, records: [[0.0; N]; LANES], axis: [[0.0; LANES]; 3], sloping: [0.0; LANES], others: [row; LANES] }
+        Self {
+            kind,
+            records: [[0.0; N]; LANES],
+            axis: [[0.0; LANES]; 3],
+            sloping: [[0.0; LANES]; 2],
+            others: [row; LANES],
+        }
     }
 
     /// Sets the pair of a lane, of spheres of two radii, in a flow whose rate of strain grows with z.
@@ -61,11 +67,13 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
         lane: usize,
         (pair, radii): (&NearPair, [f64; 2]),
         spring: Option<&[f64; 3]>,
-        slope: f64,
+        slope: [f64; 2],
     ) {
         self.kind.write::<V>(lane, (pair, radii), spring, &mut self.records[lane]);
         self.others[lane] = pair.other;
-        self.sloping[lane] = slope * pair.height;
+        for k in 0..2 {
+            self.sloping[k][lane] = slope[k] * pair.height;
+        }
         let axis = pair.separation * (if radii[0] > radii[1] { -1.0 } else { 1.0 } / pair.distance);
         for k in 0..3 {
             self.axis[k][lane] = axis[k];
@@ -90,7 +98,7 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
             z[k] = Lanes::read(&self.axis[k]);
         }
         sums.add(&side, z);
-        strained.add(&side, z, (ambient, Lanes::read(&self.sloping)));
+        strained.add(&side, z, (ambient, [Lanes::read(&self.sloping[0]), Lanes::read(&self.sloping[1])]));
         group.others = self.others;
         for k in 0..3 {
             T::store(z[k], &mut group.axis[k]);

@@ -73,12 +73,17 @@ impl<V: Width<f64>> InStrain<V> {
         Self { force: [zero; 3], torque: [zero; 3], moment: [zero; 5] }
     }
 
-    /// Adds a pair of each row, along these axes, in an ambient rate of strain whose xz component is larger there.
+    /// Adds a pair of each row, along these axes, in an ambient rate of strain whose components xz and yz are larger there.
     #[inline(always)]
-    pub fn add(&mut self, side: &Side<Lanes<V>>, z: [Lanes<V>; 3], (ambient, sloping): (Traceless, Lanes<V>)) {
+    pub fn add(
+        &mut self,
+        side: &Side<Lanes<V>>,
+        z: [Lanes<V>; 3],
+        (ambient, [sloping_x, sloping_y]): (Traceless, [Lanes<V>; 2]),
+    ) {
         let [xx, xy, xz, yy, yz] = ambient.0;
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]];
-        let mut across = [sloping * z[2], Lanes::<V>::constant(0.0), sloping * z[0]];
+        let mut across = [sloping_x * z[2], sloping_y * z[2], (sloping_x * z[0]).plus(sloping_y, z[1])];
         for i in 0..3 {
             for j in 0..3 {
                 across[i] = across[i].plus(Lanes::constant(rows[i][j]), z[j]);
@@ -101,7 +106,8 @@ impl<V: Width<f64>> InStrain<V> {
         for (k, component) in ambient.0.into_iter().enumerate() {
             self.moment[k] = self.moment[k].plus(bulk, Lanes::constant(component));
         }
-        self.moment[2] = self.moment[2].plus(bulk, sloping);
+        self.moment[2] = self.moment[2].plus(bulk, sloping_x);
+        self.moment[4] = self.moment[4].plus(bulk, sloping_y);
     }
 
     /// The load and the moment of each row.

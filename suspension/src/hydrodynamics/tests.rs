@@ -7,6 +7,7 @@ mod units;
 mod walls;
 
 use super::*;
+use crate::strain_rate::StrainRate;
 use domain::random_packing;
 use fcm::{Costs, Evaluation, Fixed, Multipoles, Precision, Problem};
 use lubrication::PairMotion;
@@ -48,7 +49,13 @@ fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
 }
 
 fn acting(loads: &Loads, strain_rate: Traceless) -> Acting<'_> {
-    Acting { loads, strain_rate, strain_slope: 0.0, springs: None, ambient: &STILL, constant_flux: false }
+    Acting {
+        loads,
+        strain_rate: StrainRate::uniform(strain_rate),
+        springs: None,
+        ambient: &STILL,
+        constant_flux: false,
+    }
 }
 
 fn cube(edge: f64) -> PeriodicBox {

@@ -2,14 +2,14 @@
 
 use super::column;
 use super::vectors::in_parts;
-use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
+use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
 use crate::model::{Model, Statistics as Wanted};
 use domain::{Boundaries, IdBlocks, Particles, Tensor, Traceless, Vector};
 use statistics::{ChannelProfile, ChannelSample};
 use std::ops::Range;
 
-/// The columns that a sample needs besides [`super::COLUMNS`].
-pub const MORE_COLUMNS: [&str; 1] = [STRESSLET];
+/// The columns that a sample needs besides [`super::COLUMNS`], the last one where there are forces between spheres.
+pub const MORE_COLUMNS: [&str; 2] = [STRESSLET, PAIR_MOMENT];
 
 /// A profile along the axis that does not repeat, from the wall at 0 on, or around the middle of a layer, wherever that is.
 pub struct Channel {
@@ -42,9 +42,11 @@ impl Channel {
                 *height -= sum / count;
             }
         }
-        let of_name = |name: &str| particles.columns.iter().find(|column| column.name == name);
-        let stresslets: &[Traceless] = of_name(STRESSLET).map_or(&[], |column| bytemuck::cast_slice(&column.values));
+        let of_name =
+            |name: &str| particles.columns.iter().find(|column| column.name == name).map(|column| &column.values);
+        let stresslets: &[Traceless] = of_name(STRESSLET).map_or(&[], |values| bytemuck::cast_slice(values));
         let stresslets: Vec<Tensor> = stresslets.iter().map(|s| s.tensor()).collect();
+        let pair_moments: &[Tensor] = of_name(PAIR_MOMENT).map_or(&[], |values| bytemuck::cast_slice(values));
         let sample = |rows: Range<usize>| ChannelSample {
             heights: &heights[rows.clone()],
             radii: &particles.radii[rows.clone()],
@@ -52,13 +54,14 @@ impl Channel {
             velocities: &column(particles, VELOCITY)[rows.clone()],
             slips: &slips[rows.clone()],
             angular_velocities: column(particles, ANGULAR_VELOCITY).get(rows.clone()).unwrap_or_default(),
-            stresslets: stresslets.get(rows).unwrap_or_default(),
+            stresslets: stresslets.get(rows.clone()).unwrap_or_default(),
+            pair_moments: pair_moments.get(rows).unwrap_or_default(),
         };
         let profile = &self.profile;
         let sums = blocks.total(&in_parts(rows, |rows| profile.sums(&sample(rows))));
         let spreads = blocks.total(&in_parts(rows, |rows| profile.spreads(&sample(rows), &sums)));
         if blocks.comm().is_first() {
-            self.profile.add_sums(&sums, &spreads, of_name(STRESSLET).is_some());
+            self.profile.add_sums(&sums, &spreads, MORE_COLUMNS.map(|name| of_name(name).is_some()));
         }
     }
 }

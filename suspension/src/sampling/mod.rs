@@ -8,9 +8,8 @@ mod paths;
 mod tables;
 mod vectors;
 
-use crate::columns::ANGULAR_VELOCITY;
-use crate::columns::VELOCITY;
-use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
+use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY};
+use crate::model::{Axis, Extension, Flow, Model, Multipoles, Parameters, ShearRates, Species, Statistics as Wanted};
 use background::Flows;
 use channel::{Channel, MORE_COLUMNS};
 use domain::{Boundaries, Bytes, Comm, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs};
@@ -59,7 +58,7 @@ pub struct Sample<'a> {
     pub rate: f64,
     /// The box, in the axes of the user.
     pub cell: &'a PeriodicBox,
-    /// The particles of this rank, with the columns [`COLUMNS`].
+    /// The particles of this rank, with the columns [`COLUMNS`], and [`MORE_COLUMNS`] if there are any and profiles need them.
     pub particles: &'a Particles,
     /// Which share of the box each rank has.
     pub partition: &'a Partition,
@@ -274,15 +273,22 @@ impl About {
     }
 }
 
-/// The columns that a sample of a scene needs.
+/// The columns that a sample of a scene needs of a suspension.
 pub fn needed_columns(model: &Model) -> Vec<&'static str> {
-    let more = channel_bins(model).map_or(&[][..], |_| &MORE_COLUMNS);
-    COLUMNS.iter().chain(more).copied().collect()
+    COLUMNS.into_iter().chain(channel_bins(model).map(|_| STRESSLET)).collect()
 }
 
-/// The numbers of a particle in these columns.
+/// Whether a sample of a scene needs the column [`PAIR_MOMENT`] besides.
+pub fn needs_pair_moments(model: &Model) -> bool {
+    let Parameters { repulsion, attraction, contacts, bonds, .. } = &**model;
+    let has_pair_forces = repulsion.is_some() || attraction.is_some() || contacts.is_some() || !bonds.is_empty();
+    channel_bins(model).is_some() && has_pair_forces
+}
+
+/// The numbers of a particle in all of these.
 pub fn numbers(model: &Model) -> usize {
-    6 + channel_bins(model).map_or(0, |_| 5)
+    let pair_moments = if needs_pair_moments(model) { PAIR_MOMENT_NUMBERS } else { 0 };
+    6 + channel_bins(model).map_or(0, |_| 5) + pair_moments
 }
 
 /// The bins of profiles of a scene that has statistics and a wall, or an open axis.

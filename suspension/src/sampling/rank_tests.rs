@@ -34,8 +34,8 @@ fn all_at(model: &Model, count: u64, step: u32) -> (PeriodicBox, Particles) {
         let random = |id: usize| Random::new(10 * u64::from(step) + k, id as u64).point() - Vector::splat(0.4);
         particles.vectors(name).iter_mut().enumerate().for_each(|(id, vector)| *vector = random(id));
     }
-    for name in MORE_COLUMNS {
-        let values = &mut particles.column(name, 5).values;
+    for (name, width) in MORE_COLUMNS.into_iter().zip([5, PAIR_MOMENT_NUMBERS]) {
+        let values = &mut particles.column(name, width).values;
         values.iter_mut().enumerate().for_each(|(k, value)| *value = 1.0 / (k as f64 + 0.7));
     }
     particles.steps.iter_mut().enumerate().for_each(|(id, steps)| *steps = [step as i32, -(id as i32), 2]);

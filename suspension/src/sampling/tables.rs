@@ -187,12 +187,13 @@ impl Results<'_> {
 }
 
 /// The quantities of a profile across a channel whose components have columns of their own, and units.
-const ACROSS: [(&str, &[&str], &str); 5] = [
+const ACROSS: [(&str, &[&str], &str); 6] = [
     ("velocity", &AXES, "length/time"),
     ("slip", &AXES, "length/time"),
     ("T", &COMPONENTS, "length^2/time^2"),
     ("angular_velocity", &AXES, "1/time"),
     ("stress", &COMPONENTS, "force/length^2"),
+    ("pair_stress", &COMPONENTS, "force/length^2"),
 ];
 
 impl Results<'_> {
@@ -202,7 +203,9 @@ impl Results<'_> {
         let component = |(name, of, unit): &(&str, &[&str], &'static str)| -> Vec<(String, &'static str)> {
             of.iter().map(|component| (format!("{name}_{component}"), *unit)).collect()
         };
-        let quantities = scalars.into_iter().chain(ACROSS.iter().flat_map(component));
+        // A trajectory has no forces between spheres.
+        let known = if profile.has_pair_stress() { &ACROSS[..] } else { &ACROSS[..ACROSS.len() - 1] };
+        let quantities = scalars.into_iter().chain(known.iter().flat_map(component));
         let mut columns = vec![(AXES[*axis].to_owned(), "length")];
         columns.extend(quantities.flat_map(|(name, unit)| [(name.clone(), unit), (name + "_error", unit)]));
         let mut table = Table { columns, ..Table::new("profile", &["species"], &[]) };
@@ -210,7 +213,8 @@ impl Results<'_> {
             for row in profile.rows((name != ALL).then_some(index)) {
                 let scalars = [row.volume_fraction, row.number_density].into_iter().chain(row.velocity).chain(row.slip);
                 let all = scalars.chain(row.fluctuations).chain(row.angular_velocity).chain(row.stress);
-                let numbers = all.flat_map(|found| [found.mean, found.error]);
+                let pairs = row.pair_stress.into_iter().filter(|_| profile.has_pair_stress());
+                let numbers = all.chain(pairs).flat_map(|found| [found.mean, found.error]);
                 table.add(&[name], &std::iter::once(row.height).chain(numbers).collect::<Vec<_>>());
             }
         }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::hydrodynamics::near_pairs::{NearPairs, Pairs};
 use crate::poiseuille::Poiseuille;
+use crate::strain_rate::StrainRate;
 use crate::tethers::TetherResistance;
 use domain::Boundaries;
 use lubrication::Surfaces;
@@ -93,9 +94,9 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
         // That of the fluid alone.
         let background = Poiseuille { curvature: 0.4 / unit, height: HEIGHT * unit };
         let mut solve = |loads: &Loads, flow: Poiseuille, constant_flux: bool| {
-            let (strain_rate, strain_slope) = flow.strain_rate();
+            let strain_rate = flow.strain_rate();
             let springs = Some(&springs);
-            let acting = Acting { loads, strain_rate, strain_slope, springs, ambient: &STILL, constant_flux };
+            let acting = Acting { loads, strain_rate, springs, ambient: &STILL, constant_flux };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let kept = solve(&loads, background, true);
@@ -133,7 +134,7 @@ fn against(springs: &Springs, particles: &Particles, (plan, reach): (&Plan, f64)
     let own = scaled::particles(particles, &units);
     let resistance = scaled::resistance(springs, &units);
     let springs = Springs { resistance: &resistance, contacts: &[], tethers: springs.tethers };
-    let still = (&plan.cell().scaled(1.0 / units.length), (Traceless::ZERO, 0.0));
+    let still = (&plan.cell().scaled(1.0 / units.length), StrainRate::default());
     let near = NearPairs::find((field, Some(&springs)), &own, still, &partition);
     let motion = scaled::motion(motion, &units);
     let motions = Screws::new(particles.len(), &motion.velocities, &motion.angular_velocities);

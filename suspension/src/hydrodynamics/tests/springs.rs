@@ -1,6 +1,7 @@
 //! Springs of repulsion and of contacts in the solve.
 
 use super::*;
+use crate::strain_rate::StrainRate;
 use crate::tethers::TetherResistance;
 use lubrication::Surfaces;
 
@@ -37,8 +38,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
             let acting = Acting {
                 loads,
-                strain_rate: strain,
-                strain_slope: 0.0,
+                strain_rate: StrainRate::uniform(strain),
                 springs,
                 ambient: &STILL,
                 constant_flux: false,
@@ -98,8 +98,7 @@ fn springs_push_as_the_motions_say() {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
             let acting = Acting {
                 loads: &loads,
-                strain_rate: strain,
-                strain_slope: 0.0,
+                strain_rate: StrainRate::uniform(strain),
                 springs,
                 ambient: &STILL,
                 constant_flux: false,

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::hydrodynamics::coupled::{Residual, Resisted, resisted};
+use crate::strain_rate::StrainRate;
 use fcm::System;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -48,7 +49,7 @@ impl Setting {
         let (reach, radii) = (force.reach(), plan.radii.clone());
         let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));
         let mut field = NearField { lubrication, at_walls: None, lists, precision: plan.precision, radii, reach };
-        let near = NearPairs::find((&mut field, None), &particles, (&cell, (Traceless::ZERO, 0.0)), &partition);
+        let near = NearPairs::find((&mut field, None), &particles, (&cell, StrainRate::default()), &partition);
         let mut mobility = Mobility::new(&plan, &partition);
         mobility.arrange(&cell, &particles);
         let radii = &particles.radii;
