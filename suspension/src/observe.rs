@@ -38,6 +38,8 @@ pub struct Observer {
     pressed: Pressed,
     /// The stiffness, where it did not stay yet when it was seen last.
     unsettled: Option<f64>,
+    /// The stress that drives the flow, if one is given.
+    given: Option<GivenStress>,
     /// Whether there are bonds, and traps.
     tethers: [bool; 2],
     smallest_radius: f64,
@@ -55,6 +57,17 @@ struct Pressed {
     sum: f64,
     deepest: f64,
 }
+
+/// A stress that is given, and the sum of those found in rows.
+#[derive(Debug, Clone, Copy)]
+struct GivenStress {
+    stress: f64,
+    rows: f64,
+    sum: f64,
+}
+
+/// The part by which the mean of stresses may be off that given without a word.
+const OFF: f64 = 0.05;
 
 /// What a row tells of contacts.
 const CONTACTS: [(&str, &str); 5] = [
@@ -101,6 +114,7 @@ impl Observer {
             aim: model.contacts.map(|contacts| (contacts.overlap, contacts.stiffness.is_none())),
             pressed: Pressed::default(),
             unsettled: None,
+            given: model.shear_rates().stress().map(|stress| GivenStress { stress, rows: 0.0, sum: 0.0 }),
             tethers: [!model.bonds.is_empty(), !model.traps.is_empty()],
             smallest_radius,
             axes: model.user_axes(),
@@ -120,7 +134,8 @@ impl Observer {
     /// What to say of the rows so far.
     pub fn warnings(&self) -> Vec<String> {
         let crowded = self.crowded.warning(self.remedies, self.smallest_radius);
-        [self.overlapped(), crowded, self.soft(), self.settling()].into_iter().flatten().collect()
+        let off = self.given.and_then(GivenStress::warning);
+        [self.overlapped(), crowded, self.soft(), self.settling(), off].into_iter().flatten().collect()
     }
 
     /// What keeps spheres apart.
@@ -228,6 +243,8 @@ impl Observer {
         let stress = is_wanted.then(|| suspension.stress(self.species.len()));
         if let (Some(rheology), Some(stress)) = (&self.rheology, &stress) {
             row.extend(rheology.row(stress, suspension.shear()));
+            let [rate, _] = suspension.shear();
+            self.given.iter_mut().for_each(|given| given.see(rheology.driving_stress(stress, rate)));
         }
         if let Some(stress) = stress.as_ref().filter(|_| self.boundaries.walls() > 0) {
             row.push(self.along_walls(&suspension.wall_stress(&ParticleStress::sum(stress))));
@@ -313,6 +330,24 @@ impl Observer {
     }
 }
 
+impl GivenStress {
+    fn see(&mut self, found: f64) {
+        (self.rows, self.sum) = (self.rows + 1.0, self.sum + found);
+    }
+
+    /// What to say if the stress was another one in the mean.
+    fn warning(self) -> Option<String> {
+        let found = self.sum / self.rows / self.stress;
+        ((found - 1.0).abs() > OFF).then(|| {
+            format!(
+                "the stress was {:.2} times flow.stress in the mean: contacts bounce where steps are too long for their stiffness; \
+                 try a shorter time.step, a smaller contacts.stiffness, or contacts.settling = 0.0",
+                Number(found)
+            )
+        })
+    }
+}
+
 impl Overlaps {
     fn see(&mut self, smallest_gap: f64) {
         self.rows += 1;
@@ -326,4 +361,24 @@ fn count(suspension: &Suspension) -> f64 {
     let mut count = [suspension.particles().len() as f64];
     suspension.comm().sum(&mut count);
     count[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_stress_than_that_given_is_worth_a_word() {
+        let of = |found: [f64; 2]| {
+            let mut given = GivenStress { stress: 2.0, rows: 0.0, sum: 0.0 };
+            for stress in found {
+                given.see(stress);
+            }
+            given.warning()
+        };
+        assert_eq!(of([1.9, 2.15]), None);
+        let said = of([4.0, 5.0]).unwrap();
+        assert!(said.starts_with("the stress was 2.25 times flow.stress in the mean"), "{said}");
+        assert!(of([1.8, 1.8]).is_some());
+    }
 }

@@ -91,6 +91,11 @@ impl Rheology {
         }
     }
 
+    /// The stress of the whole suspension that drives the flow at a rate.
+    pub fn driving_stress(&self, stress: &[ParticleStress], rate: f64) -> f64 {
+        self.viscosity * rate + self.flow.driving_stress(&ParticleStress::sum(stress), self.gradient)
+    }
+
     /// The numbers of these quantities at a rate of the flow and a strain.
     pub fn row(&self, stress: &[ParticleStress], [rate, strain]: [f64; 2]) -> Vec<Vec<f64>> {
         let of_all =

@@ -20,7 +20,7 @@ impl StrainRate {
 
     /// Whether it is.
     pub fn is_uniform(&self) -> bool {
-        self.slope == [0.0; 2]
+        self.slope.iter().all(|&slope| slope == 0.0)
     }
 
     /// At a height.

@@ -81,7 +81,7 @@ fn a_lubricated_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
             assert!((turned - across * turning).length() < allowed * turning.max(0.1), "{part} {over_place}: {turned}");
             // The largest in the plane of flow and walls, where the flow has a rate of strain there.
             let by_flow = stresslets[0].tensor() * Vector::Z;
-            assert!(part == 0.5 || by_flow.dot(along) > 10.0 * by_flow.dot(across).abs());
+            assert!(part > 0.4 || by_flow.dot(along) > 10.0 * by_flow.dot(across).abs());
         }
     }
 }

@@ -15,7 +15,8 @@ pub struct Contacts {
     pub roughness: f64,
     /// Normal force over overlap and mean radius, or what keeps overlaps at `overlap`.
     pub stiffness: Option<f64>,
-    /// Where there is none, the strain, as of a shear flow, in which it settles from an estimate, [`Self::SETTLING`] by default.
+    /// Where there is none, the strain, as of a shear flow, in which it settles from an estimate; by default [`Self::SETTLING`], and 0,
+    /// which keeps the estimate, where the stress is given.
     pub settling: Option<f64>,
     /// Where there is none, what it has settled at in a run of this kind, which it is from the start.
     pub settled: Option<f64>,
@@ -77,11 +78,12 @@ impl Contacts {
         }
     }
 
-    /// Whether the stiffness adapts to the overlaps in a suspension, at first: where a flow goes on at a rate, or by a stress.
+    /// Whether the stiffness adapts to the overlaps in a suspension, at first: where a flow goes on at a rate, or by a stress if that is
+    /// asked for.
     pub(crate) fn settles(&self, parameters: &Parameters) -> bool {
         self.stiffness.is_none()
             && self.settled.is_none()
-            && self.settling.is_none_or(|strain| strain > 0.0)
+            && self.settling.map_or(parameters.shear_rates().stress().is_none(), |strain| strain > 0.0)
             && goes_on(parameters)
     }
 

@@ -58,7 +58,7 @@ pub struct Sample<'a> {
     pub rate: f64,
     /// The box, in the axes of the user.
     pub cell: &'a PeriodicBox,
-    /// The particles of this rank, with the columns [`COLUMNS`], and [`MORE_COLUMNS`] if there are any and profiles need them.
+    /// The particles of this rank, with the columns [`COLUMNS`], and of stresslets and of moments of pairs if there are any and profiles need them.
     pub particles: &'a Particles,
     /// Which share of the box each rank has.
     pub partition: &'a Partition,

@@ -268,7 +268,7 @@ pub(super) struct Contacts {
     pub(super) roughness: Option<f64>,
     /// Normal force over overlap and mean radius; by default, "auto", what keeps overlaps at the one aimed at.
     pub(super) stiffness: Option<Stiffness>,
-    /// Strain in which "auto" settles from an estimate, in a flow that goes on; 2 by default, 0 for the estimate.
+    /// Strain in which "auto" settles from an estimate, in a flow that goes on; 2 by default, or 0, the estimate, by a given stress.
     pub(super) settling: Option<f64>,
     /// What "auto" has settled at, which a run adds to the scene in its folder: the stiffness from the start.
     pub(super) settled_stiffness: Option<f64>,
