@@ -340,7 +340,7 @@ impl GivenStress {
         let found = self.sum / self.rows / self.stress;
         ((found - 1.0).abs() > OFF).then(|| {
             format!(
-                "the stress was {:.2} times flow.stress in the mean: contacts bounce where steps are too long for their stiffness; \
+                "the stress was {:.3} times flow.stress in the mean: contacts bounce where steps are too long for their stiffness; \
                  try a shorter time.step, a smaller contacts.stiffness, or contacts.settling = 0.0",
                 Number(found)
             )
