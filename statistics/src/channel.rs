@@ -13,7 +13,8 @@ use domain::{Tensor, Vector};
 /// phi_b = sum_n V_b,n / V_bin,      s_b = sum_n (V_b,n / (4/3 pi a_n^3)) S_n / V_bin,
 /// ```
 ///
-/// volume fraction and stress by the stresslets `S_n`, and that of pairs by their moments in the same way; number density and velocities are of the spheres whose centres are in it.
+/// volume fraction and stress by the stresslets `S_n`, and that of pairs by their moments in the same way; number density and
+/// velocities are of the spheres whose centres are in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelProfile {
     bottom: f64,

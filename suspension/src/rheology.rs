@@ -106,7 +106,7 @@ impl Rheology {
         let [yy, zz] = if self.gradient == 2 { [zz, yy] } else { [yy, zz] };
         let (fluid, driving) = (self.viscosity * rate, self.flow.driving_stress(&total, self.gradient));
         if self.names().is_some() {
-            row.extend([rate, strain, fluid + driving].map(|number| vec![number]));
+            row.extend([rate, strain, self.driving_stress(stress, rate)].map(|number| vec![number]));
         }
         let viscosity = if rate == 0.0 { f64::NAN } else { 1.0 + driving / fluid };
         row.extend([viscosity, xx - yy, yy - zz, ParticleStress::pressure(&total)].map(|number| vec![number]));

@@ -1,9 +1,9 @@
 //! Rates of strain of flows along walls.
 
 use domain::{Traceless, Vector};
-use std::ops::{Add, Mul};
+use std::ops::Add;
 
-/// A rate of strain that is uniform, or grows with z as that of a flow between walls at some z that a pressure gradient drives does.
+/// A rate of strain that is uniform, or grows with z as that of a flow which a pressure gradient drives between walls across z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StrainRate {
     /// At `z = 0`.
@@ -59,13 +59,5 @@ impl Add for StrainRate {
     fn add(self, other: Self) -> Self {
         let slope = [0, 1].map(|k| self.slope[k] + other.slope[k]);
         Self { at_zero: self.at_zero + other.at_zero, slope }
-    }
-}
-
-impl Mul<f64> for StrainRate {
-    type Output = Self;
-
-    fn mul(self, factor: f64) -> Self {
-        Self { at_zero: self.at_zero * factor, slope: self.slope.map(|slope| slope * factor) }
     }
 }
