@@ -1,17 +1,14 @@
 //! Grids of boxes that do not repeat along all axes.
 
-use crate::envelope::Envelope;
+use crate::envelope::{Common, Envelope};
 use crate::plan::Plan;
-use crate::problem::Problem;
+use crate::problem::{Method, Multipoles, Problem};
+use crate::wall_cut::{AtWalls, WallCut};
 use crate::window::Window;
 use domain::{Boundaries, Number, PeriodicBox, Vector};
-use std::f64::consts::PI;
 
 /// The least distance of a sphere's centre from a wall, in radii: below about 0.8 the mobility is not positive definite.
 pub const NEAREST_WALL: f64 = 0.85;
-
-/// Wavenumbers that the flow of walls can have on a grid, in units of the highest: windows err beyond.
-const HIGHEST: f64 = 0.85;
 
 /// A sphere that is too near a wall, or not in the box at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -63,69 +60,54 @@ fn allowed(boundaries: Boundaries, edge: f64, radius: f64) -> [f64; 2] {
     [below, edge - above]
 }
 
-/// The weight of a wavenumber, times the radius, in the flow that a wall sends back to the gradients of spheres on it:
-/// `((1 - x)^2 + x^2) k^2 exp(-2 k)` for one, `x = k - s^2 k^2` with the dipole's width `s` (see [`crate::image`]), of which the
-/// highest wavenumbers have a small part in spheres at different places.
-fn weight(wavenumber: f64) -> f64 {
-    let x = wavenumber - Envelope::of_sphere(1.0).dipole.powi(2) * wavenumber * wavenumber;
-    (1.0 + 0.12 * x * (x - 1.0)) * wavenumber * wavenumber * (-2.0 * wavenumber).exp()
-}
-
-/// Error of leaving out the images of spheres in each other from a wavenumber, times the smallest radius, on, of eight spheres of
-/// which two are at walls. Where all are it is about twice as large. Each sphere's own image is whole.
-fn beyond(wavenumber: f64) -> f64 {
-    0.125 * weight(wavenumber)
-}
-
-/// The wavenumber, times the smallest radius, from which on images in each other are so small an error.
-fn needed(error: f64) -> f64 {
-    (20..400).map(|twentieths| 0.05 * f64::from(twentieths)).find(|&k| beyond(k) <= error).unwrap_or(20.0)
-}
-
 /// Shares of the tolerance that walls may have with rigid spheres, whose stresslets come out worse than gradients, and with given
 /// loads.
 const RIGID_SHARE: f64 = 0.25;
-const GIVEN_SHARE: f64 = 0.4;
+const GIVEN_SHARE: f64 = 0.3;
 
-/// The wavenumber up to which the flow of walls is on a grid: as the tolerance needs, for the fewer the less windows err, but none
-/// that the grid does not have.
-pub(crate) fn highest_at_walls(tolerance: f64, smallest_radius: f64, spacing: f64) -> f64 {
-    (HIGHEST * PI / spacing).min(needed(RIGID_SHARE * tolerance) / smallest_radius)
+/// What a plan has at walls, in units of the smallest radius.
+pub(crate) struct GridAtWalls {
+    pub boundaries: Boundaries,
+    /// The smallest radius and the largest.
+    pub radii: [f64; 2],
+    pub multipoles: Multipoles,
+    pub tolerance: f64,
+    pub width: f64,
+    pub cutoff: f64,
+    pub spacing: f64,
+    pub points: usize,
+    /// The edge across the walls.
+    pub height: f64,
 }
 
-/// Error of walls up to a highest wavenumber on a grid of some spacing, both in units of the smallest radius: by images beyond that,
-/// and by what folds onto the wavenumbers through a window, times what derivatives make of it in units of the spacing: one of a
-/// dipole, and `1 - own lap`, where the Laplacian of the wall's flow is none but that of what folds onto it is. Nothing damps
-/// that, as a Gaussian does in the fluid. Both factors are fits to the errors of eight spheres between walls and of twelve most of
-/// which are at walls, with windows of 7 to 12 points on grids that have 0.55 to 0.85 of their wavenumbers at walls: nine errors
-/// of ten are below twice this.
-pub(crate) fn wall_error(highest: f64, spacing: f64, (window, own): (Window, f64)) -> f64 {
-    let part = highest / f64::from(PARTS);
-    let folded = |number: i32| {
-        let wavenumber = part * (f64::from(number) + 0.5);
-        let k = wavenumber * spacing;
-        let other = 2.0 * PI - k;
-        let derivatives = other / k * (1.0 + own * (other * other - k * k));
-        (window.transform(other) / window.transform(k)).abs() * derivatives * weight(wavenumber) * part
-    };
-    beyond(highest).hypot(2.5 * (0..PARTS).map(folded).sum::<f64>())
+impl GridAtWalls {
+    /// The cut between wavenumbers of walls on the grid and between spheres, and the error of walls; neither without walls.
+    pub fn cut(&self) -> (WallCut, f64) {
+        let [smallest, _] = self.radii;
+        if self.boundaries.walls() == 0 {
+            return (WallCut::none(self.spacing), 0.0);
+        }
+        let envelopes = self.radii.map(Envelope::of_sphere);
+        let narrowest = envelopes.map(|envelope| self.multipoles.narrowest(envelope));
+        let common = Common::new(self.width, narrowest.into_iter());
+        let widths = narrowest.into_iter().chain(envelopes.map(|envelope| envelope.monopole));
+        let rests = widths.map(|sigma| common.rest(sigma).abs());
+        let (cut, error) = WallCut::choose(&AtWalls {
+            spacing: self.spacing / smallest,
+            window: Window::new(self.points, self.width / self.spacing),
+            own: 0.5 * rests.fold(0.0, f64::max) / self.spacing.powi(2),
+            cutoff: self.cutoff / smallest,
+            height: if self.boundaries.walls() == 2 { self.height / smallest } else { f64::INFINITY },
+            allowed: RIGID_SHARE * self.tolerance,
+        });
+        (cut.scaled(smallest), error)
+    }
 }
-
-/// Wavenumbers that are looked at.
-const PARTS: i32 = 16;
 
 impl Problem {
     /// The share of the tolerance that walls may have.
     pub(crate) fn allowed_at_walls(&self) -> f64 {
         self.tolerance * if self.rigid { RIGID_SHARE } else { GIVEN_SHARE }
-    }
-
-    /// The coarsest grid on which the flow of walls has its tolerance.
-    pub(crate) fn coarsest_at_walls(&self) -> f64 {
-        if self.boundaries.walls() == 0 {
-            return f64::INFINITY;
-        }
-        self.smallest_radius() * HIGHEST * PI / needed(self.allowed_at_walls())
     }
 
     /// Lengths that a grid has to have: the edges where the box repeats. Between walls there is room for whole windows of
@@ -146,9 +128,22 @@ impl Problem {
 }
 
 impl Plan {
-    /// The wavenumber up to which the grid has the flow of walls.
-    pub(crate) fn highest_at_walls(&self) -> f64 {
-        highest_at_walls(self.tolerance, self.extremes().0, self.spacing().max_element())
+    /// Which wavenumbers of the flow of walls the grid has.
+    pub(crate) fn wall_cut(&self) -> WallCut {
+        let Method::Split { width, cutoff } = self.method else { return WallCut::none(self.spacing().max_element()) };
+        let (smallest, largest) = self.extremes();
+        let at_walls = GridAtWalls {
+            boundaries: self.boundaries,
+            radii: [smallest, largest],
+            multipoles: self.multipoles,
+            tolerance: self.tolerance,
+            width,
+            cutoff,
+            spacing: self.spacing().max_element(),
+            points: self.support.support,
+            height: self.edges.z,
+        };
+        at_walls.cut().0
     }
 
     /// Where the grid's first point is: where the lowest sphere's window begins, along axes that do not repeat.

@@ -11,6 +11,9 @@ const CACHE: f64 = 3.3e6;
 /// Seconds a byte that a rank writes to another's memory on the same machine.
 const SENT: f64 = 0.5e-9;
 
+/// Seconds of an image in a wall, with its share of what it takes to find it in a solve.
+const IMAGE: f64 = 7e-7;
+
 impl Plan {
     /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the
     /// planner was made on.
@@ -52,6 +55,6 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
     Costs {
         stencils: particles * (stencil * terms + 4e-7) + 0.65e-9 * bytes * spilt,
         transforms: points * points.log2() * transform + SENT * sent,
-        pairs: particles * neighbours * 5.2e-8 * terms,
+        pairs: particles * (neighbours * 5.2e-8 * terms + plan.images(particles) * IMAGE),
     }
 }

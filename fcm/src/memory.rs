@@ -7,6 +7,7 @@ use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
 use crate::stencil::Place as Stencil;
 use crate::table::{PairFunctions, Table};
+use crate::wall_images::WallImages;
 use domain::{Boundaries, Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
 use solver::Real;
 
@@ -41,7 +42,8 @@ impl<'a> Footprint<'a> {
         let arrangement = Halo::bytes(owned, present).then(Bytes::list::<(Vector, u32)>(present));
         // Stencils as they are found, sorted, and those of before.
         let stencils = Bytes::list::<Stencil>(present).then(Bytes::list::<Stencil>(2.0 * present).freed());
-        grid.then(arrangement).then(stencils).then(self.neighbours())
+        let images = Bytes::keep(WallImages::bytes(self.plan, owned, self.expected.total()));
+        grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
     }
 
     fn grid_in<T: Real>(&self) -> Bytes {

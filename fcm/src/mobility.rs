@@ -10,9 +10,9 @@ use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
 use crate::near::{Loaded, Near, NearField};
 use crate::noise::{self, Components, Drawn, Stream, root_times};
-use crate::own_images::OwnImages;
 use crate::plan::Plan;
 use crate::problem::{Multipoles, Precision};
+use crate::wall_images::WallImages;
 use crate::work::{Clock, Work};
 use domain::{
     Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
@@ -52,7 +52,7 @@ pub struct Mobility {
     partition: Partition,
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
-    own_images: Option<OwnImages>,
+    wall_images: Option<WallImages>,
     arrangement: Arrangement,
     verlet_list: VerletList,
     constraint: Option<Constraint>,
@@ -90,7 +90,7 @@ impl Mobility {
             partition: partition.clone(),
             far,
             near,
-            own_images: OwnImages::new(&own),
+            wall_images: WallImages::new(&own),
             arrangement,
             verlet_list,
             constraint: None,
@@ -136,6 +136,9 @@ impl Mobility {
             self.work.searches = self.verlet_list.searches();
         }
         self.arrangement = Arrangement { cell: *cell, halo, positions: present, classes };
+        if let Some(images) = &mut self.wall_images {
+            images.arrange(&self.arrangement.loaded(&[], &[]), self.verlet_list.neighbours(), owned);
+        }
         clock.stop(&mut self.work.seconds.near);
     }
 
@@ -175,7 +178,7 @@ impl Mobility {
             let loaded = arrangement.loaded(&forces, &dipoles);
             let neighbours = self.verlet_list.neighbours();
             near.add(&loaded, neighbours, gradients, &mut motions);
-            if let Some(images) = &self.own_images {
+            if let Some(images) = &self.wall_images {
                 images.add(&loaded, gradients, &mut motions);
             }
             self.work.neighbours += neighbours.count() as u64;

@@ -197,11 +197,8 @@ impl Plan {
         let Method::Split { width, .. } = self.method else {
             return None;
         };
-        let envelopes = self.radii.iter().map(|&radius| Envelope::of_sphere(radius));
-        Some(match self.multipoles {
-            Multipoles::Monopole => Common::new(width, envelopes.map(|e| e.monopole)),
-            Multipoles::Dipole => Common::new(width, envelopes.map(|e| e.dipole)),
-        })
+        let narrowest = |&radius: &f64| self.multipoles.narrowest(Envelope::of_sphere(radius));
+        Some(Common::new(width, self.radii.iter().map(narrowest)))
     }
 
     /// The window that the split method has on the grid.

@@ -1,13 +1,14 @@
 //! Ways to evaluate a problem.
 
 use crate::accuracy::{self, Accuracy, Brackets};
-use crate::bounded::{highest_at_walls, wall_error};
+use crate::bounded::GridAtWalls;
 use crate::cost;
 use crate::envelope::{Common, Envelope};
 use crate::gaussian::STEP;
 use crate::plan::Plan;
 use crate::problem::{Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
+use crate::wall_cut::ENOUGH;
 use crate::window::Window;
 use domain::{Boundaries, Vector};
 use solver::Grid;
@@ -24,8 +25,8 @@ const RIGID_LEEWAY: f64 = 0.22;
 const RIGID_LEEWAY_WALLS: f64 = 0.15;
 const RIGID_LEEWAY_LAYER: f64 = 0.04;
 
-/// Grids at walls, in units of the coarsest that has their flow: on finer ones windows err less.
-const FINER_AT_WALLS: [f64; 5] = [1.0, 1.1, 1.2, 1.35, 1.6];
+/// How much finer grids are at walls: on finer ones windows err less, and images reach less far.
+const FINER_AT_WALLS: [f64; 7] = [1.0, 1.1, 1.2, 1.35, 1.6, 2.0, 2.5];
 
 /// Edges of the box that a cutoff may span: images are counted in bytes.
 const FARTHEST: f64 = 60.0;
@@ -41,6 +42,12 @@ struct Candidate {
     method: MethodName,
     accuracy: Accuracy,
     width: f64,
+}
+
+/// A candidate on a grid with windows that err little enough at walls, or do not.
+struct AtWalls {
+    candidate: Candidate,
+    keeps: bool,
 }
 
 impl Problem {
@@ -65,23 +72,35 @@ impl Problem {
         self.radii.iter().map(|r| r.1).sum()
     }
 
-    /// Plans that keep the tolerance: the best of each method, precision and stencil.
+    /// Plans that keep the tolerance: the best of each method, precision and stencil. Where none does at walls, the one that errs
+    /// least there.
     pub(crate) fn candidates(&self) -> Vec<Plan> {
-        let mut best: Vec<Plan> = Vec::new();
+        let (mut best, mut least): (Vec<Plan>, Option<Plan>) = (Vec::new(), None);
         for candidate in self.direct().into_iter().chain(self.split()) {
-            for (candidate, precision) in self.precisions().flat_map(|precision| self.at_walls(&candidate, precision)) {
-                let is_within = |plan: &Plan| plan.method.cutoff() <= FARTHEST * self.edges.min_element();
-                let Some(plan) = self.plan(&candidate, precision).filter(is_within) else { continue };
-                let alike = |other: &&mut Plan| {
-                    let same_method = (other.method == Method::Direct) == (plan.method == Method::Direct);
-                    same_method && (other.precision, other.support.support) == (precision, plan.support.support)
-                };
-                match best.iter_mut().find(alike) {
-                    Some(other) if other.predicted_seconds <= plan.predicted_seconds => {}
-                    Some(other) => *other = plan,
-                    None => best.push(plan),
+            for precision in self.precisions() {
+                for AtWalls { candidate, keeps } in self.at_walls(&candidate, precision) {
+                    let is_within = |plan: &Plan| plan.method.cutoff() <= FARTHEST * self.edges.min_element();
+                    let Some(plan) = self.plan(&candidate, precision).filter(is_within) else { continue };
+                    if !keeps {
+                        if least.as_ref().is_none_or(|least| plan.predicted_error < least.predicted_error) {
+                            least = Some(plan);
+                        }
+                        continue;
+                    }
+                    let alike = |other: &&mut Plan| {
+                        let same_method = (other.method == Method::Direct) == (plan.method == Method::Direct);
+                        same_method && (other.precision, other.support.support) == (precision, plan.support.support)
+                    };
+                    match best.iter_mut().find(alike) {
+                        Some(other) if other.predicted_seconds <= plan.predicted_seconds => {}
+                        Some(other) => *other = plan,
+                        None => best.push(plan),
+                    }
                 }
             }
+        }
+        if best.is_empty() {
+            best.extend(least);
         }
         best
     }
@@ -126,11 +145,7 @@ impl Problem {
 
     /// The width of a sphere's narrowest envelope.
     fn own_width(&self, radius: f64) -> f64 {
-        let envelope = Envelope::of_sphere(radius);
-        match self.multipoles {
-            Multipoles::Monopole => envelope.monopole,
-            Multipoles::Dipole => envelope.dipole,
-        }
+        self.multipoles.narrowest(Envelope::of_sphere(radius))
     }
 
     /// Common Gaussians worth trying: those for each good number of points along the longest edge, up to so many that a
@@ -221,29 +236,42 @@ impl Problem {
 
     /// A candidate on grids that are fine enough at walls, each with windows that err little enough there; if there are none, on the
     /// finest of them with those that err least. Without walls as it is.
-    fn at_walls(&self, candidate: &Candidate, precision: Precision) -> Vec<(Candidate, Precision)> {
+    fn at_walls(&self, candidate: &Candidate, precision: Precision) -> Vec<AtWalls> {
         if self.boundaries.walls() == 0 {
-            return vec![(*candidate, precision)];
+            return vec![AtWalls { candidate: *candidate, keeps: true }];
         }
         let Candidate { accuracy: Accuracy { resolution, points }, width, .. } = *candidate;
-        let coarsest = resolution.max(width / self.coarsest_at_walls());
+        let cutoff = self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width));
+        let of_walls = |factor: f64, points: usize| {
+            let accuracy = Accuracy { resolution: factor * resolution, points };
+            (accuracy, self.wall_error((width, cutoff), width / accuracy.resolution, points))
+        };
         let with = |factor: f64, points: usize| {
-            let accuracy = Accuracy { resolution: factor * coarsest, points };
-            let error = self.wall_error(width, width / accuracy.resolution, points);
+            let (accuracy, error) = of_walls(factor, points);
             (Candidate { accuracy, ..*candidate }, error.hypot(self.amplified(width, accuracy, precision)))
         };
-        let windows = |factor: f64| (points..=Window::POINTS[1].max(points)).map(move |points| with(factor, points));
-        // What is beyond the wavenumbers of the grid may have its share, and what folds onto them another.
-        let allowed = 2.0_f64.sqrt() * self.allowed_at_walls();
+        let longest = Window::POINTS[1].max(points);
+        let windows = |factor: f64| (points..=longest).map(move |points| with(factor, points));
+        let allowed = ENOUGH * self.allowed_at_walls();
+        // Where the longest window errs too much the others do.
+        let may_be = |factor: &f64| of_walls(*factor, longest).1 <= allowed;
         let enough = |factor: f64| windows(factor).find(|(_, error)| *error <= allowed);
         // A grid that is fixed is as it is.
         let finer = &FINER_AT_WALLS[..if self.fixed.grid.is_some() { 1 } else { FINER_AT_WALLS.len() }];
-        let mut found: Vec<_> = finer.iter().filter_map(|&factor| enough(factor)).collect();
+        let mut found = Vec::new();
+        for &factor in finer.iter().filter(|factor| may_be(factor)) {
+            let Some((candidate, _)) = enough(factor) else { continue };
+            found.push(AtWalls { candidate, keeps: true });
+            // On a finer grid yet the window would be no shorter.
+            if candidate.accuracy.points == points {
+                break;
+            }
+        }
         if found.is_empty() {
             let least = windows(finer[finer.len() - 1]).min_by(|one, other| one.1.total_cmp(&other.1));
-            found.extend(least);
+            found.extend(least.map(|(candidate, _)| AtWalls { candidate, keeps: false }));
         }
-        found.into_iter().map(|(candidate, _)| (candidate, precision)).collect()
+        found
     }
 
     /// Round-off as the highest wavenumbers amplify it, on which a window that is long for its Gaussian has next to nothing.
@@ -260,19 +288,19 @@ impl Problem {
     }
 
     /// The error of walls on a grid of this spacing with windows of so many points that stand for a Gaussian of this width.
-    fn wall_error(&self, width: f64, spacing: f64, points: usize) -> f64 {
-        if self.boundaries.walls() == 0 {
-            return 0.0;
-        }
-        let resolution = width / spacing;
-        let widths = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
-        let common = Common::new(width, widths.into_iter());
-        let forces = [self.smallest_radius(), self.largest_radius()].map(|a| Envelope::of_sphere(a).monopole);
-        let rests = forces.into_iter().chain(widths).map(|sigma| common.rest(sigma).abs());
-        let own = 0.5 * rests.fold(0.0, f64::max) / (spacing * spacing);
-        let window = (Window::new(points, resolution), own);
-        let highest = highest_at_walls(self.tolerance, self.smallest_radius(), spacing) * self.smallest_radius();
-        wall_error(highest, spacing / self.smallest_radius(), window)
+    fn wall_error(&self, (width, cutoff): (f64, f64), spacing: f64, points: usize) -> f64 {
+        let at_walls = GridAtWalls {
+            boundaries: self.boundaries,
+            radii: [self.smallest_radius(), self.largest_radius()],
+            multipoles: self.multipoles,
+            tolerance: self.tolerance,
+            width,
+            cutoff,
+            spacing,
+            points,
+            height: self.edges.z,
+        };
+        at_walls.cut().1
     }
 
     /// Lengths that the grid of a candidate has to have.
@@ -372,7 +400,7 @@ impl Problem {
                 let brackets = self.brackets(width);
                 accuracy::split_error(self.multipoles, resolution, support.support, brackets)
                     .hypot(accuracy::cutoff_error(self.multipoles, cutoff / width, brackets))
-                    .hypot(self.wall_error(width, spacing.max_element(), support.support))
+                    .hypot(self.wall_error((width, cutoff), spacing.max_element(), support.support))
             }
         }
     }

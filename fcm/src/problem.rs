@@ -1,6 +1,7 @@
 //! What is to be evaluated, and in which ways it may be.
 
 use crate::costs::Costs;
+use crate::envelope::Envelope;
 use domain::{Boundaries, PeriodicBox, Vector};
 
 /// How envelopes are evaluated.
@@ -43,6 +44,16 @@ pub enum Multipoles {
     Monopole,
     /// Forces, torques and stresslets.
     Dipole,
+}
+
+impl Multipoles {
+    /// The width of a sphere's narrowest envelope.
+    pub(crate) fn narrowest(self, envelope: Envelope) -> f64 {
+        match self {
+            Self::Monopole => envelope.monopole,
+            Self::Dipole => envelope.dipole,
+        }
+    }
 }
 
 /// What is to be evaluated, and what the user fixed of how.

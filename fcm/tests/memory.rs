@@ -55,9 +55,9 @@ fn predictions_are_what_is_allocated() {
 /// Between walls, where the flow is found plane by plane.
 fn flow_at_points() {
     let walls = PeriodicBox::new(Vector::new(47.0, 40.0, 30.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
-    let in_the_middle = PeriodicBox::new(Vector::new(47.0, 40.0, 26.0)).unwrap();
-    let mut suspension = Suspension::random(COUNT, 1.0, in_the_middle, 1);
-    suspension.positions.iter_mut().for_each(|x| x.z += 2.0);
+    let between = PeriodicBox::new(Vector::new(47.0, 40.0, 28.0)).unwrap();
+    let mut suspension = Suspension::random(COUNT, 1.0, between, 1);
+    suspension.positions.iter_mut().for_each(|x| x.z += 1.0);
     suspension.cell = walls;
     for tolerance in [1e-3, 1e-6] {
         let plan = Plan::choose(&suspension.problem(tolerance)).unwrap().with_points().unwrap();

@@ -51,15 +51,18 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
 fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, common): (Window, Common)) -> Channel<T> {
     let spacing = grid.spacing();
     let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
-    let plane =
-        |k1: f64, k2: f64| (unit / (window.transform(k1 * spacing.x) * window.transform(k2 * spacing.y))).powi(2);
+    let cut = plan.wall_cut();
+    let plane = |k1: f64, k2: f64| {
+        let window = window.transform(k1 * spacing.x) * window.transform(k2 * spacing.y);
+        cut.on_grid(k1.hypot(k2)) * (unit / window).powi(2)
+    };
     let faces = ChannelFaces { walls: plan.boundaries.walls(), height: plan.edges.z, first: plan.first_point().z };
     let weights = ChannelWeights {
         plane,
         axis: |k: f64| window.growth(k * spacing.z),
         second_moment: window.second_moment() * spacing.z * spacing.z,
         smoothing: common.width * common.width - common.increment,
-        highest: plan.highest_at_walls(),
+        highest: cut.highest,
     };
     Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
 }

@@ -74,7 +74,13 @@ impl Flow<'_> {
                 let half = square.sqrt();
                 let [from, to] = [-half, half].map(|x| (x - across.x) / raster.spacing.x);
                 for i in from.ceil().max(0.0) as usize..((to.floor() + 1.0).max(0.0) as usize).min(row.len()) {
-                    row[i] += near.velocity(image, raster.point([i, j, k]) - image.place);
+                    let point = raster.point([i, j, k]);
+                    let x = point - image.place;
+                    row[i] += near.velocity(image, x);
+                    if let Some(images) = &self.mobility.wall_images {
+                        let cell = &self.mobility.arrangement.cell;
+                        row[i] += images.velocity_at(cell, (x, point.z), image.class, (image.force, &image.dipole));
+                    }
                 }
             }
         });

@@ -1,0 +1,312 @@
+//! Images of spheres in walls, of themselves and of each other, by the wavenumbers that the grid's flow of walls does not have.
+
+use crate::bounded::NEAREST_WALL;
+use crate::envelope::Envelope;
+use crate::near::Loaded;
+use crate::plan::Plan;
+use crate::waves::{Block, Seen, Waves};
+use domain::{Neighbour, Neighbours, PeriodicBox, Tensor, Vector};
+use rayon::prelude::*;
+use solver::simd::vectorised;
+use std::f64::consts::PI;
+
+/// The part of the tolerance below which an image is left out.
+const NEGLIGIBLE: f64 = 0.3;
+
+impl Plan {
+    /// About how many images a sphere has in an even suspension of so many.
+    pub(crate) fn images(&self, particles: f64) -> f64 {
+        match self.boundaries.walls() {
+            0 => 0.0,
+            _ => self.images_within(self.wall_cut().reach(NEGLIGIBLE * self.tolerance), particles),
+        }
+    }
+
+    /// The same of images that end at a distance from a wall: of pairs, whose distances add up to less than twice that.
+    fn images_within(&self, reach: f64, particles: f64) -> f64 {
+        let (smallest, largest) = self.extremes();
+        let (beyond, between) = ((reach - smallest).max(0.0), (self.edges.z - 2.0 * smallest).max(largest));
+        let density = particles / (self.edges.x * self.edges.y * between);
+        let pairs =
+            if self.wall_cut().is_sharp() { 0.0 } else { density * PI * self.method.cutoff().powi(2) * 2.0 * beyond };
+        self.boundaries.walls() as f64 * beyond / between * (1.0 + pairs)
+    }
+}
+
+impl WallImages {
+    /// Bytes of those of an even suspension of so many spheres on all ranks, a part of which this rank has.
+    pub fn bytes(plan: &Plan, owned: f64, particles: f64) -> f64 {
+        let images = Self::new(plan).map_or(0.0, |images| plan.images_within(images.classes[0].reach, particles));
+        owned * images * size_of::<Image>() as f64
+    }
+}
+
+/// Images of spheres in one wall or two. In the flow of two walls what is between spheres is the sum of those of each alone, but for
+/// what one wall sends back to the other.
+pub(crate) struct WallImages {
+    walls: usize,
+    waves: Waves,
+    /// Whether spheres have images in each other.
+    of_pairs: bool,
+    inverse_viscosity: f64,
+    classes: Vec<OfClass>,
+    point: OfClass,
+    /// For each sphere that is near a wall, those that it is an image of.
+    lists: Vec<Vec<Image>>,
+}
+
+/// What a sphere at some row sends to another one at `x` from it.
+struct Image {
+    row: u32,
+    x: Vector,
+    block: Block,
+}
+
+/// A sphere or a point of the fluid, and how far from a wall it has an image in one like it. One that has sunk in has those of one that touches: more would take
+/// more mobility away than there is.
+struct OfClass {
+    contact: f64,
+    squares: [f64; 2],
+    reach: f64,
+}
+
+impl WallImages {
+    /// Those of the spheres of a plan; none without walls.
+    pub fn new(plan: &Plan) -> Option<Self> {
+        let (walls, cutoff) = (plan.boundaries.walls(), plan.method.cutoff());
+        if walls == 0 {
+            return None;
+        }
+        let (smallest, _) = plan.extremes();
+        // A point of the fluid may be on the wall.
+        let closest = if plan.beyond.is_some() { smallest } else { 2.0 * smallest };
+        let cut = plan.wall_cut();
+        let waves = Waves::new(&cut, cutoff, closest, NEGLIGIBLE * plan.tolerance);
+        let of_class = |&radius: &f64| {
+            let Envelope { monopole, dipole } = Envelope::of_sphere(radius);
+            let squares = [monopole * monopole, dipole * dipole];
+            let is_small = |&distance: &f64| {
+                waves.block(Vector::ZERO, [Seen { distance, squares }; 2]).share(radius) < NEGLIGIBLE * plan.tolerance
+            };
+            let mut distances = (0..).map(|step| radius * (NEAREST_WALL + 0.05 * f64::from(step)));
+            let reach = distances.find(is_small).expect("an image that decays gets small");
+            OfClass { contact: radius, squares, reach }
+        };
+        let classes: Vec<OfClass> = plan.radii.iter().map(of_class).collect();
+        let point = OfClass { contact: 0.0, squares: [0.0; 2], reach: classes[0].reach };
+        Some(Self {
+            walls,
+            inverse_viscosity: 1.0 / plan.viscosity,
+            point,
+            classes,
+            lists: Vec::new(),
+            of_pairs: !cut.is_sharp(),
+            waves,
+        })
+    }
+
+    /// Fixes the positions of the particles present, of which those that have neighbours are moved.
+    ///
+    /// What two spheres send each other is found once, for the one of both that is ahead of the other.
+    pub fn arrange(&mut self, present: &Loaded, neighbours: &Neighbours, owned: usize) {
+        let images = &*self;
+        let of = |row: usize| (images.class(present.classes[row]), present.positions[row].z);
+        let near = |row: usize| {
+            let is_near = images.of_pairs && images.is_near_wall(present.cell, of(row));
+            let neighbours = if is_near { Some(neighbours.of(row).iter()) } else { None };
+            let x = move |neighbour: Neighbour| {
+                let j = neighbour.row as usize;
+                let across = present.cell.lattice(neighbour.steps.map(i32::from));
+                (j, present.positions[row] - present.positions[j] - across)
+            };
+            neighbours.into_iter().flatten().map(x)
+        };
+        let is_ahead = |x: Vector| x.to_array() > [0.0; 3];
+        let found = |row: usize| {
+            let itself = std::iter::once((row, Vector::ZERO));
+            let ahead = near(row).filter(|&(j, x)| is_ahead(x) || j >= owned);
+            let image = |(j, x): (usize, Vector)| {
+                let block = if is_ahead(-x) {
+                    images.between(present.cell, -x, [of(j), of(row)]).map(|block| block.transposed())
+                } else {
+                    images.between(present.cell, x, [of(row), of(j)])
+                };
+                block.map(|block| Image { row: j as u32, x, block })
+            };
+            itself.chain(ahead).filter_map(image).collect::<Vec<_>>()
+        };
+        let mut lists: Vec<Vec<Image>> = (0..owned).into_par_iter().map(found).collect();
+        let behind = |row: usize| {
+            let behind = near(row).filter(|&(j, x)| !is_ahead(x) && j < owned);
+            let image = |(j, x): (usize, Vector)| {
+                let other = lists[j].iter().find(|image| image.row as usize == row && image.x == -x)?;
+                Some(Image { row: j as u32, x, block: other.block.transposed() })
+            };
+            behind.filter_map(image).collect::<Vec<_>>()
+        };
+        let behind: Vec<Vec<Image>> = (0..owned).into_par_iter().map(behind).collect();
+        lists.par_iter_mut().zip(behind).for_each(|(list, mut behind)| {
+            list.append(&mut behind);
+            list.shrink_to_fit();
+        });
+        self.lists = lists;
+    }
+
+    fn class(&self, class: u32) -> &OfClass {
+        &self.classes[class as usize]
+    }
+
+    /// Whether a sphere may be the image of another.
+    fn is_near_wall(&self, cell: &PeriodicBox, (of, z): (&OfClass, f64)) -> bool {
+        let farthest = |of: &OfClass| of.reach - of.contact;
+        let reach = of.reach + self.classes.iter().map(farthest).fold(0.0, f64::max);
+        let below = z - cell.origin().z;
+        below < reach || (self.walls == 2 && cell.edges().z - below < reach)
+    }
+
+    /// What a sphere sends to another one at `x` from it by the walls near which both are, each of a class and at a height.
+    fn between(&self, cell: &PeriodicBox, x: Vector, spheres: [(&OfClass, f64); 2]) -> Option<Block> {
+        let of_wall = |above: bool| {
+            let seen = spheres.map(|(&OfClass { contact, squares, .. }, z)| {
+                let below = z - cell.origin().z;
+                let distance = if above { cell.edges().z - below } else { below };
+                Seen { distance: distance.max(contact), squares }
+            });
+            let reach = spheres[0].0.reach + spheres[1].0.reach;
+            let is_near = seen[0].distance + seen[1].distance < reach;
+            is_near.then(|| self.waves.block(x, seen))
+        };
+        let above = if self.walls == 2 { of_wall(true).map(Block::reflected) } else { None };
+        match (of_wall(false), above) {
+            (Some(mut below), Some(above)) => {
+                below += above;
+                Some(below)
+            }
+            (below, above) => below.or(above),
+        }
+    }
+
+    /// The velocity at a height, at `x` from a sphere of a class at another height, by its force and dipole.
+    pub fn velocity_at(
+        &self,
+        cell: &PeriodicBox,
+        (x, z): (Vector, f64),
+        class: u32,
+        (force, dipole): (Vector, &Tensor),
+    ) -> Vector {
+        let block = self.between(cell, x, [(&self.point, z), (self.class(class), z - x.z)]);
+        block.map_or(Vector::ZERO, |block| block.motion(force, dipole).0 * self.inverse_viscosity)
+    }
+
+    /// Adds the images' flows to the velocities and, if they are asked for, the gradients of the spheres that come first.
+    pub fn add(&self, present: &Loaded, gradients: bool, motions: &mut [(Vector, Tensor)]) {
+        motions.par_iter_mut().zip(&self.lists).for_each(|(motion, list)| {
+            vectorised(
+                #[inline(always)]
+                || self.add_list(present, gradients, list, motion),
+            );
+        });
+    }
+
+    #[inline(always)]
+    fn add_list(&self, present: &Loaded, gradients: bool, list: &[Image], motion: &mut (Vector, Tensor)) {
+        for Image { row, block, .. } in list {
+            let force = present.forces.get(*row as usize).copied().unwrap_or_default();
+            let dipole = present.dipoles.get(*row as usize).copied().unwrap_or(Tensor::ZERO);
+            let (u, d) = block.motion(force, &dipole);
+            motion.0 += u * self.inverse_viscosity;
+            if gradients {
+                motion.1 += d * self.inverse_viscosity;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Fixed, Multipoles, Problem};
+    use domain::{Boundaries, PeriodicBox};
+
+    fn plan(boundaries: Boundaries, tolerance: f64) -> Plan {
+        let problem = Problem {
+            edges: Vector::new(12.0, 14.0, 9.0),
+            boundaries,
+            contraction: 1.0,
+            largest_strain: 0.0,
+            largest_tilts: [0.0; 2],
+            radii: vec![(1.0, 1), (1.5, 1)],
+            viscosity: 2.0,
+            multipoles: Multipoles::Dipole,
+            rigid: true,
+            tolerance,
+            threads: 1,
+            ranks: 1,
+            costs: crate::Costs::default(),
+            fixed: Fixed::default(),
+        };
+        Plan::choose(&problem).unwrap()
+    }
+
+    /// What a sphere of the second radius at a height has of its images.
+    fn motion(images: &mut WallImages, cell: &PeriodicBox, z: f64, force: Vector, dipole: Tensor) -> (Vector, Tensor) {
+        let present = Loaded {
+            cell,
+            positions: &[Vector::new(1.0, 2.0, z)],
+            classes: &[1],
+            forces: &[force],
+            dipoles: &[dipole],
+        };
+        let mut motions = [(Vector::ZERO, Tensor::ZERO)];
+        images.arrange(&present, &Neighbours::find(cell, present.positions, 1, 1.0), 1);
+        images.add(&present, true, &mut motions);
+        motions[0]
+    }
+
+    #[test]
+    fn only_walls_have_images() {
+        assert!(WallImages::new(&plan(Boundaries::Periodic, 1e-3)).is_none());
+        assert!(WallImages::new(&plan(Boundaries::OpenAlongZ, 1e-3)).is_none());
+        let plan = plan(Boundaries::Wall, 1e-3);
+        let (mut images, cell) = (WallImages::new(&plan).unwrap(), plan.cell());
+        let force = Vector::new(0.3, -0.2, 0.9);
+        let mut at = |z: f64| motion(&mut images, &cell, z, force, Tensor::ZERO);
+        assert!(at(1.53).0.dot(force) < 0.0 && at(8.0) == (Vector::ZERO, Tensor::ZERO));
+        assert_eq!(at(9.0 - 1.53), (Vector::ZERO, Tensor::ZERO), "there is no wall above");
+    }
+
+    /// Where images end they are less than a third of the tolerance, in units of what the sphere has alone, but not by far.
+    #[test]
+    fn what_is_left_out_is_small() {
+        for tolerance in [1e-2, 1e-5] {
+            let plan = plan(Boundaries::Walls, tolerance);
+            let images = WallImages::new(&plan).unwrap();
+            for (&OfClass { squares, reach, .. }, radius) in images.classes.iter().zip([1.0, 1.5]) {
+                let share =
+                    |distance: f64| images.waves.block(Vector::ZERO, [Seen { distance, squares }; 2]).share(radius);
+                assert!(
+                    share(reach) < 0.3 * tolerance && share(0.9 * reach) > 0.3 * tolerance,
+                    "{reach} at {tolerance:e}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_wall_above_is_the_one_below_upside_down() {
+        let plan = plan(Boundaries::Walls, 1e-3);
+        let (mut images, cell) = (WallImages::new(&plan).unwrap(), plan.cell());
+        let force = Vector::new(0.3, -0.2, 0.9);
+        let dipole = Tensor::from_cols_array(&[0.1, 0.4, -0.7, 1.1, 0.5, 0.2, 0.9, -1.3, -0.6]);
+        let mirror = Tensor::from_diagonal(Vector::new(1.0, 1.0, -1.0));
+        let below = motion(&mut images, &cell, 1.6, force, dipole);
+        let above = motion(&mut images, &cell, 9.0 - 1.6, mirror * force, mirror * dipole * mirror);
+        let [velocity, gradient] = [below.0.length(), below.1.z_axis.length()];
+        assert!(velocity > 1e-8 && gradient > 1e-8, "{below:?}");
+        // Of the distance from the wall above, times twice the wavenumber.
+        let round_off = 1e-12;
+        assert!((mirror * above.0 - below.0).length() < round_off * velocity);
+        let difference = mirror * above.1 * mirror - below.1;
+        assert!(difference.to_cols_array().iter().all(|entry| entry.abs() < round_off * gradient), "{difference:?}");
+    }
+}
