@@ -12,7 +12,7 @@ const CACHE: f64 = 3.3e6;
 const SENT: f64 = 0.5e-9;
 
 /// Seconds of an image in a wall, with its share of what it takes to find it in a solve.
-const IMAGE: f64 = 7e-7;
+const IMAGE: f64 = 4e-7;
 
 impl Plan {
     /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the

@@ -63,9 +63,9 @@ fn of_pairs(wavenumber: f64, height: f64) -> f64 {
     0.5 * at_walls(height) * weight(wavenumber)
 }
 
-/// The part of spheres that are at walls: two of five, or more between walls that are near each other.
+/// The part of spheres that are at walls: a third, or more between walls that are near each other.
 fn at_walls(height: f64) -> f64 {
-    (3.0 / (height - 0.5)).clamp(0.4, 1.0)
+    (3.0 / (height - 0.5)).clamp(0.36, 1.0)
 }
 
 /// Where `erfc(x)/2` has fallen to a value below a half, within a hundredth (Winitzki 2008).
@@ -173,7 +173,7 @@ impl WallCut {
             if self.is_sharp() { weight } else { weight * share((k - self.middle) / self.width) }
         };
         let folded: f64 = folded.0.iter().take_while(on_grid).map(part).sum();
-        let times = if self.is_sharp() { 3.5 } else { 8.0 };
+        let times = if self.is_sharp() { 2.5 } else { 8.0 };
         beyond.hypot(times * folded).hypot(farther).hypot(sent_back)
     }
 }
