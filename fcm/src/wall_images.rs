@@ -5,7 +5,7 @@ use crate::envelope::Envelope;
 use crate::near::Loaded;
 use crate::plan::Plan;
 use crate::waves::{Block, Seen, Waves};
-use domain::{Neighbour, Neighbours, PeriodicBox, Tensor, Vector};
+use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use solver::simd::vectorised;
 use std::f64::consts::PI;
@@ -37,7 +37,8 @@ impl WallImages {
     /// Bytes of those of an even suspension of so many spheres on all ranks, a part of which this rank has.
     pub fn bytes(plan: &Plan, owned: f64, particles: f64) -> f64 {
         let images = Self::new(plan).map_or(0.0, |images| plan.images_within(images.classes[0].reach, particles));
-        owned * images * size_of::<Image>() as f64
+        // Each block is of two spheres.
+        owned * images * (size_of::<Pair>() as f64 + 0.5 * size_of::<Block>() as f64)
     }
 }
 
@@ -52,14 +53,17 @@ pub(crate) struct WallImages {
     classes: Vec<OfClass>,
     point: OfClass,
     /// For each sphere that is near a wall, those that it is an image of.
-    lists: Vec<Vec<Image>>,
+    lists: Vec<Vec<Pair>>,
+    blocks: Vec<Block>,
 }
 
-/// What a sphere at some row sends to another one at `x` from it.
-struct Image {
+/// A sphere at a row, the place of what it sends to another one at `x` from it, and whether that is of these two in this order.
+#[derive(Clone, Copy)]
+struct Pair {
     row: u32,
+    block: u32,
+    is_ahead: bool,
     x: Vector,
-    block: Block,
 }
 
 /// A sphere or a point of the fluid, and how far from a wall it has an image in one like it. One that has sunk in has those of one that touches: more would take
@@ -100,6 +104,7 @@ impl WallImages {
             point,
             classes,
             lists: Vec::new(),
+            blocks: Vec::new(),
             of_pairs: !cut.is_sharp(),
             waves,
         })
@@ -109,47 +114,59 @@ impl WallImages {
     ///
     /// What two spheres send each other is found once, for the one of both that is ahead of the other.
     pub fn arrange(&mut self, present: &Loaded, neighbours: &Neighbours, owned: usize) {
+        let mut blocks = std::mem::take(&mut self.blocks);
         let images = &*self;
         let of = |row: usize| (images.class(present.classes[row]), present.positions[row].z);
         let near = |row: usize| {
-            let is_near = images.of_pairs && images.is_near_wall(present.cell, of(row));
-            let neighbours = if is_near { Some(neighbours.of(row).iter()) } else { None };
-            let x = move |neighbour: Neighbour| {
-                let j = neighbour.row as usize;
-                let across = present.cell.lattice(neighbour.steps.map(i32::from));
-                (j, present.positions[row] - present.positions[j] - across)
-            };
-            neighbours.into_iter().flatten().map(x)
+            let mut near = Vec::new();
+            if images.of_pairs && images.is_near_wall(present.cell, of(row)) {
+                for neighbour in neighbours.of(row).iter() {
+                    let j = neighbour.row as usize;
+                    let x = present.positions[row] - present.positions[j];
+                    let x = x - present.cell.lattice(neighbour.steps.map(i32::from));
+                    if images.reach_each_other(present.cell, [of(row), of(j)]) {
+                        near.push(Pair { row: j as u32, block: 0, is_ahead: x.to_array() > [0.0; 3], x });
+                    }
+                }
+            }
+            if images.reach_each_other(present.cell, [of(row); 2]) {
+                near.push(Pair { row: row as u32, block: 0, is_ahead: true, x: Vector::ZERO });
+            }
+            near
         };
-        let is_ahead = |x: Vector| x.to_array() > [0.0; 3];
-        let found = |row: usize| {
-            let itself = std::iter::once((row, Vector::ZERO));
-            let ahead = near(row).filter(|&(j, x)| is_ahead(x) || j >= owned);
-            let image = |(j, x): (usize, Vector)| {
-                let block = if is_ahead(-x) {
-                    images.between(present.cell, -x, [of(j), of(row)]).map(|block| block.transposed())
-                } else {
-                    images.between(present.cell, x, [of(row), of(j)])
-                };
-                block.map(|block| Image { row: j as u32, x, block })
-            };
-            itself.chain(ahead).filter_map(image).collect::<Vec<_>>()
-        };
-        let mut lists: Vec<Vec<Image>> = (0..owned).into_par_iter().map(found).collect();
+        let mut lists: Vec<Vec<Pair>> = (0..owned).into_par_iter().map(near).collect();
+        // Pairs have their blocks where the one is that is ahead, or that this rank owns.
+        let is_first = |pair: &Pair| pair.is_ahead || pair.row as usize >= owned;
+        let mut first = Vec::new();
+        for (row, list) in lists.iter_mut().enumerate() {
+            for pair in list.iter_mut().filter(|pair| is_first(pair)) {
+                pair.block = first.len() as u32;
+                first.push((row, *pair));
+            }
+        }
         let behind = |row: usize| {
-            let behind = near(row).filter(|&(j, x)| !is_ahead(x) && j < owned);
-            let image = |(j, x): (usize, Vector)| {
-                let other = lists[j].iter().find(|image| image.row as usize == row && image.x == -x)?;
-                Some(Image { row: j as u32, x, block: other.block.transposed() })
+            let with_block = |pair: &Pair| {
+                if is_first(pair) {
+                    return Some(*pair);
+                }
+                let is_same = |other: &&Pair| is_first(other) && other.row as usize == row && other.x == -pair.x;
+                let other = lists[pair.row as usize].iter().find(is_same)?;
+                Some(Pair { block: other.block, ..*pair })
             };
-            behind.filter_map(image).collect::<Vec<_>>()
+            lists[row].iter().filter_map(with_block).collect()
         };
-        let behind: Vec<Vec<Image>> = (0..owned).into_par_iter().map(behind).collect();
-        lists.par_iter_mut().zip(behind).for_each(|(list, mut behind)| {
-            list.append(&mut behind);
-            list.shrink_to_fit();
-        });
-        self.lists = lists;
+        let lists = (0..owned).into_par_iter().map(behind).collect();
+        let block = |&(row, Pair { row: j, x, is_ahead, .. }): &(usize, Pair)| {
+            let pair = [of(row), of(j as usize)];
+            let block = if is_ahead {
+                images.between(present.cell, x, pair)
+            } else {
+                images.between(present.cell, -x, [pair[1], pair[0]])
+            };
+            block.expect("these reach each other")
+        };
+        first.par_iter().map(block).collect_into_vec(&mut blocks);
+        (self.lists, self.blocks) = (lists, blocks);
     }
 
     fn class(&self, class: u32) -> &OfClass {
@@ -164,20 +181,26 @@ impl WallImages {
         below < reach || (self.walls == 2 && cell.edges().z - below < reach)
     }
 
-    /// What a sphere sends to another one at `x` from it by the walls near which both are, each of a class and at a height.
+    /// Two spheres, each of a class and at a height, as the wall below or that above sees them; none if it is too far away.
+    fn seen_by(&self, cell: &PeriodicBox, above: bool, spheres: [(&OfClass, f64); 2]) -> Option<[Seen; 2]> {
+        let seen = spheres.map(|(&OfClass { contact, squares, .. }, z)| {
+            let below = z - cell.origin().z;
+            let distance = if above { cell.edges().z - below } else { below };
+            Seen { distance: distance.max(contact), squares }
+        });
+        let is_there = !above || self.walls == 2;
+        let is_near = seen[0].distance + seen[1].distance < spheres[0].0.reach + spheres[1].0.reach;
+        (is_there && is_near).then_some(seen)
+    }
+
+    fn reach_each_other(&self, cell: &PeriodicBox, spheres: [(&OfClass, f64); 2]) -> bool {
+        [false, true].into_iter().any(|above| self.seen_by(cell, above, spheres).is_some())
+    }
+
+    /// What a sphere sends to another one at `x` from it by the walls near which both are.
     fn between(&self, cell: &PeriodicBox, x: Vector, spheres: [(&OfClass, f64); 2]) -> Option<Block> {
-        let of_wall = |above: bool| {
-            let seen = spheres.map(|(&OfClass { contact, squares, .. }, z)| {
-                let below = z - cell.origin().z;
-                let distance = if above { cell.edges().z - below } else { below };
-                Seen { distance: distance.max(contact), squares }
-            });
-            let reach = spheres[0].0.reach + spheres[1].0.reach;
-            let is_near = seen[0].distance + seen[1].distance < reach;
-            is_near.then(|| self.waves.block(x, seen))
-        };
-        let above = if self.walls == 2 { of_wall(true).map(Block::reflected) } else { None };
-        match (of_wall(false), above) {
+        let of_wall = |above: bool| self.seen_by(cell, above, spheres).map(|seen| self.waves.block(x, seen));
+        match (of_wall(false), of_wall(true).map(Block::reflected)) {
             (Some(mut below), Some(above)) => {
                 below += above;
                 Some(below)
@@ -209,11 +232,12 @@ impl WallImages {
     }
 
     #[inline(always)]
-    fn add_list(&self, present: &Loaded, gradients: bool, list: &[Image], motion: &mut (Vector, Tensor)) {
-        for Image { row, block, .. } in list {
+    fn add_list(&self, present: &Loaded, gradients: bool, list: &[Pair], motion: &mut (Vector, Tensor)) {
+        for Pair { row, block, is_ahead, .. } in list {
             let force = present.forces.get(*row as usize).copied().unwrap_or_default();
             let dipole = present.dipoles.get(*row as usize).copied().unwrap_or(Tensor::ZERO);
-            let (u, d) = block.motion(force, &dipole);
+            let block = &self.blocks[*block as usize];
+            let (u, d) = if *is_ahead { block.motion(force, &dipole) } else { block.motion_of_second(force, &dipole) };
             motion.0 += u * self.inverse_viscosity;
             if gradients {
                 motion.1 += d * self.inverse_viscosity;

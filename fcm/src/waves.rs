@@ -57,6 +57,9 @@ pub(crate) struct Waves {
 /// Wavenumbers whose Bessel functions are found together.
 const LANES: usize = 8;
 
+/// More wavenumbers than any cut has.
+const MOST: i32 = 1_000_000;
+
 impl Waves {
     fn with(first: f64, step: f64, weights: &[f64]) -> Self {
         let direction = |number: usize| PI * number as f64 / DIRECTIONS as f64;
@@ -81,11 +84,11 @@ impl Waves {
         let wavenumber = |number: i32| step * (f64::from(number) + 0.5);
         let weight = |number: i32| step * cut.between_spheres(wavenumber(number)) / TAU;
         let size = |number: i32, power: i32| weight(number) * 6.0 * PI * (1.0 + wavenumber(number).powi(power));
-        let begins = (0..).find(|&number| size(number, 2) > 0.1 * error).expect("weights grow to one");
+        let begins = (0..MOST).find(|&number| size(number, 2) > 0.1 * error).expect("weights grow to one");
         let decays = |&number: &i32| {
             wavenumber(number) > cut.highest && size(number, 4) * (-wavenumber(number) * closest).exp() < error
         };
-        let ends = (begins..).find(decays).expect("an exponential decays");
+        let ends = (begins..MOST).find(decays).expect("an exponential decays");
         Self::with(wavenumber(begins), step, &(begins..ends).map(weight).collect::<Vec<_>>())
     }
 
@@ -265,27 +268,31 @@ impl Block {
         self
     }
 
-    /// What the first of two spheres sends the second, of what the second sends the first.
-    pub fn transposed(&self) -> Self {
-        // Motions of gradients go with loads of dipoles of the other sign.
-        let sign = |i: usize, j: usize| if (i < 3) == (j < 3) { 1.0 } else { -1.0 };
-        Self(std::array::from_fn(|i| std::array::from_fn(|j| sign(i, j) * self.0[j][i])))
-    }
-
     /// The velocity and the gradient `D_ij = d_j u_i` by a force and a dipole.
     #[inline(always)]
     pub fn motion(&self, force: Vector, dipole: &Tensor) -> (Vector, Tensor) {
-        let mut load = [0.0; ENTRIES];
-        load[..3].copy_from_slice(&force.to_array());
-        load[3..].copy_from_slice(&dipole.to_cols_array());
         let mut motion = [0.0; ENTRIES];
         for (row, entry) in self.0.iter().zip(&mut motion) {
-            for (m, load) in row.iter().zip(&load) {
-                *entry = m.mul_add(*load, *entry);
+            for (m, load) in row.iter().zip(load(force, dipole)) {
+                *entry = m.mul_add(load, *entry);
             }
         }
         let [x, y, z, gradient @ ..] = motion;
         (Vector::new(x, y, z), Tensor::from_cols_array(&gradient))
+    }
+
+    /// The same of what the first of the two spheres sends the second: motions of gradients go with loads of dipoles of the other
+    /// sign.
+    #[inline(always)]
+    pub fn motion_of_second(&self, force: Vector, dipole: &Tensor) -> (Vector, Tensor) {
+        let mut motion = [0.0; ENTRIES];
+        for (row, load) in self.0.iter().zip(load(force, &-*dipole)) {
+            for (entry, m) in motion.iter_mut().zip(row) {
+                *entry = m.mul_add(load, *entry);
+            }
+        }
+        let [x, y, z, gradient @ ..] = motion;
+        (Vector::new(x, y, z), -Tensor::from_cols_array(&gradient))
     }
 
     /// The largest part of the mobility of a sphere of this radius alone that it may be, about.
@@ -293,6 +300,15 @@ impl Block {
         let most = |entries: std::ops::Range<usize>| entries.map(|i| self.0[i][i].abs()).fold(0.0, f64::max);
         (most(0..3) * 3.0 * TAU * radius).max(most(3..ENTRIES) * 4.0 * TAU * radius.powi(3))
     }
+}
+
+/// A force and a dipole in a list.
+#[inline(always)]
+fn load(force: Vector, dipole: &Tensor) -> [f64; ENTRIES] {
+    let mut load = [0.0; ENTRIES];
+    load[..3].copy_from_slice(&force.to_array());
+    load[3..].copy_from_slice(&dipole.to_cols_array());
+    load
 }
 
 impl std::ops::AddAssign for Block {
@@ -320,7 +336,7 @@ mod tests {
 
     /// All wavenumbers from nearly none on, in steps that are exact for spheres within 30 radii.
     fn all() -> Waves {
-        Waves::with(0.0025, 0.005, &[0.005 / TAU; 4000])
+        Waves::with(0.0025, 0.005, &vec![0.005 / TAU; 4000])
     }
 
     /// The waves of a wavevector at the height `z`, without envelopes.
@@ -424,9 +440,13 @@ mod tests {
             let of = |block: Block| if reflect { block.reflected().0 } else { block.0 };
             let (there, back) = (of(waves.block(x, spheres)), of(waves.block(-x, [spheres[1], spheres[0]])));
             for (i, j) in (0..ENTRIES).flat_map(|i| (0..ENTRIES).map(move |j| (i, j))) {
-                let difference = Block(there).transposed().0[i][j] - back[i][j];
+                let difference = there[i][j] * sign(j) - back[j][i] * sign(i);
                 assert!(difference.abs() < 1e-12, "{i} {j}: {difference:e}");
             }
+            let force = Vector::new(0.3, -0.2, 0.9);
+            let dipole = Tensor::from_cols_array(&[0.1, 0.4, -0.7, 1.1, 0.5, 0.2, 0.9, -1.3, -0.6]);
+            let ((u, d), (v, g)) = (Block(there).motion_of_second(force, &dipole), Block(back).motion(force, &dipole));
+            assert!((u - v).length() < 1e-12 && (d - g).to_cols_array().iter().all(|entry| entry.abs() < 1e-12));
             let own = of(waves.block(Vector::ZERO, [spheres[0]; 2]));
             for load in 0..50 {
                 let load: [f64; ENTRIES] = std::array::from_fn(|i| {
