@@ -65,7 +65,7 @@ fn allowed(boundaries: Boundaries, edge: f64, radius: f64) -> [f64; 2] {
 const RIGID_SHARE: f64 = 0.25;
 const GIVEN_SHARE: f64 = 0.3;
 
-/// What a plan has at walls, in units of the smallest radius.
+/// What a plan has at walls.
 pub(crate) struct GridAtWalls {
     pub boundaries: Boundaries,
     /// The smallest radius and the largest.

@@ -28,6 +28,9 @@ const RIGID_LEEWAY_LAYER: f64 = 0.04;
 /// How much finer grids are at walls: on finer ones windows err less, and images reach less far.
 const FINER_AT_WALLS: [f64; 7] = [1.0, 1.1, 1.2, 1.35, 1.6, 2.0, 2.5];
 
+/// Smallest radii that a cutoff may span at walls: images take as many wavenumbers.
+const FARTHEST_AT_WALLS: f64 = 1000.0;
+
 /// Edges of the box that a cutoff may span: images are counted in bytes.
 const FARTHEST: f64 = 60.0;
 
@@ -242,6 +245,9 @@ impl Problem {
         }
         let Candidate { accuracy: Accuracy { resolution, points }, width, .. } = *candidate;
         let cutoff = self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width));
+        if cutoff > FARTHEST_AT_WALLS * self.smallest_radius() {
+            return Vec::new();
+        }
         let of_walls = |factor: f64, points: usize| {
             let accuracy = Accuracy { resolution: factor * resolution, points };
             (accuracy, self.wall_error((width, cutoff), width / accuracy.resolution, points))

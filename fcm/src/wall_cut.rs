@@ -58,9 +58,14 @@ fn weight(wavenumber: f64) -> f64 {
     (1.0 + 0.12 * x * (x - 1.0)) * wavenumber * wavenumber * (-2.0 * wavenumber).exp()
 }
 
+/// The most that any wavenumber has from one on: weights grow to `k = 1`.
+fn from(wavenumber: f64) -> f64 {
+    weight(wavenumber.max(1.0))
+}
+
 /// The same for what spheres send to each other.
 fn of_pairs(wavenumber: f64, height: f64) -> f64 {
-    0.5 * at_walls(height) * weight(wavenumber)
+    0.5 * at_walls(height) * from(wavenumber)
 }
 
 /// The part of spheres that are at walls: a third, or more between walls that are near each other.
@@ -161,7 +166,7 @@ impl WallCut {
         let farther = if self.is_sharp() {
             0.0
         } else {
-            0.4 * weight(self.middle) * (-(0.5 * self.width * at.cutoff).powi(2)).exp()
+            0.4 * from(self.middle) * (-(0.5 * self.width * at.cutoff).powi(2)).exp()
         };
         let sent_back = |&[k, _]: &[f64; 2]| {
             let all = 8.0 * k * k * (1.0 + k * at.height).powi(2) * (-k * (at.height + 2.0)).exp();

@@ -66,8 +66,8 @@ struct Pair {
     x: Vector,
 }
 
-/// A sphere or a point of the fluid, and how far from a wall it has an image in one like it. One that has sunk in has those of one that touches: more would take
-/// more mobility away than there is.
+/// A sphere or a point of the fluid, and how far from a wall it has an image in one like it. One that has sunk in has those of one
+/// that touches: more would take more mobility away than there is.
 struct OfClass {
     contact: f64,
     squares: [f64; 2],
