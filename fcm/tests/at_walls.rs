@@ -4,7 +4,7 @@ mod common;
 
 use common::{Suspension, errors, rigid_errors, solved, worst};
 use domain::{Boundaries, PeriodicBox, Random, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Loads, Plan, Precision, Problem};
+use fcm::{Evaluation, Fixed, Loads, Plan, PlanError, Precision, Problem};
 use std::f64::consts::PI;
 
 fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
@@ -137,6 +137,22 @@ fn a_sphere_that_fills_a_slit_keeps_its_tolerance() {
         let found = evaluate(tolerance);
         println!("{}: {:?}", one.plan(tolerance, Fixed::default()).in_short(), errors(&found, &exact));
         assert!(worst(&found, &exact) < 2.0 * tolerance, "{tolerance:e}: {:?}", errors(&found, &exact));
+    }
+}
+
+/// Images of the smallest sphere need wavenumbers that a grid for the largest is far too coarse for.
+#[test]
+fn radii_of_extreme_ratios_are_refused() {
+    for ratio in [1e4, 1e6, 1e9] {
+        let edge = 10.0 * ratio;
+        let suspension = Suspension {
+            cell: cell([edge; 3], Boundaries::Walls),
+            viscosity: 1.0,
+            positions: vec![Vector::splat(0.5 * edge), Vector::new(0.5 * edge, 0.5 * edge, 1.5)],
+            radii: vec![ratio, 1.0],
+        };
+        let plan = Plan::choose(&suspension.problem(1e-3));
+        assert!(matches!(plan, Err(PlanError::TooFine { .. })), "{ratio:e}: {plan:?}");
     }
 }
 
