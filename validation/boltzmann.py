@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
+from support.estimates import mean_and_error, without_step
 from support.page import table, write_section
 from support.program import results
 
@@ -84,20 +85,6 @@ count = {COUNT}
             places = file["particles/all/position/value"][:]
             time = file["particles/all/position/time"][:]
     return np.array([measured(frame) for frame in places[time > SETTLED * DIFFUSIVE]])
-
-
-def mean_and_error(samples):
-    blocks = np.array([block.mean(axis=0) for block in np.array_split(samples, 12)])
-    return samples.mean(axis=0), blocks.std(axis=0, ddof=1) / np.sqrt(len(blocks))
-
-
-def without_step(points):
-    """The value of the line through points where the step vanishes, and its error."""
-    steps, values, errors = np.array(points).T
-    weights = errors**-2
-    design = np.stack([np.ones_like(steps), steps], axis=1)
-    covariance = np.linalg.inv(design.T * weights @ design)
-    return (covariance @ (design.T * weights @ values))[0], np.sqrt(covariance[0, 0])
 
 
 def main():

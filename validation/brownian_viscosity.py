@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
+from support.estimates import mean_and_error
 from support.page import table, write_section
 from support.program import mobility, results, rows_of
 
@@ -56,20 +57,15 @@ def component(series, part, name):
     return sum(values for key, values in series.items() if key.startswith(f"stress_{part}_{name}"))
 
 
-def mean_and_error(samples):
-    blocks = np.array([block.mean() for block in np.array_split(samples, 10)])
-    return samples.mean(), blocks.std(ddof=1) / np.sqrt(len(blocks))
-
-
 def sheared(number):
     """Viscosity by parts at a Peclet number; runs are as long in strain as at a number of 1 above it."""
     # No more than half a percent of strain, in which pairs would fall on each other.
     step = min(STEP, LONGEST / number)
     rate = number / DIFFUSIVE
     series, _ = rows(rate, step, LENGTH * step / STEP)
-    parts = [mean_and_error(component(series, part, "xy") / rate) for part in PARTS]
-    whole = mean_and_error(series["relative_viscosity"])
-    differences = [mean_and_error(series[f"{which}_normal_stress_difference"] / rate) for which in ("first", "second")]
+    parts = [mean_and_error(component(series, part, "xy") / rate, 10) for part in PARTS]
+    whole = mean_and_error(series["relative_viscosity"], 10)
+    differences = [mean_and_error(series[f"{which}_normal_stress_difference"] / rate, 10) for which in ("first", "second")]
     return [whole, *parts, *differences]
 
 

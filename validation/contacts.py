@@ -13,6 +13,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from support.estimates import mean_and_error
 from support.page import table, write_section
 from support.program import PROGRAM
 
@@ -69,17 +70,11 @@ def measured(*case):
     return columns, float(timed.stderr.strip().splitlines()[-1])
 
 
-def mean_and_error(values):
-    """The mean, and its standard error from eight blocks."""
-    blocks = [block.mean() for block in np.array_split(values, 8)]
-    return np.mean(values), np.std(blocks, ddof=1) / np.sqrt(len(blocks))
-
-
 def row(case):
     fraction, friction = case
     columns, seconds = measured(*case)
     late = columns["time"] >= SETTLED
-    viscosity, error = mean_and_error(columns["relative_viscosity"][late])
+    viscosity, error = mean_and_error(columns["relative_viscosity"][late], 8)
     contact = sum(values for name, values in columns.items() if name.startswith("stress_contact_xy"))
     mean = {name: values[late].mean() for name, values in columns.items()}
     normal = mean["second_normal_stress_difference"] / viscosity

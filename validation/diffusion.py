@@ -10,9 +10,9 @@ from support.program import mobility
 
 FULL = "--full" in sys.argv[1:]
 FRACTIONS = (0.1, 0.2, 0.3, 0.4, 0.45) if FULL else (0.1, 0.3)
-SPHERES, CONFIGURATIONS, DRAWS = (108, 4, 250) if FULL else (32, 2, 100)
-# Vectors of random signs, whose products with the mobility have its trace as their mean.
-PROBES = 8 if FULL else 4
+SPHERES, CONFIGURATIONS, DRAWS = (108, 4, 1000) if FULL else (32, 2, 100)
+# Vectors of random signs, whose products with the mobility of torques have its trace as their mean: that scatters little.
+PROBES = 32 if FULL else 4
 TOLERANCE = 1e-3
 # Diffusivities may be apart by so many errors, and this for the tolerance.
 ERRORS, TOLERATED = 3.0, 3e-3
@@ -25,14 +25,20 @@ ALONE = {"velocities": 6 * np.pi, "angular_velocities": 8 * np.pi}
 def diffusivities(case, random):
     """By random motions and by the trace, for translation and rotation, with the variances of both, and the viscosity."""
     drawn = mobility(case | {"noise": {"draws": DRAWS, "seed": int(random.integers(2**31))}}, TOLERANCE)
+
+    def product(motion, load, loads):
+        """The mean over all components of loads times the motions that they cause."""
+        return ALONE[motion] * np.mean(loads * mobility(case | {load: loads}, TOLERANCE)[motion])
+
+    units = np.eye(3 * SPHERES).reshape(-1, SPHERES, 3)
+    trace = sum(product("velocities", "forces", unit) for unit in units)
+    signs = random.choice([-1.0, 1.0], size=(PROBES, SPHERES, 3))
+    probed = [product("angular_velocities", "torques", vector) for vector in signs]
+    traces = {"velocities": (trace, 0.0), "angular_velocities": (np.mean(probed), np.var(probed, ddof=1) / PROBES)}
     found = {}
-    for motion, load in (("velocities", "forces"), ("angular_velocities", "torques")):
+    for motion in ALONE:
         squares = ALONE[motion] * np.mean(np.square(drawn[f"noise_{motion}"]), axis=(1, 2))
-        probed = []
-        for _ in range(PROBES):
-            signs = random.choice([-1.0, 1.0], size=(SPHERES, 3))
-            probed.append(ALONE[motion] * np.mean(signs * mobility(case | {load: signs}, TOLERANCE)[motion]))
-        found[motion] = [np.mean(squares), np.var(squares, ddof=1) / DRAWS, np.mean(probed), np.var(probed, ddof=1) / PROBES]
+        found[motion] = [np.mean(squares), np.var(squares, ddof=1) / DRAWS, *traces[motion]]
     gradient = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
     stresslets = np.array(mobility(case | {"background": {"velocity_gradient": gradient}}, TOLERANCE)["stresslets"])
     volume = np.prod(case["box"])
@@ -66,8 +72,8 @@ def main():
     columns = ["φ", "lubrication", "\\\\(D\\\\) of noise", "of the trace", "in a large box", "\\\\(D_r\\\\) of noise", "of the trace"]
     columns += ["\\\\(\\eta_\\infty/\\mu\\\\)", "expansion of \\\\(D\\\\)", "of \\\\(D_r\\\\)"]
     lines = [
-        f"{SPHERES} hard spheres, {CONFIGURATIONS} configurations at equilibrium, {DRAWS} draws on each, over what one sphere alone has; traces by",
-        f"{PROBES} vectors of random signs each, with the error of the difference. In a large box the diffusivity is larger by",
+        f"{SPHERES} hard spheres, {CONFIGURATIONS} configurations at equilibrium, {DRAWS} draws on each, over what one sphere alone has; traces of",
+        f"translation column by column, those of rotation by {PROBES} vectors of random signs, with the error of the difference. In a large box the diffusivity is larger by",
         f"\\\\({FINITE:.4f} (\\phi/N)^{{1/3}} \\mu/\\eta_\\infty\\\\). Expansions are \\\\(1 - 1.8315 \\phi - 0.219 \\phi^2\\\\) and",
         "\\\\(1 - 0.631 \\phi - 0.726 \\phi^2\\\\) (Cichocki, Ekiel-Jeżewska & Wajnryb 1999).",
         "",

@@ -71,6 +71,7 @@ mod stencil;
 mod table;
 mod totals;
 mod wall_cut;
+mod wall_drift;
 mod wall_images;
 mod waves;
 mod window;

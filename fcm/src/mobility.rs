@@ -1,6 +1,7 @@
 //! The linear map from loads to motions.
 
 mod flow;
+mod fluctuations;
 
 pub use flow::Flow;
 
@@ -9,9 +10,9 @@ use crate::envelope::Envelope;
 use crate::far::{Far, FarField, FarLoads, Wanted};
 use crate::loads::{Loads, Motion, angular_velocity, dipole};
 use crate::near::{Loaded, Near, NearField};
-use crate::noise::{self, Components, Drawn, Stream, root_times};
 use crate::plan::Plan;
-use crate::problem::{Multipoles, Precision};
+use crate::problem::Precision;
+use crate::wall_drift::WallDrift;
 use crate::wall_images::WallImages;
 use crate::work::{Clock, Work};
 use domain::{
@@ -19,11 +20,6 @@ use domain::{
 };
 use rayon::prelude::*;
 use solver::Real;
-use std::convert::Infallible;
-use std::f64::consts::PI;
-
-/// Iterations for the root of the near field at most: it is well conditioned, and takes ten or twenty.
-const MOST_ITERATIONS: usize = 60;
 
 /// Which motions are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +49,8 @@ pub struct Mobility {
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
     wall_images: Option<WallImages>,
+    /// Made when it is asked for first.
+    wall_drift: Option<WallDrift>,
     arrangement: Arrangement,
     verlet_list: VerletList,
     constraint: Option<Constraint>,
@@ -91,6 +89,7 @@ impl Mobility {
             far,
             near,
             wall_images: WallImages::new(&own),
+            wall_drift: None,
             arrangement,
             verlet_list,
             constraint: None,
@@ -191,90 +190,6 @@ impl Mobility {
         motion
     }
 
-    /// Random motions of the particles of these ids, which are in place, whose covariance is the mobility itself: velocities, and
-    /// with dipoles angular velocities and rates of strain. Where there is a near field, its part is the root of that matrix to
-    /// a tolerance. Collective.
-    ///
-    /// The far field has its root mode by mode, see [`solver::Transform::noise`], and interpolation is the adjoint of
-    /// spreading; the near field's root is applied by Lanczos's iteration.
-    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
-        let has_dipoles = self.plan.multipoles == Multipoles::Dipole;
-        let wanted = if has_dipoles { Wanted::Both } else { Wanted::Velocities };
-        let mut far = self.far.noise(&self.arrangement.classes, wanted, stream);
-        self.arrangement.collect(&mut far);
-        self.work.transforms += 1;
-        let (near, drawn) = self.near_noise(ids, tolerance, stream);
-        let kept = if has_dipoles { 11 } else { 3 };
-        let sum = far[..ids.len()].iter().enumerate().map(|(row, motion)| {
-            let mut sum = components(motion);
-            if let Some(near) = near.get(row) {
-                sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += near);
-            }
-            sum[kept..].fill(0.0);
-            sum
-        });
-        let mut motion = noise::motion(sum);
-        // The unit of a velocity's variance is that of the mobility.
-        let [velocity, rate] =
-            [self.units.length, self.units.length.powi(3)].map(|size| (size * self.units.viscosity).sqrt().recip());
-        motion.velocities.iter_mut().for_each(|v| *v *= velocity);
-        motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);
-        motion.strain_rates.iter_mut().for_each(|e| *e = *e * rate);
-        if !has_dipoles {
-            (motion.angular_velocities, motion.strain_rates) = (Vec::new(), Vec::new());
-        }
-        (motion, drawn)
-    }
-
-    /// The near field's part. Collective.
-    fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Vec<Components>, Drawn) {
-        let Some(near) = &self.near else { return (Vec::new(), Drawn::default()) };
-        let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
-        let has_dipoles = self.plan.multipoles == Multipoles::Dipole;
-        let own = self.plan.in_units(&self.units);
-        // The root of the mobilities of single spheres, by which all components are about equally large.
-        let of_one = |&class: &u32| {
-            let (a, viscosity) = (own.radii[class as usize], own.viscosity);
-            let [force, torque, strain] = [6.0 * PI * a, 8.0 * PI * a.powi(3), 20.0 / 3.0 * PI * a.powi(3)];
-            [force, torque, strain].map(|resistance| (resistance * viscosity).sqrt().recip())
-        };
-        let scales: Vec<[f64; 3]> = arrangement.classes[..ids.len()].iter().map(of_one).collect();
-        let times = |components: &[Components], inverse: bool| -> Vec<Components> {
-            let scaled = |(components, scales): (&Components, &[f64; 3])| {
-                std::array::from_fn(|k| {
-                    let scale = scales[[0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2][k]];
-                    if inverse { components[k] / scale } else { components[k] * scale }
-                })
-            };
-            components.iter().zip(&scales).map(scaled).collect()
-        };
-        let start = ids.iter().map(|&id| {
-            let mut numbers = stream.of_particle(id);
-            numbers[if has_dipoles { 11 } else { 3 }..].fill(0.0);
-            numbers
-        });
-        let apply = |scaled: &[Components]| {
-            let loads = times(scaled, true);
-            let mut forces: Vec<Vector> = loads.iter().map(|c| Vector::new(c[0], c[1], c[2])).collect();
-            arrangement.halo.extend(&mut forces);
-            let mut dipoles = Vec::new();
-            if has_dipoles {
-                dipoles = loads
-                    .iter()
-                    .map(|&[_, _, _, x, y, z, d @ ..]| dipole(-noise::tensor(d), Vector::new(x, y, z)))
-                    .collect();
-                arrangement.halo.extend(&mut dipoles);
-            }
-            let mut motions = vec![(Vector::ZERO, Tensor::ZERO); ids.len()];
-            near.add(&arrangement.loaded(&forces, &dipoles), neighbours, has_dipoles, &mut motions);
-            Ok::<_, Infallible>(times(&motions.iter().map(components).collect::<Vec<_>>(), true))
-        };
-        let start: Vec<Components> = start.collect();
-        let Ok((root, drawn)) = root_times(self.partition.comm(), &start, (tolerance, MOST_ITERATIONS), apply);
-        self.work.neighbours += (neighbours.count() * drawn.iterations) as u64;
-        (times(&root, false), drawn)
-    }
-
     /// Which of forces, torques and stresslets there are on any rank, and the unit of force that goes with the largest
     /// of them. Collective.
     fn kinds_of(&mut self, loads: &Loads) -> [bool; 3] {
@@ -358,16 +273,6 @@ impl Arrangement {
         motions.iter_mut().zip(gradients).for_each(|(motion, gradient)| motion.1 = gradient);
         motions.truncate(self.halo.owned());
     }
-}
-
-/// A velocity and its gradient by components.
-fn components((velocity, gradient): &(Vector, Tensor)) -> Components {
-    let (turn, strain) = (angular_velocity(gradient), noise::orthonormal(Traceless::part_of(gradient)));
-    let mut components = [0.0; 11];
-    components[..3].copy_from_slice(&velocity.to_array());
-    components[3..6].copy_from_slice(&turn.to_array());
-    components[6..].copy_from_slice(&strain);
-    components
 }
 
 /// What was asked for, in the units that the plan came in.

@@ -63,9 +63,9 @@ pub(crate) type Components = [f64; 11];
 /// How a draw went.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Drawn {
-    /// Applications of the near field.
+    /// Applications of the near field, or of the whole mobility.
     pub iterations: usize,
-    /// The weight of negative eigenvalues of the near field that were taken for zero, over the whole: none but where spheres
+    /// The weight of negative eigenvalues that were taken for zero, over the whole: none but where spheres
     /// overlap.
     pub clipped: f64,
     /// The change of the root in the last iteration, over it.

@@ -33,7 +33,7 @@ pub mod simd;
 mod stokes;
 mod transform;
 
-pub use channel::{Channel, ChannelFaces, ChannelWeights};
+pub use channel::{Channel, ChannelFaces, ChannelWeights, across_walls};
 pub use divergence::divergence;
 pub use field::{Field, Physical, Spectral, Tile};
 pub use flow::{BackgroundFlow, FlowError};

@@ -6,7 +6,7 @@ use crate::near::NearLists;
 use domain::{Number, Particles, Partition, PeriodicBox};
 use lubrication::Range;
 
-/// Pairs too near each other at the places where motions were solved for.
+/// Pairs too near each other at the places where motions were solved for, those of a sphere and a wall among them.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Crowded {
     /// How many overlap.
@@ -42,11 +42,16 @@ impl Crowding {
     pub fn look(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition)) {
         let near = self.near.find(particles, place);
         let (mut counts, mut depth) = ([0.0; 2], [0.0_f64]);
-        for (separation, [a, b], _) in near.pairs() {
-            let gap = separation.length() - (a + b);
+        let mut see = |gap: f64, mean_radius: f64| {
             counts[0] += f64::from(u8::from(gap < 0.0));
-            counts[1] += f64::from(u8::from(self.floor.is_some_and(|floor| gap < floor * 0.5 * (a + b))));
+            counts[1] += f64::from(u8::from(self.floor.is_some_and(|floor| gap < floor * mean_radius)));
             depth[0] = depth[0].max(-gap);
+        };
+        for (separation, [a, b], _) in near.pairs() {
+            see(separation.length() - (a + b), 0.5 * (a + b));
+        }
+        for (&position, &radius) in particles.positions.iter().zip(&particles.radii) {
+            place.0.to_walls(position).for_each(|to| see(to.distance - radius, radius));
         }
         place.1.comm().sum(&mut counts);
         place.1.comm().max(&mut depth);
@@ -153,7 +158,7 @@ impl std::fmt::Display for Remedies {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Species};
-    use domain::{Comm, Vector};
+    use domain::{Boundaries, Comm, Vector};
 
     /// Two pairs across faces of the box, one at a distance below the gap's floor and one that overlaps, and one pair beyond,
     /// on any ranks.
@@ -187,6 +192,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A sphere that has sunk into a wall is such a pair, one that nearly touches the other wall another.
+    #[test]
+    fn spheres_at_walls_are_counted() {
+        let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
+        let mut parameters = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 3)], (0.1, 1));
+        parameters.hydrodynamics.lubrication = true;
+        let model = Model::new(parameters).unwrap();
+        let partition = Partition::new(&Comm::alone(), [8, 8]);
+        let mut particles = Particles::default();
+        for (id, z) in [0.95, 5.0, 11.0 - 5e-7].into_iter().enumerate() {
+            particles.push(id as u64, Vector::new(1.0 + 4.0 * id as f64, 2.0, z), 1.0, 0);
+        }
+        let mut crowding = Crowding::new(&model, 1.0, &partition);
+        crowding.look(&particles, (&cell, &partition));
+        let Crowded { overlapping, at_floor, depth } = crowding.last();
+        assert_eq!((overlapping, at_floor), (1, 2));
+        assert!((depth - 0.05).abs() < 1e-14);
     }
 
     /// What is left out of random motions is not where they are drawn on the grid alone, if the box has that.

@@ -11,8 +11,7 @@ use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
 use crate::strain_rate::StrainRate;
 use domain::{
-    Boundaries, Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn,
-    Vector,
+    Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn, Vector,
 };
 use fcm::{
     Costs, Drawn, Evaluation, Fixed, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, PlanError, Problem,
@@ -75,9 +74,6 @@ pub enum MobilityError {
     /// A background flow that does not fit the walls.
     #[error(transparent)]
     Flow(#[from] FlowRefused),
-    /// Random motions in a box that does not repeat along all axes.
-    #[error("random motions are for boxes that repeat along all axes; leave out the noise")]
-    Noise,
     /// No square root to the tolerance.
     #[error(
         "the square root of the mobility still changed by {change:.1e} after {applications} applications, where {tolerance:e} was \
@@ -249,17 +245,16 @@ impl Mobility {
                 motion.strain_rates.clear();
             }
             record_motion(&mut particles, &motion);
-            motions.push(moved(&mut particles.gathered(&self.partition)));
+            let mut motion = moved(&mut particles.gathered(&self.partition));
+            turn_motion(&mut motion, self.turn.inverse());
+            motions.push(motion);
         }
         Ok((motions, worst))
     }
 
-    /// Refuses draws in a box that does not repeat along all axes, and those for whose motions there is no memory, as they are and as
+    /// Refuses draws for whose motions there is no memory, as they are and as
     /// the caller has them. Collective.
     fn check_draws(&self, draws: &std::ops::Range<u64>) -> Result<(), MobilityError> {
-        if self.parameters.cell.boundaries() != Boundaries::Periodic {
-            return Err(MobilityError::Noise);
-        }
         let numbers = DRAWN_NUMBERS * draws.end.saturating_sub(draws.start) as f64 * self.parameters.radii.len() as f64;
         let (plan, radii, lubrication) = (&self.plan, self.problem.radii.clone(), self.parameters.lubrication);
         let (numbers, besides) = (NUMBERS, Bytes::keep(2.0 * 8.0 * numbers));
@@ -341,11 +336,19 @@ impl Motions {
         if turn == Turn::default() {
             return self;
         }
-        let Motion { velocities, angular_velocities, strain_rates } = &mut self.motion;
-        velocities.iter_mut().chain(angular_velocities).for_each(|v| *v = turn.vector(*v));
-        let tensors = strain_rates.iter_mut().chain(&mut self.stresslets).chain(&mut self.stresslets_far);
-        tensors.for_each(|tensor| *tensor = turn.traceless(*tensor));
+        turn_motion(&mut self.motion, turn);
+        for tensor in self.stresslets.iter_mut().chain(&mut self.stresslets_far) {
+            *tensor = turn.traceless(*tensor);
+        }
         self
+    }
+}
+
+fn turn_motion(motion: &mut Motion, turn: Turn) {
+    let Motion { velocities, angular_velocities, strain_rates } = motion;
+    velocities.iter_mut().chain(angular_velocities).for_each(|v| *v = turn.vector(*v));
+    for tensor in strain_rates {
+        *tensor = turn.traceless(*tensor);
     }
 }
 

@@ -30,8 +30,9 @@ pub struct Observer {
     boundaries: Boundaries,
     /// Whether a pressure gradient keeps the flux.
     keeps_flux: bool,
-    /// Thermal energy over the volume of the box, if there is heat.
-    heat: Option<f64>,
+    /// Whether there is heat, and the thermal energy over the volume of the box, where that is all that spheres are in.
+    has_heat: bool,
+    ideal_pressure: Option<f64>,
     /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts, and whether their stiffness is
     /// chosen; and the overlaps seen since that stays.
     aim: Option<(f64, bool)>,
@@ -110,7 +111,8 @@ impl Observer {
             remedies: Remedies::of(model),
             boundaries: model.cell.boundaries(),
             keeps_flux: model.flow.keeps_flux(),
-            heat: model.thermal_energy.map(|energy| energy / model.cell.volume()),
+            has_heat: model.thermal_energy.is_some(),
+            ideal_pressure: ideal_pressure(model),
             aim: model.contacts.map(|contacts| (contacts.overlap, contacts.stiffness.is_none())),
             pressed: Pressed::default(),
             unsettled: None,
@@ -202,8 +204,8 @@ impl Observer {
         quantities.extend(self.keeps_flux.then(|| Quantity::number("pressure_gradient", "force/length^3")));
         quantities.extend(migration::quantities(self.boundaries, &self.species, &self.axes));
         quantities.extend(self.is_open().then(|| cloud::quantity(&self.species)));
-        quantities.extend(self.heat.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
-        if self.heat.is_some() {
+        quantities.extend(self.ideal_pressure.iter().map(|_| Quantity::number("osmotic_pressure", "force/length^2")));
+        if self.has_heat {
             quantities.extend(CROWDED.map(|(name, unit)| Quantity::number(name, unit)));
         }
         quantities.extend(self.columns.iter().map(|_| Quantity::number("segregation", "")));
@@ -239,7 +241,7 @@ impl Observer {
         let StepReport { iterations, residual, evaluations, divergence, smallest_gap } = report;
         self.overlaps.see(smallest_gap);
         let mut row = vec![self.vectors(means), self.variances(&variances)];
-        let is_wanted = self.rheology.is_some() || self.heat.is_some() || self.boundaries.walls() > 0;
+        let is_wanted = self.rheology.is_some() || self.ideal_pressure.is_some() || self.boundaries.walls() > 0;
         let stress = is_wanted.then(|| suspension.stress(self.species.len()));
         if let (Some(rheology), Some(stress)) = (&self.rheology, &stress) {
             row.extend(rheology.row(stress, suspension.shear()));
@@ -256,8 +258,8 @@ impl Observer {
         if self.is_open() {
             row.push(cloud::row(suspension.particles(), self.species.len(), suspension.comm()));
         }
-        if let (Some(heat), Some(stress)) = (self.heat, &stress) {
-            row.push(vec![heat * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
+        if let (Some(pressure), Some(stress)) = (self.ideal_pressure, &stress) {
+            row.push(vec![pressure * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
         }
         if let Some(Crowded { overlapping, at_floor, depth }) = suspension.crowded() {
             row.extend([overlapping as f64, at_floor as f64, depth].map(|number| vec![number]));
@@ -354,6 +356,13 @@ impl Overlaps {
         self.with_overlap += u64::from(smallest_gap < 0.0);
         self.largest = self.largest.max(-smallest_gap);
     }
+}
+
+/// The pressure of one sphere that moves by heat in the box, of which that of spheres and of forces between them is made: walls bear
+/// another one.
+fn ideal_pressure(model: &Model) -> Option<f64> {
+    let energy = model.thermal_energy.filter(|_| model.cell.boundaries() == Boundaries::Periodic)?;
+    Some(energy / model.cell.volume())
 }
 
 /// How many particles there are. Collective.

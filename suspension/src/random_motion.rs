@@ -26,6 +26,9 @@ pub const DISPLACEMENT: &str = "random displacement";
 /// Numbers of a particle in all of these and in [`BROWNIAN`].
 pub const RANDOM_NUMBERS: usize = 3 * 7 + 5 * 3;
 
+/// How far drift moves a sphere in a step at most, over its radius: usually it is some thousandths.
+const FARTHEST: f64 = 0.05;
+
 /// Error of the change of random motions, over it, that is small enough: noise leaves much more of a mean.
 pub const CHANGE: f64 = 0.03;
 
@@ -55,18 +58,31 @@ pub fn note_solved(
     Ok(())
 }
 
+/// How the change of random motions is made their mean.
+#[derive(Debug, Clone, Copy)]
+pub struct Change {
+    /// What it is divided by.
+    pub over: f64,
+    /// The thermal energy.
+    pub energy: f64,
+    /// Its error, relative to it.
+    pub tolerance: f64,
+}
+
 /// Notes as mean motions and stresslets by heat what random ones that were noted are more where the particles are now, with the same
-/// fluid and loads, over a factor, with an error of a tolerance relative to the change. Collective; fails on every rank or on none.
+/// fluid and loads, over a factor. Collective; fails on every rank or on none.
 ///
 /// With the displacement `h v` by the velocities of the fluid before, whose covariance with its motions `(v, w, e)` is `2 kT / dt`
 /// times the mobility of the method, that factor is `2 h / dt`, and the means are `kT div M` of the mobility `M` of rigid,
-/// lubricated spheres, and `-kT div D` of the first moments that forces cause.
+/// lubricated spheres, and `-kT div D` of the first moments that forces cause. Near walls, where the mobility of the method has a
+/// divergence itself, the fluid has moved by that factor of `kT` times it besides.
 pub fn note_drift(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &mut Particles),
-    (over, tolerance): (f64, f64),
+    Change { over, energy, tolerance }: Change,
 ) -> Result<(), SolveError> {
-    let (fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
+    let (mut fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
+    hydrodynamics.add_divergence((cell, particles), over * energy, &mut fluid);
     let Found { mut motion, stresslets, .. } =
         hydrodynamics.changed((cell, particles), (&loads, &fluid), &found, tolerance)?;
     motion.add(-1.0, &found.motion);
@@ -78,10 +94,31 @@ pub fn note_drift(
     Ok(())
 }
 
+/// Notes the mean motions by heat of particles that do not resist to strain: a thermal energy times the divergence of the mobility of
+/// the method.
+pub fn note_divergence(
+    hydrodynamics: &mut Hydrodynamics,
+    (cell, particles): (&PeriodicBox, &mut Particles),
+    energy: f64,
+) {
+    let mut motion = Motion { velocities: vec![Vector::ZERO; particles.len()], ..Motion::default() };
+    hydrodynamics.add_divergence((cell, particles), energy, &mut motion);
+    particles.vectors(DRIFT_VELOCITY).copy_from_slice(&motion.velocities);
+}
+
 /// The mean motions and stresslets by heat that were noted.
 pub fn drift(particles: &mut Particles) -> (Motion, Vec<Traceless>) {
     let [velocities, angular_velocities] = DRIFT.map(|name| particles.vectors(name).to_vec());
     (Motion { velocities, angular_velocities, strain_rates: Vec::new() }, tensors(particles, BROWNIAN).to_vec())
+}
+
+/// Shortens mean velocities by heat with which a sphere would move farther than a twentieth of its radius in a time. So far it is
+/// moved by the change of random loads alone, where a gap is next to nothing and the displacement for which that is taken is not.
+pub fn limit_drift(particles: &mut Particles, time: f64) {
+    let most: Vec<f64> = particles.radii.iter().map(|radius| FARTHEST * radius / time).collect();
+    for (velocity, most) in particles.vectors(DRIFT_VELOCITY).iter_mut().zip(most) {
+        *velocity = velocity.clamp_length_max(most);
+    }
 }
 
 /// Notes displacements by the velocities of the fluid as it was drawn, over a time.

@@ -63,6 +63,11 @@ radius = 1.4
 count = 1
 "#;
 
+/// The same between walls, and in open fluid.
+const WALLS: [&str; 2] =
+    [r#"box={edges=[10.0,9.0,9.6],boundaries=["periodic","periodic","walls"]}"#, r#"flow={kind="shear",rate=0.4}"#];
+const OPEN: [&str; 2] = [r#"box={boundaries=["open","open","open"]}"#, r#"flow={kind="none"}"#];
+
 fn run(model: &Model, ranks: usize) -> Particles {
     ended(model, ranks, |suspension| suspension.gathered(None))
 }
@@ -76,8 +81,11 @@ fn a_resumed_run_has_the_same_bits() {
     let steady = r#"flow={kind="shear",rate=4.0}"#;
     let oscillating = r#"flow={kind="shear",oscillation={amplitude=0.8,frequency=9.0}}"#;
     let midpoint = r#"time.brownian="midpoint""#;
-    for [flow, scheme] in [[steady, midpoint], [oscillating, midpoint], [steady, TWO], [oscillating, TWO]] {
-        let model = model_of(SHEARED, &[flow, scheme]);
+    let periodic = [[steady, midpoint], [oscillating, midpoint], [steady, TWO], [oscillating, TWO]].map(Vec::from);
+    let bounded =
+        [WALLS, OPEN].into_iter().flat_map(|of| [midpoint, TWO].map(|scheme| [of[0], of[1], scheme].to_vec()));
+    for keys in periodic.into_iter().chain(bounded) {
+        let model = model_of(SHEARED, &keys);
         let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
         for step in 0..model.steps {
             let mut resumed = Suspension::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
@@ -103,11 +111,13 @@ fn steps_are_the_same_unseen() {
 
 #[test]
 fn ranks_agree() {
-    let model = model_of(SHEARED, &["hydrodynamics.tolerance=1e-7", "time.steps=6"]);
-    let alone = run(&model, 1);
-    for ranks in [2, 7] {
-        let error = largest_distance(&alone, &run(&model, ranks));
-        assert!(error < 1e-6, "{ranks} ranks: {error}");
+    for of in [&[][..], &WALLS, &OPEN] {
+        let model = model_of(SHEARED, &[&["hydrodynamics.tolerance=1e-7", "time.steps=6"], of].concat());
+        let alone = run(&model, 1);
+        for ranks in [2, 7] {
+            let error = largest_distance(&alone, &run(&model, ranks));
+            assert!(error < 1e-6, "{of:?}, {ranks} ranks: {error}");
+        }
     }
 }
 

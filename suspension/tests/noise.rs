@@ -1,6 +1,6 @@
 //! Random motions have the covariance of the mobility.
 
-use domain::{Bytes, Comm, PeriodicBox, Traceless, Vector};
+use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
 use fcm::{Costs, Loads, Method, MethodName, Multipoles, Precision};
 use lubrication::Range;
 use solver::BackgroundFlow;
@@ -23,6 +23,12 @@ fn parameters(edge: f64, tolerance: f64) -> MobilityParameters {
 
 fn places() -> Vec<Vector> {
     vec![Vector::new(1.0, 2.0, 2.0), Vector::new(3.1, 2.4, 2.2), Vector::new(2.0, 4.8, 3.0)]
+}
+
+/// The same in a box that does not repeat along all axes, at walls, if it has any.
+fn bounded(boundaries: Boundaries) -> MobilityParameters {
+    let cell = PeriodicBox::new(Vector::new(9.0, 10.0, 5.0)).unwrap().with_boundaries(boundaries).unwrap();
+    MobilityParameters { cell, ..parameters(9.0, 1e-3) }
 }
 
 fn mobility(parameters: MobilityParameters, comm: &Comm) -> Mobility {
@@ -114,13 +120,19 @@ fn random_motions_have_the_covariance_of_the_mobility() {
         ("rigid", parameters(14.0, 1e-3), 6),
         ("lubricated", lubricated(parameters(14.0, 1e-3)), 6),
         ("lubricated, with images", lubricated(parameters(7.5, 1e-3)), 6),
+        ("raw, between walls", free(bounded(Boundaries::Walls)), 11),
+        ("rigid, above a wall", bounded(Boundaries::Wall), 6),
+        ("lubricated, between walls", lubricated(bounded(Boundaries::Walls)), 6),
+        ("lubricated, above a wall", lubricated(bounded(Boundaries::Wall)), 6),
+        ("lubricated, in open fluid", lubricated(bounded(Boundaries::Open)), 6),
     ];
     let mut kinds = Vec::new();
     for (name, parameters, width) in cases {
         let mut mobility = mobility(parameters, &Comm::alone());
         kinds.push((mobility.plan().method == Method::Direct, mobility.plan().precision == Precision::Single));
         let root = cholesky(&dense(&mut mobility, width));
-        let draws = 1200;
+        // Each takes the root of the whole mobility where walls are.
+        let draws = if mobility.plan().boundaries == Boundaries::Periodic { 1200 } else { 300 };
         let (motions, drawn) = mobility.noise(7, 0..draws).unwrap();
         let white: Vec<Vec<f64>> = motions.iter().map(|motion| whitened(&root, &flat(motion, width))).collect();
         let count = root.len();
@@ -169,8 +181,15 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
 fn whitened_draws_are_the_same_on_any_ranks() {
     let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
     let draws = 8;
-    for (tolerance, precision, allowed) in [(1e-3, Precision::Single, 1e-4), (1e-7, Precision::Double, 1e-6)] {
-        let trimer = MobilityParameters { lubrication, ..parameters(9.0, tolerance) };
+    let walls = bounded(Boundaries::Walls);
+    let cases = [
+        (parameters(9.0, 1e-3), Precision::Single, 1e-4),
+        (parameters(9.0, 1e-7), Precision::Double, 1e-6),
+        (walls.clone(), Precision::Single, 1e-3),
+        (MobilityParameters { tolerance: 1e-7, ..walls }, Precision::Double, 1e-6),
+    ];
+    for (parameters, precision, allowed) in cases {
+        let trimer = MobilityParameters { lubrication, ..parameters };
         let mut alone = mobility(trimer.clone(), &Comm::alone());
         assert_eq!(alone.plan().precision, precision);
         let root = cholesky(&dense(&mut alone, 6));
@@ -204,7 +223,7 @@ fn root_columns(mobility: &mut Mobility, transposed: bool) -> Vec<Vec<f64>> {
 #[test]
 fn the_root_times_its_transpose_is_the_mobility() {
     let tight = parameters(14.0, 1e-6);
-    let walls = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(domain::Boundaries::Walls).unwrap();
+    let walls = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
     let range = Some(Range::new(2.5, Range::CLOSEST).unwrap());
     let cases = [
         MobilityParameters { lubrication: range, ..tight.clone() },

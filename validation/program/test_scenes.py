@@ -31,13 +31,14 @@ SMALLER = {
     "extension": {"time.duration": 1.0},
     "colloid": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "brownian-shear": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
+    "colloid-sediment": {"species[0].count": 20, "time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "granular-disks": {"time.strain": 1.0},
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},
     "shear-cell": {"time.steps": 3, "time.settle": 0},
 }
 # Scenes of each kind of box and of grains, of which scripts/plot draws a page.
-DRAWN = {"suspension", "couette", "sediment", "cloud", "extension", "granular-disks"}
+DRAWN = {"suspension", "couette", "sediment", "cloud", "extension", "colloid-sediment", "granular-disks"}
 PLOT = ROOT / "scripts" / "python" / "plot.py"
 # Scenes of grains run in one process.
 GRAINS = {"granular-disks", "disk-sweep", "poiseuille-disks", "shear-cell", "shear-cell-continuum"}

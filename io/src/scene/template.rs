@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All of them.
-pub static TEMPLATES: [Template; 22] = [
+pub static TEMPLATES: [Template; 23] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -37,6 +37,7 @@ pub static TEMPLATES: [Template; 22] = [
     template!("chain", "A tethered chain of bonded spheres in a shear flow of open fluid"),
     template!("colloid", "Charged colloids that diffuse, at 20% by volume"),
     template!("brownian-shear", "The same in a shear flow"),
+    template!("colloid-sediment", "Colloids that settle on a bottom and diffuse above it"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
     template!("disk-sweep", "Several seeds and viscosities of such disks"),
     template!("poiseuille-disks", "Disks of many sizes in a Poiseuille flow"),

@@ -39,12 +39,7 @@ impl Faces {
     /// inverse of `G` among walls: the Schur complement. The grid has `sum_m G(zeta + m period)` instead of `G`; what is
     /// too much of that is in the span of the same functions.
     pub fn kernel(&self, k: f64) -> Kernel {
-        let mut kernel = Kernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
-        match self.walls {
-            0 => {}
-            1 => one_wall(k, &mut kernel),
-            _ => two_walls(k, k * self.height, &mut kernel),
-        }
+        let mut kernel = of_walls(k, self.walls, self.height);
         self.without_copies(k, &mut kernel);
         kernel
     }
@@ -67,6 +62,25 @@ impl Faces {
         kernel.across[0][1] -= 0.5 / k * level;
         kernel.across[1][0] -= 0.5 / k * level;
     }
+}
+
+/// What walls add to unbounded fluid, for `k > 0` and the viscosity 1.
+fn of_walls(k: f64, walls: usize, height: f64) -> Kernel {
+    let mut kernel = Kernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
+    match walls {
+        0 => {}
+        1 => one_wall(k, &mut kernel),
+        _ => two_walls(k, k * height, &mut kernel),
+    }
+    kernel
+}
+
+/// The velocity across the walls at `z` that they add to that of a unit force across them at `z'`, both in a wave along them of
+/// wavenumber `k > 0`, for the viscosity 1: with the entries `K_pq` it is `sum_pq K_pq f_p(z) f_q(z')` in the functions
+/// `exp(-k z)`, `k z exp(-k z)` and the same of the distance `height - z`.
+pub fn across_walls(walls: usize, height: f64, k: f64) -> [[f64; FUNCTIONS]; FUNCTIONS] {
+    let Kernel { along, .. } = of_walls(k, walls, height);
+    std::array::from_fn(|p| std::array::from_fn(|q| along[FUNCTIONS + p][FUNCTIONS + q]))
 }
 
 /// What unit tractions along the wavevector and along z drive, times `4k`: those of the wall below, then above.

@@ -12,6 +12,7 @@ mod mean;
 mod update;
 
 pub(crate) use kernel::Faces;
+pub use kernel::across_walls;
 pub(crate) use update::Update;
 
 use crate::fourier::At;

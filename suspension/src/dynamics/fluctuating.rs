@@ -1,24 +1,25 @@
 //! Dynamics in a fluid that fluctuates.
 
 use super::{Dynamics, Moment, Outcome};
+use crate::brownian::Noise;
 use crate::crowding::{Crowded, Crowding};
 use crate::hydrodynamics::{Guess, Solved};
 use crate::integrator::PAST;
-use crate::random_motion::{self, CHANGE, ambient, set_ambient};
+use crate::random_motion::{self, CHANGE, Change, ambient, set_ambient};
 use crate::step_error::StepError;
 use domain::{Interrupted, Particles, Vector};
-use fcm::{Loads, Stream};
+use fcm::Loads;
 
 /// Error of random motions over the tolerance.
 const ROOT: f64 = 0.3;
 
 impl Dynamics {
-    /// Draws how the fluid moves at each particle, by an amplitude. Collective.
-    pub fn fluctuate(&mut self, particles: &mut Particles, (amplitude, stream): (f64, Stream)) {
+    /// Draws how the fluid moves at each particle. Collective.
+    pub fn fluctuate(&mut self, particles: &mut Particles, noise: Noise) {
         let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
-        let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, stream));
+        let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, noise.stream));
         self.clipped = self.clipped.max(drawn.clipped);
-        set_ambient(particles, &motion, amplitude);
+        set_ambient(particles, &motion, noise.amplitude);
     }
 
     /// The velocities of the fluid as it was drawn and of the background flow, as the first past ones.
@@ -27,25 +28,26 @@ impl Dynamics {
         self.note_carried(particles, PAST[0], &drawn);
     }
 
-    /// As [`Self::evaluate`], with the fluid moving as it was drawn, and noise of lubrication by the same random numbers.
-    /// Collective; fails on every rank or on none.
+    /// As [`Self::evaluate`], with the fluid moving as it was drawn, and by the drift near walls, and noise of lubrication by the same
+    /// random numbers. Collective; fails on every rank or on none.
     pub fn evaluate_fluctuating(
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
-        noise: (f64, Stream),
+        noise: Noise,
     ) -> Result<Outcome, StepError> {
-        let (_, solved) = self.solve_fluctuating(particles, moment, noise)?;
+        let (_, solved) = self.solve_fluctuating(particles, moment, (noise, noise.energy))?;
         self.record(particles, &solved);
         Ok(Outcome::of(&solved))
     }
 
-    /// The motions under all that acts, loads of lubrication's noise among it, in the fluid as it was drawn.
+    /// The motions under all that acts, loads of lubrication's noise among it, in the fluid as it was drawn and with so many times the
+    /// divergence of the mobility.
     fn solve_fluctuating(
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
-        noise: (f64, Stream),
+        (noise, energy): (Noise, f64),
     ) -> Result<(Loads, Solved), StepError> {
         self.unless_interrupted()?;
         self.place(particles, moment)?;
@@ -56,7 +58,10 @@ impl Dynamics {
             loads.resize(particles.len(), Vector::ZERO);
             loads.iter_mut().zip(noise).for_each(|(load, noise)| *load += noise);
         }
-        let ambient = ambient(particles);
+        let mut ambient = ambient(particles);
+        if energy > 0.0 {
+            self.hydrodynamics.add_divergence((self.moving.cell(), particles), energy, &mut ambient);
+        }
         let solved =
             self.solved(particles, (&loads, (&[], &tethers), &ambient), &Guess::induced_by(&ambient), moment)?;
         Ok((loads, solved))
@@ -69,9 +74,9 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         moment: &Moment,
-        noise: (f64, Stream),
+        noise: Noise,
     ) -> Result<Outcome, StepError> {
-        let (loads, solved) = self.solve_fluctuating(particles, moment, noise)?;
+        let (loads, solved) = self.solve_fluctuating(particles, moment, (noise, 0.0))?;
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
         if self.rigid {
             let cell = *self.moving.cell();
@@ -81,14 +86,21 @@ impl Dynamics {
         Ok(Outcome::of(&solved))
     }
 
-    /// Notes the drift of the random motions where the particles are now, see [`random_motion::note_drift`]: none of particles that
-    /// do not resist to strain. Collective; fails on every rank or on none.
-    pub fn note_drift(&mut self, particles: &mut Particles, moment: &Moment, over: f64) -> Result<(), StepError> {
+    /// Notes the drift of the random motions at a thermal energy where the particles are now, see [`random_motion::note_drift`]; that of
+    /// particles that do not resist to strain is the divergence of the mobility. Collective; fails on every rank or on none.
+    pub fn note_drift(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        (over, energy): (f64, f64),
+    ) -> Result<(), StepError> {
+        let cell = *self.moving.cell();
         if !self.rigid {
+            random_motion::note_divergence(&mut self.hydrodynamics, (&cell, particles), energy);
             return Ok(());
         }
-        let cell = *self.moving.cell();
-        let noted = random_motion::note_drift(&mut self.hydrodynamics, (&cell, particles), (over, CHANGE));
+        let change = Change { over, energy, tolerance: CHANGE };
+        let noted = random_motion::note_drift(&mut self.hydrodynamics, (&cell, particles), change);
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }
 
@@ -103,7 +115,7 @@ impl Dynamics {
     }
 
     /// Random loads between near pairs. Collective.
-    fn pair_noise(&mut self, particles: &Particles, (amplitude, stream): (f64, Stream)) -> Loads {
+    fn pair_noise(&mut self, particles: &Particles, Noise { amplitude, stream, .. }: Noise) -> Loads {
         let cell = *self.moving.cell();
         let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, stream);
         let times = |list: Vec<Vector>| list.into_iter().map(|load| load * amplitude).collect();

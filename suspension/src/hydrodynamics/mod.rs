@@ -259,6 +259,13 @@ impl Hydrodynamics {
         mobility.noise(&particles.ids, tolerance, stream)
     }
 
+    /// Adds to motions of particles so many times the divergence of the mobility of the method, which vanishes but near walls.
+    pub fn add_divergence(&mut self, (cell, particles): (&PeriodicBox, &Particles), times: f64, motion: &mut Motion) {
+        if let Some(divergence) = self.far.mobility().divergence_at_walls(cell, particles) {
+            motion.add(times, &divergence);
+        }
+    }
+
     /// Random forces and torques whose covariance is the resistance of lubrication; nothing without it. Collective.
     pub fn pair_noise(&mut self, cell: &PeriodicBox, particles: &Particles, stream: Stream) -> Loads {
         let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else {

@@ -1,8 +1,8 @@
 //! The mean motion that heat causes.
 
-use super::{Mobility, MobilityError, ROOT};
+use super::{Mobility, MobilityError, ROOT, turn_motion};
 use crate::integrator::move_by;
-use crate::random_motion::{self, CHANGE, DISPLACEMENT};
+use crate::random_motion::{self, CHANGE, Change, DISPLACEMENT};
 use domain::{Traceless, Vector};
 use fcm::{Loads, Multipoles, Stream};
 use std::f64::consts::PI;
@@ -23,14 +23,14 @@ const DISPLACED: f64 = 1e-3;
 
 impl Mobility {
     /// Random parts of the drift of rigid spheres, by draws of the same seed and numbers as [`Self::noise`]: the mean over many is
-    /// the drift. Spheres that are not rigid have none.
+    /// the drift. Spheres that are not rigid have none but near walls.
     ///
     /// ```text
     /// [U(x + h v; v, w, e) - U(x; v, w, e)] / h
     /// ```
     ///
-    /// with `v, w, e` random motions of the fluid of the covariance of the method's own mobility, whose divergence vanishes, and
-    /// `U` those of the spheres in that fluid: its scatter does not grow as `h` falls.
+    /// with `v, w, e` random motions of the fluid of the covariance of the method's own mobility, whose divergence vanishes but near
+    /// walls, where it is added, and `U` those of the spheres in that fluid: its scatter does not grow as `h` falls.
     pub fn drift(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<Vec<Drift>, MobilityError> {
         self.check_draws(&draws)?;
         let (cell, tolerance) = (self.parameters.cell, ROOT * self.parameters.tolerance);
@@ -50,9 +50,16 @@ impl Mobility {
                 move_by(&mut particles, [DISPLACEMENT], [1.0]);
                 particles.wrap(&cell);
                 particles.migrate(&self.partition, &cell);
-                random_motion::note_drift(&mut self.hydrodynamics, (&cell, &mut particles), (step, CHANGE))?;
+                let change = Change { over: step, energy: 1.0, tolerance: CHANGE };
+                random_motion::note_drift(&mut self.hydrodynamics, (&cell, &mut particles), change)?;
+            } else {
+                random_motion::note_divergence(&mut self.hydrodynamics, (&cell, &mut particles), 1.0);
             }
-            let (motion, stresslets) = random_motion::drift(&mut particles.gathered(&self.partition));
+            let (mut motion, mut stresslets) = random_motion::drift(&mut particles.gathered(&self.partition));
+            turn_motion(&mut motion, self.turn.inverse());
+            for tensor in &mut stresslets {
+                *tensor = self.turn.inverse().traceless(*tensor);
+            }
             let fcm::Motion { velocities, angular_velocities, .. } = motion;
             drifts.push(Drift { velocities, angular_velocities, stresslets });
         }

@@ -53,7 +53,8 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
         let message = "is \"stress\", which can't be with fluid.thermal_energy: random stresses would drive the flow; give flow.rate";
         return Err(ParameterError::new("flow.control", message));
     }
-    if let Flow::Shear { lees_edwards: false, .. } = p.flow {
+    let is_periodic = p.cell.boundaries() == Boundaries::Periodic;
+    if let (Flow::Shear { lees_edwards: false, .. }, true) = (p.flow, is_periodic) {
         let message = "is false, but heat moves spheres across the faces of the box, beyond which images that do not move \
                        with the flow are no places of equilibrium; leave it out";
         return Err(ParameterError::new("flow.lees_edwards", message));
@@ -80,9 +81,9 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
                        upper one over its height";
         return refused("flow.control", message);
     }
-    if p.thermal_energy.is_some() {
-        let message = "needs a box that repeats along all axes; leave it out, or make box.boundaries periodic";
-        return refused("fluid.thermal_energy", message);
+    if p.thermal_energy.is_some() && p.flow.keeps_flux() {
+        let message = "is set with fluid.thermal_energy, but heat has no part in what keeps the flux; give flow.pressure_gradient";
+        return refused("flow.mean_velocity", message);
     }
     if p.statistics.is_some() && boundaries == Boundaries::Open {
         let message = "are those of a box that repeats along two axes or all; leave them out in open fluid";
@@ -94,6 +95,11 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
 /// A layer in fluid that is open on both sides: what is far away has no velocity to which a flow, or the motion that forces
 /// along the layer cause, could be relative.
 fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
+    if p.thermal_energy.is_some() {
+        let message = "can't be in a layer in fluid that is open on both sides: heat moves spheres along it, and all fluid with them; \
+                       make box.boundaries periodic, open along all axes, or with walls";
+        return Err(ParameterError::new("fluid.thermal_energy", message));
+    }
     if !matches!(p.flow, Flow::None) {
         let message = "is a flow, but a layer in fluid that is open on both sides has none; leave it out";
         return Err(ParameterError::new("flow.kind", message));

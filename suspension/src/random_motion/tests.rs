@@ -1,6 +1,6 @@
 use super::*;
 use crate::hydrodynamics::ShortRange;
-use domain::{Comm, Partition};
+use domain::{Boundaries, Comm, Partition};
 use fcm::{Costs, Evaluation, Fixed, Multipoles, Plan, Problem};
 use lubrication::Range;
 
@@ -67,18 +67,18 @@ fn particles() -> Particles {
     particles
 }
 
-fn hydrodynamics(cell: &PeriodicBox, lubrication: Option<Range>) -> Hydrodynamics {
+fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>) -> Hydrodynamics {
     let problem = Problem {
         edges: cell.edges(),
-        boundaries: domain::Boundaries::Periodic,
+        boundaries: cell.boundaries(),
         contraction: 1.0,
-        largest_strain: 0.2,
+        largest_strain: cell.strain().abs(),
         largest_tilts: [0.0; 2],
         radii: vec![(1.0, 2), (2.0, 1)],
         viscosity: 1.0,
         multipoles: Multipoles::Dipole,
         rigid: true,
-        tolerance: 1e-4,
+        tolerance,
         threads: 1,
         ranks: 1,
         costs: Costs::default(),
@@ -90,29 +90,47 @@ fn hydrodynamics(cell: &PeriodicBox, lubrication: Option<Range>) -> Hydrodynamic
 }
 
 /// `sum_k d_k (A M_{.,k})` over the coordinates `k` of all spheres, with `M_{.,k}` what a unit force along `k` does to the fluid,
-/// which stays as it was while that sphere is moved along `k`, ahead and back: what the mean over random motions is without their scatter.
-fn divergence(lubrication: Option<Range>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
-    let cell = PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap();
-    let mut hydrodynamics = hydrodynamics(&cell, lubrication);
+/// which stays as it was while that sphere is moved along `k`, ahead and back: what the mean over random motions is without their
+/// scatter. Near walls `A sum_k d_k M_{.,k}` comes to it.
+fn divergence(
+    hydrodynamics: &mut Hydrodynamics,
+    (cell, particles): (&PeriodicBox, &Particles),
+    tolerance: f64,
+) -> ([f64; 18], [Traceless; 3]) {
     let (mut sums, mut stresslets) = ([0.0; 18], [Traceless::ZERO; 3]);
+    let mut add = |times: f64, (motion, by_heat): (Motion, Vec<Traceless>)| {
+        let Motion { velocities, angular_velocities, .. } = motion;
+        let numbers = [velocities, angular_velocities].concat().into_iter().flat_map(|v| v.to_array());
+        sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += times * number);
+        stresslets.iter_mut().zip(by_heat).for_each(|(sum, s)| *sum += s * times);
+    };
     for (sphere, axis) in (0..3).flat_map(|sphere| (0..3).map(move |axis| (sphere, axis))) {
-        let mut particles = particles();
+        let mut particles = particles.clone();
         let mut forces = vec![Vector::ZERO; 3];
         forces[sphere][axis] = 1.0;
-        hydrodynamics.mobility().arrange(&cell, &particles);
+        hydrodynamics.mobility().arrange(cell, &particles);
         let fluid = hydrodynamics.mobility().apply(&Loads { forces, ..Loads::default() }, Evaluation::All);
-        solve(&mut hydrodynamics, (&cell, &mut particles), (&Loads::default(), &fluid)).unwrap();
+        solve(hydrodynamics, (cell, &mut particles), (&Loads::default(), &fluid)).unwrap();
         for length in [1e-3, -1e-3] {
             let mut moved = particles.clone();
             moved.positions[sphere][axis] += length;
-            note_drift(&mut hydrodynamics, (&cell, &mut moved), (length, tolerance)).unwrap();
-            let (Motion { velocities, angular_velocities, .. }, by_heat) = drift(&mut moved);
-            let numbers = [velocities, angular_velocities].concat().into_iter().flat_map(|v| v.to_array());
-            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += 0.5 * number);
-            stresslets.iter_mut().zip(by_heat).for_each(|(sum, s)| *sum += s * 0.5);
+            let change = Change { over: length, energy: 0.0, tolerance };
+            note_drift(hydrodynamics, (cell, &mut moved), change).unwrap();
+            add(0.5, drift(&mut moved));
         }
     }
+    let (mut particles, zeros) = (particles.clone(), vec![Vector::ZERO; 3]);
+    let rest = Motion { velocities: zeros.clone(), angular_velocities: zeros, strain_rates: vec![Traceless::ZERO; 3] };
+    solve(hydrodynamics, (cell, &mut particles), (&Loads::default(), &rest)).unwrap();
+    note_drift(hydrodynamics, (cell, &mut particles), Change { over: 1.0, energy: 1.0, tolerance }).unwrap();
+    add(1.0, drift(&mut particles));
     (sums, stresslets)
+}
+
+/// That of the spheres in a sheared box.
+fn divergence_in_shear(lubrication: Option<Range>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
+    let cell = PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap();
+    divergence(&mut hydrodynamics(&cell, 1e-4, lubrication), (&cell, &particles()), tolerance)
 }
 
 /// The distance of two lists over the length of the second.
@@ -132,8 +150,8 @@ fn along(s: &Traceless) -> [f64; 5] {
 /// would be nothing.
 #[test]
 fn drift_and_stress_by_heat_are_divergences() {
-    let (far, _) = divergence(None, 1e-3);
-    let (near, stresslets) = divergence(Some(Range::new(2.5, Range::CLOSEST).unwrap()), 1e-3);
+    let (far, _) = divergence_in_shear(None, 1e-3);
+    let (near, stresslets) = divergence_in_shear(Some(Range::new(2.5, Range::CLOSEST).unwrap()), 1e-3);
     let stresslets: Vec<f64> = stresslets.iter().flat_map(along).collect();
     let minus_moments: Vec<f64> = MOMENTS.concat().into_iter().map(|moment| -moment).collect();
     let errors = [
@@ -150,7 +168,78 @@ fn drift_and_stress_by_heat_are_divergences() {
 #[test]
 fn rough_changes_are_as_exact_as_they_say() {
     let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
-    let [rough, exact] = [CHANGE, 1e-3].map(|tolerance| divergence(lubrication, tolerance).0);
+    let [rough, exact] = [CHANGE, 1e-3].map(|tolerance| divergence_in_shear(lubrication, tolerance).0);
     let found = error(&rough[..9], &exact[..9]);
     assert!(found > 0.0 && found < 2.0 * CHANGE, "{found}");
+}
+
+/// The divergence of the mobility and of the stresslets of rigid spheres by central differences of what unit forces do.
+fn by_differences(
+    hydrodynamics: &mut Hydrodynamics,
+    (cell, particles): (&PeriodicBox, &Particles),
+) -> ([f64; 18], [Traceless; 3]) {
+    const LENGTH: f64 = 5e-3;
+    let (mut sums, mut stresslets) = ([0.0; 18], [Traceless::ZERO; 3]);
+    for (sphere, axis) in (0..3).flat_map(|sphere| (0..3).map(move |axis| (sphere, axis))) {
+        for length in [LENGTH, -LENGTH] {
+            let mut moved = particles.clone();
+            moved.positions[sphere][axis] += length;
+            let mut forces = vec![Vector::ZERO; 3];
+            forces[sphere][axis] = 0.5 / length;
+            let acting = Acting {
+                loads: &Loads { forces, ..Loads::default() },
+                strain_rate: StrainRate::default(),
+                springs: None,
+                ambient: &Motion::default(),
+                constant_flux: false,
+            };
+            let solved = hydrodynamics.solve(cell, &moved, &acting, &Guess::default()).unwrap();
+            let numbers = [solved.motion.velocities, solved.motion.angular_velocities].concat();
+            let numbers = numbers.into_iter().flat_map(|v| v.to_array());
+            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+            stresslets.iter_mut().zip(solved.stresslets).for_each(|(sum, s)| *sum += s);
+        }
+    }
+    (sums, stresslets)
+}
+
+/// Between walls and above one, with and without lubrication between spheres and at walls, drift and stress by heat are the
+/// divergences by differences: without what walls do to each sphere they would be off by more than their size.
+#[test]
+fn drift_and_stress_by_heat_are_divergences_near_walls() {
+    let mut particles = Particles::default();
+    for (id, (place, radius)) in
+        [([3.0, 3.0, 1.3], 1.0), ([5.0, 3.6, 2.1], 1.0), ([4.0, 6.4, 5.6], 2.0)].into_iter().enumerate()
+    {
+        particles.push(id as u64, Vector::from_array(place), radius, 0);
+    }
+    let range = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    for (boundaries, lubrication) in
+        [(Boundaries::Walls, None), (Boundaries::Walls, range), (Boundaries::Wall, None), (Boundaries::Wall, range)]
+    {
+        let cell = PeriodicBox::new(Vector::new(12.0, 13.0, 8.0)).unwrap().with_boundaries(boundaries).unwrap();
+        let mut hydrodynamics = hydrodynamics(&cell, 1e-6, lubrication);
+        let (found, stresslets) = divergence(&mut hydrodynamics, (&cell, &particles), 1e-4);
+        let (exact, by_force) = by_differences(&mut hydrodynamics, (&cell, &particles));
+        let flat = |list: &[Traceless]| list.iter().flat_map(along).collect::<Vec<_>>();
+        let errors = [
+            error(&found[..9], &exact[..9]),
+            error(&found[9..], &exact[9..]),
+            error(&flat(&stresslets), &flat(&by_force)),
+        ];
+        println!("{boundaries:?} {}: {errors:?}", lubrication.is_some());
+        assert!(errors.iter().all(|error| *error < 0.01), "{boundaries:?}: {errors:?}");
+    }
+}
+
+/// In a step of 0.1 no farther than a twentieth of the radius, and as far as it says where that is less.
+#[test]
+fn drift_is_no_jump() {
+    let mut particles = particles();
+    particles.vectors(DRIFT_VELOCITY).copy_from_slice(&[Vector::X * 0.3, Vector::Y * 7.0, Vector::Z * -7.0]);
+    limit_drift(&mut particles, 0.1);
+    let found = particles.vectors(DRIFT_VELOCITY).to_vec();
+    for (found, wanted) in found.into_iter().zip([Vector::X * 0.3, Vector::Y * 0.5, Vector::Z * -1.0]) {
+        assert!((found - wanted).length() < 1e-14, "{found}");
+    }
 }

@@ -1,0 +1,200 @@
+//! Random motions whose covariance is the mobility, and its divergence.
+
+use super::{Evaluation, Mobility};
+use crate::far::Wanted;
+use crate::loads::{Loads, Motion, angular_velocity, dipole};
+use crate::noise::{self, Components, Drawn, Stream, root_times};
+use crate::problem::Multipoles;
+use crate::wall_drift::WallDrift;
+use domain::{Boundaries, Particles, PeriodicBox, Tensor, Traceless, Vector};
+use std::convert::Infallible;
+use std::f64::consts::PI;
+
+/// Iterations for a root at most: that of the near field is well conditioned, and takes ten or twenty, as that of the whole mobility
+/// does where spheres are not many or momentum is lost to walls.
+const MOST_ITERATIONS: usize = 100;
+
+/// Components of a motion with dipoles and of one without.
+const WITH_DIPOLES: usize = 11;
+const WITHOUT: usize = 3;
+
+impl Mobility {
+    /// Random motions of the particles of these ids, which are in place, whose covariance is the mobility itself: velocities, and
+    /// with dipoles angular velocities and rates of strain. Collective.
+    ///
+    /// In a box that repeats along all axes the far field has its root mode by mode, see [`solver::Transform::noise`], and
+    /// interpolation is the adjoint of spreading; the near field's root, if there is one, is applied by Lanczos's iteration, to a
+    /// tolerance. In all other boxes the root of the whole mobility is, for an evaluation in each iteration.
+    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
+        if self.plan.boundaries != Boundaries::Periodic {
+            return self.whole_noise(ids, tolerance, stream);
+        }
+        let wanted = if self.has_dipoles() { Wanted::Both } else { Wanted::Velocities };
+        let mut far = self.far.noise(&self.arrangement.classes, wanted, stream);
+        self.arrangement.collect(&mut far);
+        self.work.transforms += 1;
+        let (near, drawn) = self.near_noise(ids, tolerance, stream);
+        let kept = self.components();
+        let sum = far[..ids.len()].iter().enumerate().map(|(row, motion)| {
+            let mut sum = components(motion);
+            if let Some(near) = near.get(row) {
+                sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += near);
+            }
+            sum[kept..].fill(0.0);
+            sum
+        });
+        let mut motion = noise::motion(sum);
+        // The unit of a velocity's variance is that of the mobility.
+        let [velocity, rate] =
+            [self.units.length, self.units.length.powi(3)].map(|size| (size * self.units.viscosity).sqrt().recip());
+        motion.velocities.iter_mut().for_each(|v| *v *= velocity);
+        motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);
+        motion.strain_rates.iter_mut().for_each(|e| *e = *e * rate);
+        (self.with_dipoles_or_not(motion), drawn)
+    }
+
+    /// The near field's part. Collective.
+    fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Vec<Components>, Drawn) {
+        let Some(near) = &self.near else { return (Vec::new(), Drawn::default()) };
+        let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
+        let has_dipoles = self.has_dipoles();
+        let own = self.plan.in_units(&self.units);
+        let scales = Scales::new(&own.radii, own.viscosity, &arrangement.classes[..ids.len()]);
+        let apply = |scaled: &[Components]| {
+            let loads = scales.divide(scaled);
+            let mut forces: Vec<Vector> = loads.iter().map(|c| Vector::from_slice(c)).collect();
+            arrangement.halo.extend(&mut forces);
+            let mut dipoles = Vec::new();
+            if has_dipoles {
+                dipoles = loads
+                    .iter()
+                    .map(|&[_, _, _, x, y, z, d @ ..]| dipole(-noise::tensor(d), Vector::new(x, y, z)))
+                    .collect();
+                arrangement.halo.extend(&mut dipoles);
+            }
+            let mut motions = vec![(Vector::ZERO, Tensor::ZERO); ids.len()];
+            near.add(&arrangement.loaded(&forces, &dipoles), neighbours, has_dipoles, &mut motions);
+            Ok::<_, Infallible>(scales.divide(&motions.iter().map(components).collect::<Vec<_>>()))
+        };
+        let start = self.start(ids, stream);
+        let Ok((root, drawn)) = root_times(self.partition.comm(), &start, (tolerance, MOST_ITERATIONS), apply);
+        self.work.neighbours += (neighbours.count() * drawn.iterations) as u64;
+        (scales.times(&root), drawn)
+    }
+
+    /// By the root of the whole mobility. Collective.
+    fn whole_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
+        let (comm, has_dipoles) = (self.partition.comm().clone(), self.has_dipoles());
+        let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
+        let (wanted, kept) =
+            if has_dipoles { (Evaluation::All, WITH_DIPOLES) } else { (Evaluation::Velocities, WITHOUT) };
+        let constraint = self.constraint.take();
+        let start = self.start(ids, stream);
+        let apply = |scaled: &[Components]| {
+            let mut loads = Loads::default();
+            for components in scales.divide(scaled) {
+                loads.forces.push(Vector::from_slice(&components));
+                if has_dipoles {
+                    let [_, _, _, x, y, z, d @ ..] = components;
+                    loads.torques.push(Vector::new(x, y, z));
+                    loads.stresslets.push(-noise::tensor(d));
+                }
+            }
+            let motion = self.apply(&loads, wanted);
+            let components = (0..ids.len()).map(|row| {
+                let mut components = [0.0; WITH_DIPOLES];
+                components[..WITHOUT].copy_from_slice(&motion.velocities[row].to_array());
+                if has_dipoles {
+                    components[3..6].copy_from_slice(&motion.angular_velocities[row].to_array());
+                    components[6..].copy_from_slice(&noise::orthonormal(motion.strain_rates[row]));
+                }
+                components[kept..].fill(0.0);
+                components
+            });
+            Ok::<_, Infallible>(scales.divide(&components.collect::<Vec<_>>()))
+        };
+        let Ok((root, drawn)) = root_times(&comm, &start, (tolerance, MOST_ITERATIONS), apply);
+        self.constraint = constraint;
+        (self.with_dipoles_or_not(noise::motion(scales.times(&root).into_iter())), drawn)
+    }
+
+    /// The divergence of the mobility from forces to motions, by the coordinates of all particles, which is not zero where walls are:
+    /// that of each in itself, by its images. None without walls.
+    pub fn divergence_at_walls(&mut self, cell: &PeriodicBox, particles: &Particles) -> Option<Motion> {
+        if self.plan.boundaries.walls() == 0 {
+            return None;
+        }
+        let plan = &self.plan;
+        let drift = &*self.wall_drift.get_or_insert_with(|| WallDrift::new(plan));
+        let places = particles.positions.iter().zip(&particles.radii);
+        let (velocities, strain_rates) = places.map(|(x, &radius)| drift.at(x.z - cell.origin().z, radius)).unzip();
+        let motion = Motion { velocities, angular_velocities: vec![Vector::ZERO; particles.len()], strain_rates };
+        Some(self.with_dipoles_or_not(motion))
+    }
+
+    fn has_dipoles(&self) -> bool {
+        self.plan.multipoles == Multipoles::Dipole
+    }
+
+    /// How many of the components of a motion there are.
+    fn components(&self) -> usize {
+        if self.has_dipoles() { WITH_DIPOLES } else { WITHOUT }
+    }
+
+    fn with_dipoles_or_not(&self, mut motion: Motion) -> Motion {
+        if !self.has_dipoles() {
+            (motion.angular_velocities, motion.strain_rates) = (Vec::new(), Vec::new());
+        }
+        motion
+    }
+
+    /// The random numbers that a root is applied to.
+    fn start(&self, ids: &[u64], stream: Stream) -> Vec<Components> {
+        let kept = self.components();
+        let numbers = |&id: &u64| {
+            let mut numbers = stream.of_particle(id);
+            numbers[kept..].fill(0.0);
+            numbers
+        };
+        ids.iter().map(numbers).collect()
+    }
+}
+
+/// The roots of the mobilities of single spheres, by which all components are about equally large.
+struct Scales(Vec<[f64; 3]>);
+
+impl Scales {
+    fn new(radii: &[f64], viscosity: f64, classes: &[u32]) -> Self {
+        let of_one = |&class: &u32| {
+            let a = radii[class as usize];
+            let [force, torque, strain] = [6.0 * PI * a, 8.0 * PI * a.powi(3), 20.0 / 3.0 * PI * a.powi(3)];
+            [force, torque, strain].map(|resistance| (resistance * viscosity).sqrt().recip())
+        };
+        Self(classes.iter().map(of_one).collect())
+    }
+
+    fn times(&self, list: &[Components]) -> Vec<Components> {
+        self.scaled(list, |component, scale| component * scale)
+    }
+
+    fn divide(&self, list: &[Components]) -> Vec<Components> {
+        self.scaled(list, |component, scale| component / scale)
+    }
+
+    fn scaled(&self, list: &[Components], by: impl Fn(f64, f64) -> f64) -> Vec<Components> {
+        let scaled = |(components, scales): (&Components, &[f64; 3])| {
+            std::array::from_fn(|k| by(components[k], scales[[0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2][k]]))
+        };
+        list.iter().zip(&self.0).map(scaled).collect()
+    }
+}
+
+/// A velocity and its gradient by components.
+fn components((velocity, gradient): &(Vector, Tensor)) -> Components {
+    let (turn, strain) = (angular_velocity(gradient), noise::orthonormal(Traceless::part_of(gradient)));
+    let mut components = [0.0; WITH_DIPOLES];
+    components[..3].copy_from_slice(&velocity.to_array());
+    components[3..6].copy_from_slice(&turn.to_array());
+    components[6..].copy_from_slice(&strain);
+    components
+}
