@@ -18,7 +18,9 @@ DIFFUSIVE = 6 * np.pi
 # Beyond, shear presses pairs together harder than this repulsion bears.
 NUMBERS = (0.3, 1.0, 3.0, 10.0, 30.0) if FULL else (1.0, 10.0)
 STEP, LONGEST = 2e-3, 5e-3
-LENGTH, SETTLED = (150.0, 10.0) if FULL else (8.0, 2.0)
+LENGTH, SETTLED = (60.0, 6.0) if FULL else (8.0, 2.0)
+# Steps to a row in shear, where stresses that follow each other are nearly the same.
+EVERY = 4
 # Configurations at rest on which the viscosity at high frequency is computed.
 FRAMES = 40 if FULL else 8
 # Nearly at rest, where the time series has stresses all the same.
@@ -28,8 +30,9 @@ PARTS = ("stresslet", "lubrication", "repulsion", "brownian")
 MEMORY = 1.5
 
 
-def rows(rate, step, length, frames=0):
-    """The time series of a run at a rate, with step and length in times of diffusion, and so many configurations."""
+def rows(rate, step, length, every, frames=0):
+    """The time series of a run at a rate, with step and length in times of diffusion, a row every so many steps, and so many
+    configurations."""
     scene = f"""seed = 5
 box.edges = [{EDGE}, {EDGE}, {EDGE}]
 fluid = {{ viscosity = 1.0, thermal_energy = 1.0 }}
@@ -37,7 +40,7 @@ flow = {{ kind = "shear", rate = {rate} }}
 repulsion = {{ strength = {STRENGTH}, range = {RANGE} }}
 hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
 time = {{ step = {step * DIFFUSIVE}, steps = {round(length / step)}, brownian = "two-evaluations" }}
-output = {{ trajectory_every = {round(length / step / frames) if frames else 0}, observables_every = 1, checkpoint_every = 0 }}
+output = {{ trajectory_every = {round(length / step / frames) if frames else 0}, observables_every = {every}, checkpoint_every = 0 }}
 [[species]]
 radius = 1.0
 count = {COUNT}
@@ -62,7 +65,7 @@ def sheared(number):
     # No more than half a percent of strain, in which pairs would fall on each other.
     step = min(STEP, LONGEST / number)
     rate = number / DIFFUSIVE
-    series, _ = rows(rate, step, LENGTH * step / STEP)
+    series, _ = rows(rate, step, LENGTH * step / STEP, EVERY)
     parts = [mean_and_error(component(series, part, "xy") / rate, 10) for part in PARTS]
     whole = mean_and_error(series["relative_viscosity"], 10)
     differences = [mean_and_error(series[f"{which}_normal_stress_difference"] / rate, 10) for which in ("first", "second")]
@@ -80,7 +83,7 @@ def high_frequency(places):
 def at_rest(_):
     """The high-frequency viscosity, and the integral of the correlation of stresses by forces and heat: V/kT times the mean of that of
     five components. Errors by fifths of the run."""
-    series, places = rows(REST / DIFFUSIVE, STEP, 2 * LENGTH, FRAMES)
+    series, places = rows(REST / DIFFUSIVE, STEP, 2 * LENGTH, 1, FRAMES)
     total = {name: sum(component(series, part, name) for part in PARTS) for name in ("xx", "xy", "xz", "yy", "yz", "zz")}
     five = [total["xy"], total["xz"], total["yz"], 0.5 * (total["xx"] - total["yy"]), (2 * total["zz"] - total["xx"] - total["yy"]) / 12**0.5]
     lags, step = round(MEMORY / STEP), STEP * DIFFUSIVE

@@ -65,7 +65,9 @@ fn draws_have_the_covariance_of_the_mobility() {
         let mut wanted = Evaluation::All;
         if multipoles == Multipoles::Monopole {
             wanted = Evaluation::Velocities;
-            directions.iter_mut().for_each(|loads| (loads.torques, loads.stresslets) = (Vec::new(), Vec::new()));
+            for loads in &mut directions {
+                (loads.torques, loads.stresslets) = (Vec::new(), Vec::new());
+            }
         }
         let variances: Vec<f64> = directions.iter().map(|loads| power(loads, &mobility.apply(loads, wanted))).collect();
         let (draws, ids) = (300, (0..10).collect::<Vec<_>>());

@@ -114,7 +114,7 @@ impl PairForce {
         let (order, axis) =
             if first <= second { ([0, 1], separation / distance) } else { ([1, 0], -separation / distance) };
         let factor = (self.viscosity * table.small).sqrt() * self.range.taper(gap * table.over_large);
-        let roots = table.roots.at::<X>(gap.max(table.closest) * table.over_small, factor);
+        let roots = table.roots.at::<X>(self.range.counted(gap, table.closest) * table.over_small, factor);
         Some(PairFactor::new(&roots, axis, order, [table.small, first.max(second) / table.small]))
     }
 
@@ -134,7 +134,7 @@ impl PairForce {
 
     #[inline(always)]
     fn record_of<X: Arithmetic>(&self, table: &Table, (distance, share): (f64, f64), record: &mut [f64; RECORD]) {
-        let gap = (distance - table.sum).max(table.closest);
+        let gap = self.range.counted(distance - table.sum, table.closest);
         table.roots.record::<X>(gap * table.over_small, [self.viscosity * table.small * share, table.small], record);
     }
 

@@ -9,11 +9,13 @@ use crate::wall_table;
 /// far what the method misses reaches, and where it grows no more over the mean radius.
 ///
 /// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two
-/// continuous derivatives. At gaps below `closest`, and for spheres that overlap, it stays what it is at `closest`.
+/// continuous derivatives. At gaps below `closest` it stays what it is there, and so it does for spheres that overlap unless these
+/// are to part again, see [`Self::parting`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     cutoff: f64,
     closest: f64,
+    parts: bool,
 }
 
 /// A range that makes no sense.
@@ -49,7 +51,7 @@ impl Range {
         if !(closest >= 10.0 * CLOSEST && closest <= 0.1 * cutoff) {
             return Err(RangeError::Closest(closest));
         }
-        Ok(Self { cutoff, closest })
+        Ok(Self { cutoff, closest, parts: false })
     }
 
     /// Gap where the correction ends, over the larger radius.
@@ -60,6 +62,20 @@ impl Range {
     /// Gap below which the correction grows no more, over the mean radius.
     pub fn closest(&self) -> f64 {
         self.closest
+    }
+
+    /// The same for spheres that random motions press into each other: those that overlap are lubricated as at a gap as large as the
+    /// overlap. At the closest gap forces would part them a million times more slowly, and random motions hardly at all.
+    #[must_use]
+    pub fn parting(self) -> Self {
+        Self { parts: true, ..self }
+    }
+
+    /// The gap at which a correction is that of a gap, if the closest one is so large.
+    #[inline(always)]
+    pub(crate) fn counted(&self, gap: f64, closest: f64) -> f64 {
+        let gap = if self.parts { gap.abs() } else { gap };
+        gap.max(closest)
     }
 
     /// That of a sphere and a wall, both gaps over its radius: what the method misses does not reach as far as between spheres.
@@ -84,6 +100,6 @@ impl Range {
 
 impl Default for Range {
     fn default() -> Self {
-        Self { cutoff: Self::WIDE, closest: Self::CLOSEST }
+        Self { cutoff: Self::WIDE, closest: Self::CLOSEST, parts: false }
     }
 }

@@ -34,14 +34,15 @@ impl WallForce {
     }
 
     /// The factor of a sphere of a radius whose centre is at a distance from a wall, with `axis` the unit vector to it. None beyond
-    /// the cutoff; at gaps below the closest, and for spheres that sink in, it stays what it is at the closest.
+    /// the cutoff; at gaps below the closest it stays what it is there, and so it does for spheres that sink in unless the range parts
+    /// them again.
     pub fn factor(&self, axis: Vector, distance: f64, radius: f64) -> Option<WallFactor> {
         let gap = distance / radius - 1.0;
         if gap >= self.range.cutoff() {
             return None;
         }
         let factor = (self.viscosity * radius).sqrt() * self.range.taper(gap);
-        let roots = self.table.at(gap.max(self.range.closest()), factor);
+        let roots = self.table.at(self.range.counted(gap, self.range.closest()), factor);
         Some(WallFactor::new(&roots, axis, radius))
     }
 }
@@ -113,6 +114,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A sphere that sank in is held as at the closest gap, or as at a gap as large as the overlap if it is to part.
+    #[test]
+    fn a_sphere_that_sank_in_parts_again_if_it_is_to() {
+        let factor = |range: Range, gap: f64| WallForce::new(1.0, range).factor(Vector::Z, 1.0 + gap, 1.0).unwrap();
+        let along = |range: Range, gap: f64| factor(range, gap).coefficients().along;
+        let (kept, parting) = (Range::default(), Range::default().parting());
+        assert_eq!(along(kept, -0.03), along(kept, 0.5 * Range::CLOSEST));
+        assert!((along(parting, -0.03) / along(kept, 0.03) - 1.0).abs() < 1e-12);
+        assert_eq!(along(parting, 0.03), along(kept, 0.03));
     }
 
     #[test]

@@ -161,6 +161,23 @@ fn nothing_acts_beyond_the_cutoff_and_it_ends_smoothly() {
     assert!((force.reach() - 1.5 * 2.2).abs() < 1e-14);
 }
 
+/// Spheres that overlap and are to part are held as at a gap as large as the overlap, by factors as by coefficients.
+#[test]
+fn spheres_that_overlap_part_again_if_they_are_to() {
+    let parting = PairForce::new(&[1.0, 1.5], 1.0, Range::default().parting()).unwrap();
+    let along = |force: &PairForce, gap: f64| {
+        let by_factor = force.loads(Vector::X * (2.5 + gap), [0, 1], &moving(0, Vector::X)).unwrap();
+        [force.coefficients(2.5 + gap, [0, 1]).unwrap().along[0][0], by_factor.force[0].x]
+    };
+    let apart = along(&parting, 0.03);
+    for (found, wanted) in along(&parting, -0.03).into_iter().zip(apart) {
+        assert!((found / wanted - 1.0).abs() < 1e-9, "{found} is not {wanted}");
+    }
+    let kept = PairForce::new(&[1.0, 1.5], 1.0, Range::default()).unwrap();
+    assert_eq!(along(&kept, 0.03), apart);
+    assert!(along(&kept, -0.03)[0].abs() > 1e4 * apart[0].abs());
+}
+
 #[test]
 fn overlap_is_as_stiff_as_the_closest_gap() {
     let force = PairForce::new(&[1.0], 1.0, Range::new(2.0, 1e-3).unwrap()).unwrap();

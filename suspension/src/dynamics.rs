@@ -111,6 +111,7 @@ impl Dynamics {
         let chosen = &model.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
         let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
+        let range = range.map(|range| if model.thermal_energy.is_some() { range.parting() } else { range });
         let forces = Forces::new(model, setup.radii.largest(), &setup.partition)?;
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
         let radii = [setup.radii.smallest(), setup.radii.largest()];
