@@ -1,6 +1,7 @@
 """What a step of Brownian motion takes, over one solve for the motions of the same spheres under random forces that starts from
 nothing: in turns, medians."""
 
+import json
 import sys
 
 import h5py
@@ -14,14 +15,24 @@ COUNT, FRACTIONS, ROUNDS = 2000, (0.1, 0.3), 7 if FULL else 3
 STEPS = 16
 # Schemes, steps to a row of the time series, and what steps are meant to take.
 SCHEMES = [("midpoint", STEPS, "1.3"), ("two-evaluations", STEPS, "1.9"), ("two-evaluations", 1, "")]
+# Between walls so many radii apart.
+HEIGHT, BETWEEN_WALLS = 20.0, [("midpoint", STEPS, ""), ("two-evaluations", STEPS, "")]
 TOLERANCE = 1e-3
 
 
-def timed_steps(fraction, lubrication, scheme, every):
-    """Seconds of a step, the box's edge, and the places at the start, which do not overlap."""
-    edge = (COUNT * 4 / 3 * np.pi / fraction) ** (1 / 3)
+def box(fraction, kind):
+    """Edges and boundaries."""
+    volume = COUNT * 4 / 3 * np.pi / fraction
+    if kind == "walls":
+        return {"box": [(volume / HEIGHT) ** 0.5] * 2 + [HEIGHT], "boundaries": ["periodic", "periodic", "walls"]}
+    return {"box": [volume ** (1 / 3)] * 3, "boundaries": ["periodic"] * 3}
+
+
+def timed_steps(fraction, kind, lubrication, scheme, every):
+    """Seconds of a step, and the places at the start, which do not overlap."""
+    place = box(fraction, kind)
     scene = f"""seed = 2
-box.edges = [{edge}, {edge}, {edge}]
+box = {{ edges = {place["box"]}, boundaries = {json.dumps(place["boundaries"])} }}
 fluid = {{ viscosity = 1.0, thermal_energy = 1.0 }}
 particles.minimum_gap = 0.08
 repulsion = {{ strength = 60.0, range = 0.2 }}
@@ -34,33 +45,35 @@ count = {COUNT}
 """
     with results(scene) as out, h5py.File(out / "trajectory.h5") as file:
         seconds = [float(row["seconds_per_step"]) for row in rows_of(out / "observables.csv")][1:]
-        return np.median(seconds), edge, file["particles/all/position/value"][0]
+        return np.median(seconds), file["particles/all/position/value"][0]
 
 
-def row(scheme, every, meant, fraction, lubrication):
+def row(scheme, every, meant, fraction, kind, lubrication):
     forces = np.random.default_rng(1).normal(size=(COUNT, 3)).tolist()
     ratios, steps = [], []
     for _ in range(ROUNDS):
-        step, edge, places = timed_steps(fraction, lubrication, scheme, every)
-        case = {"box": [edge] * 3, "viscosity": 1.0, "radii": 1.0, "positions": places.tolist(), "lubrication": lubrication, "forces": forces}
+        step, places = timed_steps(fraction, kind, lubrication, scheme, every)
+        case = box(fraction, kind) | {"viscosity": 1.0, "radii": 1.0, "positions": places, "lubrication": lubrication, "forces": forces}
         solve = np.median([mobility(case, TOLERANCE)["seconds"] for _ in range(3)])
         ratios.append(step / solve)
         steps.append(1e3 * step)
     spread = f"{np.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})"
     seen = "every step" if every == 1 else "the last"
-    cells = [scheme, seen, f"{fraction:.0%}", "yes" if lubrication else "no", f"{np.median(steps):.0f}", spread, meant]
+    cells = [scheme, seen, kind, f"{fraction:.0%}", "yes" if lubrication else "no", f"{np.median(steps):.0f}", spread, meant]
     print(*cells, flush=True)
     return cells
 
 
 def main():
-    rows = [row(*scheme, fraction, lubrication) for scheme in SCHEMES for fraction in FRACTIONS for lubrication in (False, True)]
+    cases = [(scheme, fraction, "periodic") for scheme in SCHEMES for fraction in FRACTIONS]
+    cases += [(scheme, 0.2, "walls") for scheme in BETWEEN_WALLS]
+    rows = [row(*scheme, fraction, kind, lubrication) for scheme, fraction, kind in cases for lubrication in (False, True)]
     lines = [
         f"{COUNT} spheres, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: a step by either scheme, of runs of {STEPS} of which the last or every one is a row",
-        "of the time series, over a solve for random forces that starts from nothing. Where half a step of noise presses spheres into each other, as steps too long for",
+        f"of the time series, over a solve for random forces that starts from nothing, in a periodic cube or between walls {HEIGHT:g} radii apart. Where half a step of noise presses spheres into each other, as steps too long for",
         "their gaps do, the solve takes longer.",
         "",
-        *table(["scheme", "rows", "φ", "lubrication", "milliseconds", "over a solve", "meant to be"], rows),
+        *table(["scheme", "rows", "box", "φ", "lubrication", "milliseconds", "over a solve", "meant to be"], rows),
     ]
     write_section("brownian.md", "brownian-cost", "Cost", lines)
 

@@ -41,6 +41,7 @@
 //! ```
 
 mod accuracy;
+mod bessel;
 mod bounded;
 mod boys;
 mod burden;

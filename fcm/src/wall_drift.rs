@@ -31,6 +31,11 @@ const STEP: f64 = 0.03;
 /// Waves whose image is smaller by `exp(-DECAYED)` do not count, nor do distances from which the longest is.
 const DECAYED: f64 = 34.0;
 
+/// The width of what tells long waves from short ones, in wavenumbers over the shorter edge along the walls: what an integral leaves out
+/// of a sum is `exp(-SMOOTH^2/4)`. That is told in so many widths before and behind.
+const SMOOTH: f64 = 10.0;
+const SHARP: f64 = 4.0;
+
 /// As many distances as are more than any box has.
 const MOST: usize = 10_000;
 
@@ -99,30 +104,41 @@ impl WallDrift {
 }
 
 /// The coefficients at a distance from the lower wall, for the viscosity 1.
+///
+/// A sum over wavevectors is the integral over them where what is summed is smooth over several: the long waves are summed, and the
+/// short ones, from which these are told apart smoothly, integrated.
 fn values((walls, edges): (usize, Vector), z: f64) -> Values {
     // One wall alone knows of no height.
     let height = if walls == 2 { edges.z } else { 2.0 * z };
-    let [x, y] = [TAU / edges.x, TAU / edges.y];
-    let most = |unit: f64| (DECAYED / (2.0 * z * unit)) as usize;
+    let (width, shortest) = (SMOOTH / edges.x.min(edges.y), 0.5 * DECAYED / z);
+    let middle = SHARP * width;
+    let summed = |k: f64| 0.5 * libm::erfc((k - middle) / width);
     let mut sum = Values::default();
-    for m in 0..=most(x) {
-        for n in usize::from(m == 0)..=most(y) {
-            let (kx, ky) = (x * m as f64, y * n as f64);
-            let k = kx.hypot(ky);
-            if 2.0 * k * z > DECAYED {
-                break;
-            }
+    // A wavenumber, with its weight and the parts of its square that are those of the components along x and y.
+    let mut add = |k: f64, weight: f64, parts: [f64; 2]| {
+        let (of_velocity, of_strain) = of_wave((walls, height), k, z);
+        let (velocity, strains) = sum.split_at_mut(OF_VELOCITY);
+        velocity.iter_mut().zip(of_velocity).for_each(|(sum, value)| *sum += weight * value);
+        for (strain, part) in strains.chunks_exact_mut(OF_STRAIN).zip(parts) {
+            strain.iter_mut().zip(of_strain).for_each(|(sum, value)| *sum -= part * weight * value);
+        }
+    };
+    let [x, y] = [TAU / edges.x, TAU / edges.y];
+    let longest = shortest.min(middle + SHARP * width);
+    for m in 0..=(longest / x) as usize {
+        for n in usize::from(m == 0)..=(longest / y) as usize {
+            let components = [x * m as f64, y * n as f64];
+            let k = components[0].hypot(components[1]);
             // As many of the four wavevectors with these lengths of components as differ.
             let count = [m, n].map(|number| if number == 0 { 1.0 } else { 2.0 });
-            let weight = count[0] * count[1] / (edges.x * edges.y);
-            let (of_velocity, of_strain) = of_wave((walls, height), k, z);
-            let (velocity, strains) = sum.split_at_mut(OF_VELOCITY);
-            velocity.iter_mut().zip(of_velocity).for_each(|(sum, value)| *sum += weight * value);
-            for (strain, component) in strains.chunks_exact_mut(OF_STRAIN).zip([kx, ky]) {
-                let part = -weight * (component / k).powi(2);
-                strain.iter_mut().zip(of_strain).for_each(|(sum, value)| *sum += part * value);
-            }
+            let weight = summed(k) * count[0] * count[1] / (edges.x * edges.y);
+            add(k, weight, components.map(|component| (component / k).powi(2)));
         }
+    }
+    let step = 0.25 * width;
+    for number in 0..(shortest / step) as usize {
+        let k = step * (number as f64 + 0.5);
+        add(k, (1.0 - summed(k)) * k * step / TAU, [0.5; 2]);
     }
     sum
 }
@@ -155,4 +171,44 @@ fn of_wave((walls, height): (usize, f64), k: f64, z: f64) -> ([f64; OF_VELOCITY]
     };
     let of_strain = [twice(f2, f1, f, f1), -twice(f2, f1, g, g1), -twice(g2, g1, f, f1), twice(g2, g1, g, g1)];
     (of_velocity, of_strain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Far from its copies a sphere above a wall has `1/pi [-3/16 z^-1 + s^2/4 z^-3 - 3/16 s^4 z^-5]` besides the mobility of one
+    /// alone, of which these are the derivatives.
+    #[test]
+    fn in_a_large_box_velocities_are_those_in_closed_form() {
+        for z in [0.9, 1.3, 3.0, 8.0] {
+            let found = values((1, Vector::new(2000.0, 3000.0, 10.0)), z);
+            let exact = [3.0 / 16.0 * z.powi(-2), -0.75 * z.powi(-4), 15.0 / 16.0 * z.powi(-6)];
+            for (found, exact) in found.iter().zip(exact.map(|value| value / std::f64::consts::PI)) {
+                assert!((found / exact - 1.0).abs() < 1e-5, "{found} is not {exact} at {z}");
+            }
+            // What is stretched across the wall is not along it, alike on both axes.
+            for k in OF_VELOCITY..OF_VELOCITY + OF_STRAIN {
+                assert!((found[k] / found[k + OF_STRAIN] - 1.0).abs() < 1e-5);
+            }
+        }
+    }
+
+    /// Long waves and short ones are told apart wherever: in a box of any size the sum over wavevectors itself is the same.
+    #[test]
+    fn sums_and_integrals_are_one() {
+        let (edges, z): (Vector, f64) = (Vector::new(30.0, 18.0, 9.0), 1.2);
+        let found = values((2, edges), z);
+        let (mut sum, [x, y]) = ([0.0; OF_VELOCITY], [TAU / edges.x, TAU / edges.y]);
+        for (m, n) in (-80..=80).flat_map(|m| (-50..=50).map(move |n| (f64::from(m), f64::from(n)))) {
+            let k = (m * x).hypot(n * y);
+            if k > 0.0 {
+                let (of_velocity, _) = of_wave((2, edges.z), k, z);
+                sum.iter_mut().zip(of_velocity).for_each(|(sum, value)| *sum += value / (edges.x * edges.y));
+            }
+        }
+        for (found, sum) in found.iter().zip(sum) {
+            assert!((found / sum - 1.0).abs() < 1e-6, "{found} is not {sum}");
+        }
+    }
 }

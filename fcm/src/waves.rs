@@ -12,6 +12,7 @@
 //! `k z - k^2 s^2`. Over all directions of `n` the phase of two places that are `r` apart along the wall, under an angle `psi`
 //! to `n`, is `J_0(kr) + 2 sum_m i^m J_m(kr) cos(m psi)`, of which motions and loads of forces and dipoles see four terms.
 
+use crate::bessel::{LANES, ORDERS, bessel};
 use crate::wall_cut::WallCut;
 use domain::{Tensor, Vector};
 use solver::simd::vectorised;
@@ -26,8 +27,7 @@ const LOCAL: usize = 8;
 /// Which of these are imaginary.
 const IMAGINARY: [bool; LOCAL] = [false, false, false, true, true, false, false, true];
 
-/// Bessel functions that are needed, and half as many directions as tell their angles apart.
-const ORDERS: usize = 5;
+/// Half as many directions as tell the angles of Bessel functions apart.
 const DIRECTIONS: usize = 5;
 
 /// Sums over wavenumbers of what waves at one sphere make of those at another: those of even Bessel functions or of odd ones.
@@ -53,9 +53,6 @@ pub(crate) struct Waves {
     weights: Vec<[f64; LANES]>,
     directions: [[f64; 2]; DIRECTIONS],
 }
-
-/// Wavenumbers whose Bessel functions are found together.
-const LANES: usize = 8;
 
 /// More wavenumbers than any cut has.
 const MOST: i32 = 1_000_000;
@@ -205,47 +202,6 @@ fn in_space([c, s]: [f64; 2], [un, zn, nz, uz, nn, ut, tz, tn]: [f64; LOCAL]) ->
     let turned = |n: f64, t: f64| [c * n - s * t, s * n + c * t];
     let ([ux, uy], [dx, dy], [xz, yz]) = (turned(un, ut), turned(nn, tn), turned(nz, tz));
     [ux, uy, uz, c * dx, c * dy, c * zn, s * dx, s * dy, s * zn, xz, yz, -nn]
-}
-
-/// `J_0` to `J_4` of arguments in equal steps: by the recurrence from orders on that are next to nothing, whose sum with even orders
-/// is one (Miller).
-#[inline(always)]
-fn bessel([first, step]: [f64; 2]) -> [[f64; LANES]; ORDERS] {
-    let mut values = [[0.0; LANES]; ORDERS];
-    if first == 0.0 {
-        values[0] = [1.0; LANES];
-        return values;
-    }
-    let (mut above, mut here, mut sum, mut inverse) = ([0.0; LANES], [1e-200; LANES], [0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
-        // Below that the recurrence would overflow, and no function is off by more.
-        inverse[lane] = 2.0 / (first + lane as f64 * step).max(1e-5);
-    }
-    let highest = 2 * (9 + (0.55 * (first + LANES as f64 * step)) as usize);
-    for order in (0..highest).rev() {
-        // `here` is that of the order above this one.
-        let number = (order + 1) as f64;
-        for lane in 0..LANES {
-            let next = (number * inverse[lane]).mul_add(here[lane], -above[lane]);
-            above[lane] = here[lane];
-            here[lane] = next;
-        }
-        if order < ORDERS {
-            values[order] = here;
-        }
-        if order % 2 == 0 {
-            let times = if order > 0 { 2.0 } else { 1.0 };
-            for lane in 0..LANES {
-                sum[lane] = here[lane].mul_add(times, sum[lane]);
-            }
-        }
-    }
-    for of_order in &mut values {
-        for lane in 0..LANES {
-            of_order[lane] /= sum[lane];
-        }
-    }
-    values
 }
 
 /// Components that a mirror in the plane of the walls turns around.
@@ -456,22 +412,6 @@ mod tests {
                 let entries = (0..ENTRIES).flat_map(|i| (0..ENTRIES).map(move |j| (i, j)));
                 let power: f64 = entries.map(|(i, j)| load[i] * own[i][j] * sign(j) * load[j]).sum();
                 assert!(power < 0.0, "{power}");
-            }
-        }
-    }
-
-    #[test]
-    fn bessel_functions_are_those_of_the_library() {
-        for (first, step) in [(0.0, 0.0), (1e-6, 1e-6), (0.01, 0.02), (0.3, 0.5), (2.0, 1.0), (9.0, 3.0), (40.0, 2.0)] {
-            let found = bessel([first, step]);
-            for (order, lane) in (0..ORDERS).flat_map(|order| (0..LANES).map(move |lane| (order, lane))) {
-                let x = first + lane as f64 * step;
-                let value = libm::jn(order as i32, x);
-                assert!(
-                    (found[order][lane] - value).abs() < 1e-5,
-                    "J_{order}({x}): {}, not {value}",
-                    found[order][lane]
-                );
             }
         }
     }

@@ -92,7 +92,7 @@ fn draws_have_the_covariance_of_the_mobility() {
 /// The motion of a sphere by unit forces along each axis in turn, moved along that axis, by central differences: the divergence of the
 /// whole mobility, of which only that sphere's own part is left in the sum over all spheres.
 fn by_differences(suspension: &Suspension, tolerance: f64) -> Vec<[f64; 11]> {
-    const STEP: f64 = 0.02;
+    const STEP: f64 = 0.005;
     let mut mobility = mobility(suspension, Multipoles::Dipole, tolerance);
     let count = suspension.radii.len();
     let mut sums = vec![[0.0; 11]; count];
@@ -130,7 +130,7 @@ fn components(motion: &Motion) -> Vec<[f64; 11]> {
 fn the_divergence_is_that_by_differences() {
     for boundaries in [Boundaries::Walls, Boundaries::Wall] {
         let suspension = spheres(boundaries, 5);
-        let exact = by_differences(&suspension, 1e-7);
+        let exact = by_differences(&suspension, 1e-9);
         let mut mobility = mobility(&suspension, Multipoles::Dipole, 1e-3);
         let found = components(&mobility.divergence_at_walls(&suspension.cell, &suspension.particles()).unwrap());
         let largest = |range: std::ops::Range<usize>| {

@@ -3,7 +3,7 @@
 use crate::gap::Gap;
 use crate::model::{BrownianScheme, Evaluation, Extension, Integrator, Model};
 use crate::near::NearLists;
-use domain::{Number, Particles, Partition, PeriodicBox};
+use domain::{Boundaries, Number, Particles, Partition, PeriodicBox};
 use lubrication::Range;
 
 /// Pairs too near each other at the places where motions were solved for, those of a sphere and a wall among them.
@@ -130,6 +130,7 @@ impl Remedies {
     pub fn of(model: &Model) -> Self {
         let is_midpoint = matches!(model.integrator, Integrator::Brownian(BrownianScheme::Midpoint));
         let may_be_direct = model.hydrodynamics.method != Evaluation::Direct
+            && model.cell.boundaries() == Boundaries::Periodic
             && matches!(model.flow.extension(), None | Some(Extension::Planar));
         Self { repels: model.repulsion.is_some(), is_midpoint, may_be_direct }
     }
@@ -158,7 +159,7 @@ impl std::fmt::Display for Remedies {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Species};
-    use domain::{Boundaries, Comm, Vector};
+    use domain::{Comm, Vector};
 
     /// Two pairs across faces of the box, one at a distance below the gap's floor and one that overlaps, and one pair beyond,
     /// on any ranks.
@@ -231,6 +232,8 @@ mod tests {
         assert!(said(&parameters).contains("try a shorter time.step"), "{}", said(&parameters));
         parameters.hydrodynamics.method = Evaluation::Split;
         assert!(said(&parameters).contains(direct));
+        parameters.cell = parameters.cell.with_boundaries(Boundaries::Walls).unwrap();
+        assert!(said(&parameters).contains("try a shorter time.step"), "{}", said(&parameters));
     }
 
     #[test]
