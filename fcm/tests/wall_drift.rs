@@ -50,9 +50,13 @@ fn power(loads: &Loads, motion: &Motion) -> f64 {
 /// Along loads of any kind the variance of draws is that of the mobility: within 4.5 errors of 300 draws.
 #[test]
 fn draws_have_the_covariance_of_the_mobility() {
-    let boxes = [Boundaries::Walls, Boundaries::Wall, Boundaries::OpenAlongZ, Boundaries::Open];
-    for (boundaries, multipoles) in boxes.into_iter().flat_map(|b| [(b, Multipoles::Monopole), (b, Multipoles::Dipole)])
-    {
+    let cases = [
+        (Boundaries::Walls, Multipoles::Monopole),
+        (Boundaries::Walls, Multipoles::Dipole),
+        (Boundaries::OpenAlongZ, Multipoles::Dipole),
+        (Boundaries::Open, Multipoles::Dipole),
+    ];
+    for (boundaries, multipoles) in cases {
         let suspension = spheres(boundaries, 10);
         let mut mobility = mobility(&suspension, multipoles, 1e-3);
         let mut directions: Vec<Loads> = (0..8).map(|seed| suspension.loads(seed)).collect();

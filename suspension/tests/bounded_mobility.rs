@@ -135,11 +135,11 @@ fn open_space_has_no_places() {
 fn random_motions_near_walls_are_in_the_axes_of_the_caller() {
     let mut mobility = planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 1)).turned(Turn::to_last(0));
     mobility.place(&[Vector::new(1.3, 0.0, 0.0)]).unwrap();
-    let (motions, _) = mobility.noise(1, 0..400).unwrap();
+    let (motions, _) = mobility.noise(1, 0..100).unwrap();
     let square = |axis: usize| motions.iter().map(|motion| motion.velocities[0][axis].powi(2)).sum::<f64>();
     assert!(square(0) < 0.7 * square(1) && square(0) < 0.7 * square(2), "{} {} {}", square(0), square(1), square(2));
-    let drifts = mobility.drift(1, 0..400).unwrap();
-    let mean = drifts.iter().map(|drift| drift.velocities[0]).sum::<Vector>() / 400.0;
+    let drifts = mobility.drift(1, 0..100).unwrap();
+    let mean = drifts.iter().map(|drift| drift.velocities[0]).sum::<Vector>() / 100.0;
     assert!(mean.x > 0.01 && mean.x > 5.0 * mean.y.abs() && mean.x > 5.0 * mean.z.abs(), "{mean}");
 }
 
