@@ -157,7 +157,8 @@ def main():
     columns = ["gap", "across", "exact", "along", "of the mobility", "drift", "exact"]
     lines = [
         f"One sphere above a wall, lubricated, in a box of {ROOM:g} radii, {DRAWS} draws at a tolerance of {TOLERANCE:g}: the diffusivities across and along",
-        "the wall over \\\\(D_0\\\\), and the drift over \\\\(D_0/a\\\\), beside Brenner's exact mobility, its slope, and the program's own mobility along the wall.",
+        "the wall over \\\\(D_0\\\\), and the drift over \\\\(D_0/a\\\\), beside Brenner's exact mobility, its slope, and the program's own mobility along the wall; all by the same random",
+        "numbers, whose errors are alike.",
         "",
         *table(columns, [cells for cells, _ in single]),
         "",
