@@ -36,9 +36,6 @@ const DECAYED: f64 = 34.0;
 const SMOOTH: f64 = 10.0;
 const SHARP: f64 = 4.0;
 
-/// As many distances as are more than any box has.
-const MOST: usize = 10_000;
-
 /// What moves spheres of a plan's box near its walls.
 pub(crate) struct WallDrift {
     /// The logarithm of the least distance from a wall.
@@ -58,7 +55,7 @@ impl WallDrift {
         let longest = DECAYED * edges.x.max(edges.y) / (2.0 * TAU);
         let farthest = height.map_or(longest, |height| (0.5 * height).min(longest));
         // Cubics between two distances go through the next two as well.
-        let count = 4 + (((farthest / first).ln() / STEP).max(0.0) as usize).min(MOST);
+        let count = 4 + ((farthest / first).ln() / STEP).max(0.0) as usize;
         let first = first.ln() - STEP;
         let at = |number: usize| values((walls, edges), (first + STEP * number as f64).exp());
         let values = (0..count).into_par_iter().map(at).collect();

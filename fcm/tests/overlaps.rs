@@ -31,13 +31,6 @@ fn draw(mobility: &mut Mobility, number: u64) -> (Motion, Drawn) {
     mobility.noise(&(0..40).collect::<Vec<_>>(), 1e-3, Stream::new(7, number))
 }
 
-/// `F . V + T . Omega - S : E`, of which the variance is `(F, T, -S) . M . (F, T, -S)`.
-fn power(loads: &Loads, motion: &Motion) -> f64 {
-    let of_vectors = |a: &[Vector], b: &[Vector]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
-    let strained: f64 = loads.stresslets.iter().zip(&motion.strain_rates).map(|(s, e)| s.contract(*e)).sum();
-    of_vectors(&loads.forces, &motion.velocities) + of_vectors(&loads.torques, &motion.angular_velocities) - strained
-}
-
 /// Nothing is left out, and along loads of any kind the variance is that of the mobility: within 4.5 errors of 1500 draws, for
 /// all loads at once and for those of one sphere, with forces alone and with dipoles.
 #[test]
@@ -61,14 +54,14 @@ fn on_the_grid_alone_draws_of_overlapping_spheres_have_the_covariance_of_the_mob
             }
         }
         let wanted = if multipoles == Multipoles::Monopole { Evaluation::Velocities } else { Evaluation::All };
-        let variances: Vec<f64> = directions.iter().map(|loads| power(loads, &mobility.apply(loads, wanted))).collect();
+        let variances: Vec<f64> = directions.iter().map(|loads| mobility.apply(loads, wanted).power(loads)).collect();
         assert!(variances.iter().all(|variance| *variance > 0.0), "{variances:?}");
         let draws = 1500;
         let mut squares = vec![0.0; directions.len()];
         for number in 0..draws {
             let (motion, drawn) = draw(&mut mobility, number);
             assert_eq!(drawn, Drawn::default(), "there is no near field");
-            squares.iter_mut().zip(&directions).for_each(|(sum, loads)| *sum += power(loads, &motion).powi(2));
+            squares.iter_mut().zip(&directions).for_each(|(sum, loads)| *sum += motion.power(loads).powi(2));
         }
         let error = (2.0 / draws as f64).sqrt();
         for (square, variance) in squares.iter().zip(&variances) {

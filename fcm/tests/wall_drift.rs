@@ -40,13 +40,6 @@ fn mobility(suspension: &Suspension, multipoles: Multipoles, tolerance: f64) -> 
     mobility
 }
 
-/// `F . V + T . Omega - S : E`, of which the variance is `(F, T, -S) . M . (F, T, -S)`.
-fn power(loads: &Loads, motion: &Motion) -> f64 {
-    let of_vectors = |a: &[Vector], b: &[Vector]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
-    let strained: f64 = loads.stresslets.iter().zip(&motion.strain_rates).map(|(s, e)| s.contract(*e)).sum();
-    of_vectors(&loads.forces, &motion.velocities) + of_vectors(&loads.torques, &motion.angular_velocities) - strained
-}
-
 /// Along loads of any kind the variance of draws is that of the mobility: within 4.5 errors of 300 draws.
 #[test]
 fn draws_have_the_covariance_of_the_mobility() {
@@ -73,7 +66,7 @@ fn draws_have_the_covariance_of_the_mobility() {
                 (loads.torques, loads.stresslets) = (Vec::new(), Vec::new());
             }
         }
-        let variances: Vec<f64> = directions.iter().map(|loads| power(loads, &mobility.apply(loads, wanted))).collect();
+        let variances: Vec<f64> = directions.iter().map(|loads| mobility.apply(loads, wanted).power(loads)).collect();
         let (draws, ids) = (300, (0..10).collect::<Vec<_>>());
         let mut squares = vec![0.0; directions.len()];
         let mut most = 0;
@@ -82,7 +75,7 @@ fn draws_have_the_covariance_of_the_mobility() {
             assert!(drawn.clipped == 0.0 && drawn.change <= 1e-3, "{boundaries:?}: {drawn:?}");
             assert_eq!(motion.strain_rates.is_empty(), multipoles == Multipoles::Monopole);
             most = most.max(drawn.iterations);
-            squares.iter_mut().zip(&directions).for_each(|(sum, loads)| *sum += power(loads, &motion).powi(2));
+            squares.iter_mut().zip(&directions).for_each(|(sum, loads)| *sum += motion.power(loads).powi(2));
         }
         println!("{boundaries:?} {multipoles:?}: {most} iterations");
         let error = (2.0 / draws as f64).sqrt();

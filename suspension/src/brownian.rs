@@ -145,7 +145,7 @@ mod tests {
         Model::new(parameters).unwrap()
     }
 
-    /// The velocity along x of the first sphere relative to the last, or along z at a wall, by unit forces that part them along an axis.
+    /// The velocity at which unit forces along an axis part two spheres, or move one.
     fn parting(model: &Model, axis: Vector) -> f64 {
         let (mut dynamics, mut particles) =
             Dynamics::new(model, Setup::start(model, None, &Comm::alone()).unwrap()).unwrap();

@@ -86,8 +86,7 @@ impl Mobility {
     fn whole_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
         let (comm, has_dipoles) = (self.partition.comm().clone(), self.has_dipoles());
         let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
-        let (wanted, kept) =
-            if has_dipoles { (Evaluation::All, WITH_DIPOLES) } else { (Evaluation::Velocities, WITHOUT) };
+        let wanted = if has_dipoles { Evaluation::All } else { Evaluation::Velocities };
         let constraint = self.constraint.take();
         let start = self.start(ids, stream);
         let apply = |scaled: &[Components]| {
@@ -108,7 +107,6 @@ impl Mobility {
                     components[3..6].copy_from_slice(&motion.angular_velocities[row].to_array());
                     components[6..].copy_from_slice(&noise::orthonormal(motion.strain_rates[row]));
                 }
-                components[kept..].fill(0.0);
                 components
             });
             Ok::<_, Infallible>(scales.divide(&components.collect::<Vec<_>>()))
