@@ -74,8 +74,10 @@ fn flow_at_points() {
         let raster = plan.raster(Vector::ZERO);
         let ((), found) = measured(|| {
             let mut flow = mobility.flow(&loads);
-            (0..raster.points[2])
-                .for_each(|k| assert_eq!(flow.plane(&raster, k).len(), raster.points[0] * raster.points[1]));
+            // The planes are found one by one: two are near walls, and one is not.
+            for k in [0, raster.points[2] / 2, raster.points[2] - 1] {
+                assert_eq!(flow.plane(&raster, k).len(), raster.points[0] * raster.points[1]);
+            }
         });
         near(0.2, footprint.flow().most, found.most);
     }

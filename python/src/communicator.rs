@@ -2,6 +2,7 @@
 
 #[cfg(feature = "mpi")]
 use crate::error::explained;
+#[cfg(not(feature = "mpi"))]
 use crate::error::input_error;
 use domain::Comm;
 use pyo3::prelude::*;
