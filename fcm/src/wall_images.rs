@@ -4,7 +4,7 @@ use crate::bounded::NEAREST_WALL;
 use crate::envelope::Envelope;
 use crate::near::Loaded;
 use crate::plan::Plan;
-use crate::waves::{Block, Returned, Seen, Waves};
+use crate::waves::{Block, Seen, Waves};
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use solver::simd::vectorised;
@@ -65,9 +65,6 @@ struct Pair {
     is_ahead: bool,
     x: Vector,
 }
-
-/// What a sphere sends points of the fluid at one height by the wall below and by that above.
-pub(crate) struct Sent([Option<Returned>; 2]);
 
 /// A sphere or a point of the fluid, and how far from a wall it has an image in one like it. One that has sunk in has those of one
 /// that touches: more would take more mobility away than there is.
@@ -212,31 +209,16 @@ impl WallImages {
         }
     }
 
-    /// What a sphere of a class at a height sends points of the fluid at another height, by the walls near which both are.
-    pub fn sent(
+    /// The velocity at a height, at `x` from a sphere of a class at another height, by its force and dipole.
+    pub fn velocity_at(
         &self,
         cell: &PeriodicBox,
-        z: f64,
-        (class, at): (u32, f64),
+        (x, z): (Vector, f64),
+        class: u32,
         (force, dipole): (Vector, &Tensor),
-    ) -> Sent {
-        let mirror = Tensor::from_diagonal(Vector::new(1.0, 1.0, -1.0));
-        let by_wall = |above: bool| {
-            let [point, from] = self.seen_by(cell, above, [(&self.point, z), (self.class(class), at)])?;
-            let loads = if above { (mirror * force, mirror * *dipole * mirror) } else { (force, *dipole) };
-            Some(self.waves.returned(point.distance, from, (loads.0, &loads.1)))
-        };
-        Sent([by_wall(false), by_wall(true)])
-    }
-
-    /// The velocity at `x` from a sphere, by what it sends there.
-    #[inline(always)]
-    pub fn velocity_at(&self, Sent([below, above]): &Sent, x: Vector) -> Vector {
-        let by = |returned: &Option<Returned>| {
-            returned.as_ref().map_or(Vector::ZERO, |returned| self.waves.velocity_at(returned, x))
-        };
-        let mirrored = by(above);
-        (by(below) + Vector::new(mirrored.x, mirrored.y, -mirrored.z)) * self.inverse_viscosity
+    ) -> Vector {
+        let block = self.between(cell, x, [(&self.point, z), (self.class(class), z - x.z)]);
+        block.map_or(Vector::ZERO, |block| block.motion(force, dipole).0 * self.inverse_viscosity)
     }
 
     /// Adds the images' flows to the velocities and, if they are asked for, the gradients of the spheres that come first.

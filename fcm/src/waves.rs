@@ -12,12 +12,9 @@
 //! `k z - k^2 s^2`. Over all directions of `n` the phase of two places that are `r` apart along the wall, under an angle `psi`
 //! to `n`, is `J_0(kr) + 2 sum_m i^m J_m(kr) cos(m psi)`, of which motions and loads of forces and dipoles see four terms.
 
-mod returned;
-
 use crate::bessel::{LANES, ORDERS, bessel};
 use crate::wall_cut::WallCut;
 use domain::{Tensor, Vector};
-pub(crate) use returned::Returned;
 use solver::simd::vectorised;
 use std::f64::consts::{PI, SQRT_2, TAU};
 

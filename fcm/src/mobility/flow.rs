@@ -10,10 +10,8 @@ use crate::plan::Plan;
 use crate::problem::Method;
 use crate::raster::Raster;
 use crate::table::{PairFunctions, Table};
-use crate::wall_images::WallImages;
-use domain::{PeriodicBox, Tensor, Vector};
+use domain::{Tensor, Vector};
 use rayon::prelude::*;
-use solver::simd::vectorised;
 
 /// The flow that loads cause, at points of a box.
 pub struct Flow<'a> {
@@ -64,23 +62,25 @@ impl Flow<'_> {
 
     /// What this rank's own particles add besides the grid, in the order of the particles.
     fn add_near(&self, raster: &Raster, k: usize, velocities: &mut [Vector]) {
-        let images = self.images(raster, k);
-        let Mobility { wall_images, arrangement, .. } = &*self.mobility;
-        let flow = NearFlow { near: &self.near, wall_images: wall_images.as_ref(), cell: &arrangement.cell };
+        let (near, images) = (&self.near, self.images(raster, k));
         velocities.par_chunks_mut(raster.points[0]).enumerate().for_each(|(j, row)| {
             for image in &images {
                 let across = raster.point([0, j, k]) - image.place;
-                let square = flow.near.cutoff * flow.near.cutoff - across.y * across.y - across.z * across.z;
+                let square = near.cutoff * near.cutoff - across.y * across.y - across.z * across.z;
                 if square <= 0.0 {
                     continue;
                 }
                 // Points of the row within the cutoff.
                 let half = square.sqrt();
                 let [from, to] = [-half, half].map(|x| (x - across.x) / raster.spacing.x);
-                let first = from.ceil().max(0.0) as usize;
-                let end = ((to.floor() + 1.0).max(0.0) as usize).min(row.len());
-                if let Some(row) = row.get_mut(first..end) {
-                    flow.add_to_row(image, (raster, [first, j, k]), row);
+                for i in from.ceil().max(0.0) as usize..((to.floor() + 1.0).max(0.0) as usize).min(row.len()) {
+                    let point = raster.point([i, j, k]);
+                    let x = point - image.place;
+                    row[i] += near.velocity(image, x);
+                    if let Some(images) = &self.mobility.wall_images {
+                        let cell = &self.mobility.arrangement.cell;
+                        row[i] += images.velocity_at(cell, (x, point.z), image.class, (image.force, &image.dipole));
+                    }
                 }
             }
         });
@@ -111,34 +111,6 @@ impl Flow<'_> {
             }
         }
         images
-    }
-}
-
-/// What particles make of points besides the grid.
-struct NearFlow<'a> {
-    near: &'a NearPoints,
-    wall_images: Option<&'a WallImages>,
-    cell: &'a PeriodicBox,
-}
-
-impl NearFlow<'_> {
-    /// Adds what a particle or an image of one makes of points of a row, of which the first one is given.
-    fn add_to_row(&self, image: &Image, (raster, [first, j, k]): (&Raster, [usize; 3]), row: &mut [Vector]) {
-        let to = |i: usize| raster.point([first + i, j, k]) - image.place;
-        for (i, velocity) in row.iter_mut().enumerate() {
-            *velocity += self.near.velocity(image, to(i));
-        }
-        let Some(images) = self.wall_images else { return };
-        let z = raster.point([first, j, k]).z;
-        let sent = images.sent(self.cell, z, (image.class, image.place.z), (image.force, &image.dipole));
-        vectorised(
-            #[inline(always)]
-            || {
-                for (i, velocity) in row.iter_mut().enumerate() {
-                    *velocity += images.velocity_at(&sent, to(i));
-                }
-            },
-        );
     }
 }
 
