@@ -25,6 +25,7 @@ mod checksum;
 mod claimed_size;
 mod contacts;
 mod contents;
+mod document;
 mod error;
 mod export;
 mod fields;

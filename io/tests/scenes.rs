@@ -96,6 +96,63 @@ fn an_override_that_is_wrong_is_named() {
 }
 
 #[test]
+fn overrides_complete_a_scene() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad/missing-section.toml");
+    let read = |sets: &[&str]| Scene::read(&path, &sets.iter().map(|&set| set.to_owned()).collect::<Vec<_>>());
+    assert!(read(&[]).is_err());
+    assert_eq!(suspension(&read(&["fluid.viscosity=2"]).unwrap()).model.viscosity, 2.0);
+    assert_eq!(suspension(&read(&["fluid={viscosity=2}"]).unwrap()).model.viscosity, 2.0);
+}
+
+#[test]
+fn a_line_is_that_of_the_file_where_the_key_is_not_set() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad/radius-zero.toml");
+    let message = |set: &str| {
+        let error = Scene::read(&path, &[set.to_owned()]).unwrap_err().to_string();
+        error.rsplit('/').next().unwrap().to_owned()
+    };
+    let of_file =
+        "radius-zero.toml:9 with --set seed=2: species[0].radius is 0; it needs to be a finite number above 0";
+    assert_eq!(message("seed=2"), of_file);
+    for key in ["species[0].radius", "species.0.radius"] {
+        let of_override = format!(
+            "radius-zero.toml with --set {key}=-1: species[0].radius is -1; it needs to be a finite number above 0"
+        );
+        assert_eq!(message(&format!("{key}=-1")), of_override);
+    }
+    let surplus = message("box.edges=[10,10,10,99]");
+    assert!(
+        surplus.contains("box.edges has the wrong type: found a list of length 4, expected a list of 3 numbers"),
+        "{surplus}"
+    );
+}
+
+#[test]
+fn values_as_long_as_files_are_cut_in_messages() {
+    let long = "x".repeat(6_000_000);
+    let text = |kind: &str| {
+        format!("kind = \"{kind}\"\n[box]\nedges = [10, 10, 10]\n[fluid]\nviscosity = 1\n[time]\nstep = 1\nsteps = 1\n")
+    };
+    for (text, sets) in [
+        (text(&long), vec![]),
+        (text("suspension"), vec![format!("time.step={long}")]),
+        (text("suspension"), vec![format!("{long}=1")]),
+        (text("suspension"), vec![long.clone()]),
+        (
+            format!(
+                "{}[[traps]]\nspecies = \"{long}\"\nstiffness = 1\n[[species]]\nradius = 1\ncount = 1\n",
+                text("suspension")
+            ),
+            vec![],
+        ),
+        (format!("a = {long}"), vec![]),
+    ] {
+        let message = Scene::parse(&text, "long.toml", &sets).unwrap_err().to_string();
+        assert!(message.len() < 2000, "{}", message.len());
+    }
+}
+
+#[test]
 fn a_missing_file_is_named() {
     let message = Scene::read(Path::new("nowhere.toml"), &[]).unwrap_err().to_string();
     assert!(message.starts_with("can't read the scene nowhere.toml: "));

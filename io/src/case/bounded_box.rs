@@ -1,17 +1,36 @@
 //! The box of a case: edges, or lattice vectors.
 
 use super::boundaries::{BoundariesError, CaseBoundary, boundaries_of};
+use crate::document::{Alternative, NumberOr};
 use domain::{Boundaries, BoxError, PeriodicBox, Turn, Vector};
 use serde::{Deserialize, Serialize};
 
 /// The periodic box that a user gives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "box needs to be three edges, or three lattice vectors of three numbers each")]
+#[serde(untagged, try_from = "[NumberOr<[f64; 3]>; 3]")]
 pub enum CaseBox {
     /// Edges along x, y and z, of a box that may be sheared.
     Edges([f64; 3]),
     /// Three vectors of a lattice.
     Vectors([[f64; 3]; 3]),
+}
+
+impl Alternative for [f64; 3] {
+    const WORDS: &'static str = "an edge or a lattice vector of three numbers";
+}
+
+impl TryFrom<[NumberOr<[f64; 3]>; 3]> for CaseBox {
+    type Error = &'static str;
+
+    fn try_from(given: [NumberOr<[f64; 3]>; 3]) -> Result<Self, Self::Error> {
+        match given {
+            [NumberOr::Number(x), NumberOr::Number(y), NumberOr::Number(z)] => Ok(Self::Edges([x, y, z])),
+            [NumberOr::Other(a), NumberOr::Other(b), NumberOr::Other(c)] => Ok(Self::Vectors([a, b, c])),
+            _ => Err(
+                "has edges beside lattice vectors; it needs to be three edges, or three lattice vectors of three numbers each",
+            ),
+        }
+    }
 }
 
 /// Why a box can't be.
@@ -30,7 +49,7 @@ pub enum CaseBoxError {
     #[error("boundaries other than \"periodic\" are for a box of three edges that is not sheared")]
     Bounded,
     /// No box, where one is needed.
-    #[error("missing field `box`; only spheres that are in open fluid along all axes need none")]
+    #[error("box is missing; only spheres that are in open fluid along all axes need none")]
     Missing,
 }
 
@@ -101,7 +120,7 @@ mod tests {
         assert_eq!((cell.edges(), turn), (Vector::new(3.0, 5.0, 4.0), Turn::to_last(1)));
         assert_eq!(of(None, 0.0, [Open; 3]).unwrap().0.edges(), Vector::new(7.0, 6.0, 12.0));
         let error = |given, strain, axes| of(given, strain, axes).unwrap_err().to_string();
-        assert!(error(None, 0.0, [Periodic; 3]).contains("missing field `box`"));
+        assert!(error(None, 0.0, [Periodic; 3]).contains("box is missing"));
         assert!(error(Some(edges), 0.1, [Walls, Periodic, Periodic]).contains("not sheared"));
         assert!(error(Some(edges), 0.0, [Walls, Walls, Periodic]).contains("possible are"));
     }

@@ -10,6 +10,9 @@ impl Case {
             self.bounded_box().map_err(|error| error.to_string())?;
         }
         let count = self.positions.len();
+        if count == 0 {
+            return Err("positions is empty; list [x, y, z] for every sphere".to_owned());
+        }
         let fits = |key: &str, found: usize, may_be_absent: bool| {
             if found == count || (may_be_absent && found == 0) {
                 return Ok(());

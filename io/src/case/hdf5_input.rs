@@ -1,51 +1,98 @@
-//! A case in HDF5, as if it were JSON.
+//! Cases in HDF5.
 
+use super::KIND;
 use crate::claimed_size;
-use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
-use hdf5::{Container, Group};
-use serde_json::{Map, Value, json};
+use crate::document::{Entry, Misfit, Node, Value, Whole};
+use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
+use hdf5::{Container, Group, H5Type};
+use ndarray::{ArrayD, ArrayViewD};
 
-/// The datasets and attributes of a group as a JSON object, with its groups, and their content if `counts`: a case has
+/// Bytes of a word of fixed length.
+const WORD: usize = 256;
+
+/// The datasets and attributes of a group, with its groups, and their content if `counts`: a case has
 /// only one level of groups, and links may form cycles.
-pub(super) fn contents(group: &Group, counts: bool) -> hdf5::Result<Value> {
-    let mut object = Map::new();
+pub(super) fn contents(group: &Group, counts: bool) -> hdf5::Result<Node> {
+    let mut entries: Vec<Entry> = Vec::new();
     for name in group.attr_names()? {
-        object.insert(name.clone(), value(&name, &*group.attr(&name)?)?);
+        let node = value(&name, &*group.attr(&name)?)?;
+        entries.push(Entry { key: name.into(), node });
     }
     for name in group.member_names()? {
-        let value = match group.dataset(&name) {
+        if entries.iter().any(|entry| *entry.key == *name) {
+            return Err(format!("{name} is both an attribute and a dataset; leave one of them out").into());
+        }
+        let node = match group.dataset(&name) {
             Ok(dataset) => value(&name, &dataset)?,
             Err(_) if counts => contents(&group.group(&name)?, false)?,
-            Err(_) => json!({}),
+            Err(_) => Value::Section(Box::default()).into(),
         };
-        object.insert(name, value);
+        entries.push(Entry { key: name.into(), node });
     }
-    Ok(Value::Object(object))
+    Ok(Value::Section(entries.into()).into())
 }
 
-fn value(name: &str, container: &Container) -> hdf5::Result<Value> {
-    claimed_size::check(container)?;
-    match container.dtype()?.to_descriptor()? {
-        TypeDescriptor::Boolean => return Ok(json!(container.read_scalar::<bool>()?)),
-        TypeDescriptor::VarLenUnicode if container.ndim() == 1 => {
-            let words = container.read_raw::<VarLenUnicode>()?;
-            return Ok(json!(words.iter().map(VarLenUnicode::as_str).collect::<Vec<_>>()));
+/// What is wrong with a value, with the shape of its dataset.
+pub(super) fn in_words(misfit: &Misfit, file: &Group) -> String {
+    let words = misfit.in_words(KIND);
+    let shape = misfit.first_key().and_then(|key| file.dataset(key).ok()).map(|dataset| dataset.shape());
+    match shape.as_deref() {
+        None | Some([]) => words,
+        Some(&[width @ (3 | 5), count]) if count != 3 && count != 5 => format!(
+            "{words}; the dataset has the shape ({width}, {count}), which is likely that of Julia, MATLAB or Fortran, where the first \
+             index runs fastest: transpose it"
+        ),
+        Some(shape) => {
+            let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
+            format!("{words}; the dataset has the shape ({})", shape.join(", "))
         }
-        TypeDescriptor::VarLenUnicode => return Ok(json!(container.read_scalar::<VarLenUnicode>()?.as_str())),
-        TypeDescriptor::VarLenAscii => return Ok(json!(container.read_scalar::<VarLenAscii>()?.as_str())),
-        _ => {}
     }
-    let numbers = container.read_dyn::<f64>()?;
-    if let Some(wrong) = numbers.iter().find(|number| !number.is_finite()) {
-        // JSON has no such numbers; without this they would count as absent.
-        return Err(format!("{name} contains {wrong}; every number needs to be finite").into());
-    }
-    Ok(nested(&numbers.view()))
 }
 
-fn nested(numbers: &ndarray::ArrayViewD<f64>) -> Value {
-    if numbers.ndim() == 0 {
-        return json!(numbers.first());
+fn value(name: &str, container: &Container) -> hdf5::Result<Node> {
+    claimed_size::check(container)?;
+    let of_type = container.dtype()?.to_descriptor();
+    match of_type.map_err(|error| format!("{name} is of a type that is unknown here: {error}"))? {
+        TypeDescriptor::Boolean => all(container, |&value: &bool| Value::Bool(value)),
+        TypeDescriptor::Integer(_) => all(container, |&number: &i64| whole(number.into())),
+        TypeDescriptor::Unsigned(_) => all(container, |&number: &u64| whole(number.into())),
+        TypeDescriptor::Float(_) => reals(name, container),
+        TypeDescriptor::VarLenUnicode => all(container, |word: &VarLenUnicode| text(word)),
+        TypeDescriptor::VarLenAscii => all(container, |word: &VarLenAscii| text(word)),
+        TypeDescriptor::FixedAscii(bytes) if bytes <= WORD => all(container, |word: &FixedAscii<WORD>| text(word)),
+        TypeDescriptor::FixedUnicode(bytes) if bytes <= WORD => all(container, |word: &FixedUnicode<WORD>| text(word)),
+        TypeDescriptor::Compound(_) => {
+            Err(format!("{name} has complex or compound values; it needs to have real numbers").into())
+        }
+        other => {
+            Err(format!("{name} has values of type {other}; it needs to have numbers, words, or true or false").into())
+        }
     }
-    Value::Array(numbers.outer_iter().map(|inner| nested(&inner)).collect())
+}
+
+fn text(word: &str) -> Value {
+    Value::Text(word.into())
+}
+
+fn whole(number: i128) -> Value {
+    Value::Whole(Whole::of(number).expect("a number of 64 bits"))
+}
+
+fn reals(name: &str, container: &Container) -> hdf5::Result<Node> {
+    let numbers: ArrayD<f64> = container.read_dyn()?;
+    match numbers.iter().find(|number| !number.is_finite()) {
+        Some(wrong) => Err(format!("{name} contains {wrong}; every number needs to be finite").into()),
+        None => Ok(nested(&numbers.view(), &|&number| Value::Real(number))),
+    }
+}
+
+fn all<T: H5Type>(container: &Container, value: impl Fn(&T) -> Value) -> hdf5::Result<Node> {
+    Ok(nested(&container.read_dyn()?.view(), &value))
+}
+
+fn nested<T>(values: &ArrayViewD<T>, value: &dyn Fn(&T) -> Value) -> Node {
+    match values.first() {
+        Some(only) if values.ndim() == 0 => value(only).into(),
+        _ => Value::List(values.outer_iter().map(|inner| nested(&inner, value)).collect()).into(),
+    }
 }

@@ -14,6 +14,7 @@ pub use bounded_box::{CaseBox, CaseBoxError};
 pub use method::{CaseMethod, UnknownMethod};
 
 use crate::FileError;
+use crate::document::{Alternative, Misfit, Node, NumberOr, bounded};
 use domain::{PeriodicBox, Turn};
 use hdf5::File;
 use serde::{Deserialize, Serialize};
@@ -88,12 +89,25 @@ pub const NOISE_NUMBERS: usize = 11;
 
 /// A number for all particles, or one for each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, from = "NumberOr<Vec<f64>>")]
 pub enum OneOrAll {
     /// The same for all.
     One(f64),
     /// Each its own.
     All(Vec<f64>),
+}
+
+impl Alternative for Vec<f64> {
+    const WORDS: &'static str = "a number for all or a list of one for each";
+}
+
+impl From<NumberOr<Vec<f64>>> for OneOrAll {
+    fn from(given: NumberOr<Vec<f64>>) -> Self {
+        match given {
+            NumberOr::Number(number) => Self::One(number),
+            NumberOr::Other(list) => Self::All(list),
+        }
+    }
 }
 
 /// Terms of the multipole expansion.
@@ -119,6 +133,9 @@ pub struct Background {
     pub pressure_gradient: [f64; 3],
 }
 
+/// The keys' owner, as messages call it.
+const KIND: &str = "a case";
+
 /// Draws of a case at most.
 const MOST_DRAWS: u64 = 1_000_000;
 
@@ -137,17 +154,19 @@ impl Case {
             let text = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
             return Self::parse(&text, path);
         }
-        let contents = File::open(path).and_then(|file| hdf5_input::contents(&file, true));
-        Self::checked(serde_json::from_value(contents.map_err(|e| FileError::read(path, &e))?), path)
+        let file = File::open(path).map_err(|e| FileError::read(path, &e))?;
+        let document = hdf5_input::contents(&file, true).map_err(|e| FileError::read(path, &e))?;
+        Self::of_document(&document, path, &|misfit| hdf5_input::in_words(misfit, &file))
     }
 
     /// Checks a case in JSON; `name` is what messages call it.
     pub fn parse(text: &str, name: &Path) -> Result<Self, FileError> {
-        Self::checked(serde_json::from_str(text), name)
+        let document = Node::of_json(text).map_err(|e| FileError::read(name, &bounded(&e.to_string())))?;
+        Self::of_document(&document, name, &|misfit| misfit.in_words(KIND))
     }
 
-    fn checked(case: serde_json::Result<Self>, name: &Path) -> Result<Self, FileError> {
-        let case = case.map_err(|e| FileError::read(name, &e))?;
+    fn of_document(document: &Node, name: &Path, in_words: &dyn Fn(&Misfit) -> String) -> Result<Self, FileError> {
+        let case: Self = document.read().map_err(|misfit| FileError::read(name, &bounded(&in_words(&misfit))))?;
         case.check().map_err(|reason| FileError::read(name, &reason))?;
         Ok(case)
     }

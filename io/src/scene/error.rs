@@ -1,7 +1,7 @@
 //! Errors in scenes, as messages for their authors.
 
-use super::names;
-use super::places::{Places, line};
+use super::overrides;
+use crate::document::{Misfit, Node, bounded, excerpt, line};
 use domain::ParameterError;
 
 /// Why a scene was refused.
@@ -16,12 +16,14 @@ pub enum SceneError {
         reason: std::io::Error,
     },
     /// A key is wrong.
-    #[error("{}: {message}", place(.name, *.line))]
+    #[error("{}{with}: {message}", place(.name, *.line))]
     Invalid {
         /// The file.
         name: String,
         /// The line that the key stands on, where the file has it.
         line: Option<usize>,
+        /// What is set on the command line, as ` with --set time.step=0.1`; empty if nothing is.
+        with: String,
         /// The key, what was found, what is allowed.
         message: String,
     },
@@ -35,16 +37,6 @@ pub enum SceneError {
 
 fn place(name: &str, line: Option<usize>) -> String {
     line.map_or_else(|| name.to_owned(), |line| format!("{name}:{line}"))
-}
-
-impl SceneError {
-    /// The same, of a text whose lines are not those of the file.
-    pub(super) fn without_line(self) -> Self {
-        match self {
-            Self::Invalid { name, message, .. } => Self::Invalid { name, line: None, message },
-            other => other,
-        }
-    }
 }
 
 /// A key and what is wrong with it.
@@ -69,17 +61,31 @@ impl From<ParameterError> for Fault {
 
 /// Puts what the parser and the checks found into words.
 pub(super) struct Explain<'a> {
+    /// The text of the file, and what is in it.
     pub(super) text: &'a str,
+    pub(super) written: Option<&'a Node>,
     pub(super) name: &'a str,
+    /// What is set on the command line.
+    pub(super) overrides: &'a [String],
 }
 
 impl Explain<'_> {
-    fn at(&self, place: Option<usize>, message: String) -> SceneError {
-        SceneError::Invalid { name: self.name.to_owned(), line: place.map(|p| line(self.text, p)), message }
+    /// A message about a key, with the line that it stands on unless it is set on the command line.
+    fn about(&self, key: &str, message: &str) -> SceneError {
+        let is_set = self.overrides.iter().any(|set| is_in(key, &overrides::key_of(set)));
+        let place = self.written.filter(|_| !is_set).and_then(|written| written.find(key));
+        self.at(place, message)
     }
 
-    pub(super) fn fault(&self, places: &Places, fault: &Fault) -> SceneError {
-        self.at(places.find(&fault.key), format!("{} {}", fault.key, fault.message))
+    fn at(&self, place: Option<usize>, message: &str) -> SceneError {
+        let line = place.map(|place| line(self.text, place));
+        let with = self.overrides.iter().fold(String::new(), |with, set| with + " --set " + &excerpt(set));
+        let with = if with.is_empty() { with } else { bounded(&format!(" with{with}")) };
+        SceneError::Invalid { name: self.name.to_owned(), line, with, message: bounded(message) }
+    }
+
+    pub(super) fn fault(&self, fault: &Fault) -> SceneError {
+        self.about(&fault.key, &format!("{} {}", fault.key, fault.message))
     }
 
     /// Text that is no TOML.
@@ -87,56 +93,16 @@ impl Explain<'_> {
         let message = error.message().replace('\n', ", ");
         let place = error.span().map(|s| s.start);
         let found = place.and_then(|p| self.text.lines().nth(line(self.text, p) - 1)).unwrap_or_default();
-        self.at(place, format!("this is not TOML: {message}; found: {}", found.trim()))
+        self.at(place, &format!("this is not TOML: {message}; found: {}", excerpt(found.trim())))
     }
 
     /// TOML that is no scene: unknown or missing keys and values of the wrong type.
-    pub(super) fn structure(&self, places: &Places, error: &toml::de::Error) -> SceneError {
-        let span = error.span();
-        let path = span.as_ref().and_then(|s| places.path_at(s)).unwrap_or("");
-        let named = quoted(error.message());
-        let message = match error.message() {
-            m if m.starts_with("unknown field") => {
-                format!("{path} is not a key of a scene; {}", names::known(named[0], &named[1..]))
-            }
-            m if m.starts_with("unknown variant") => {
-                format!("{path} is \"{}\"; {}", named[0], names::known(named[0], &named[1..]))
-            }
-            m if m.starts_with("missing field") => {
-                let dot = if path.is_empty() { "" } else { "." };
-                format!("{path}{dot}{} is missing", named[0])
-            }
-            m => format!("{path} has the wrong type: {}", plain(m)),
-        };
-        let place = span.filter(|_| !path.is_empty()).map(|s| s.start);
-        self.at(place, message)
+    pub(super) fn structure(&self, misfit: &Misfit) -> SceneError {
+        self.about(&misfit.key(), &misfit.in_words("a scene"))
     }
 }
 
-/// The names that a message has in backticks.
-fn quoted(message: &str) -> Vec<&str> {
-    message.split('`').skip(1).step_by(2).collect()
-}
-
-/// Plain words for the parser's names of types.
-fn plain(message: &str) -> String {
-    let words = [
-        ("invalid type: ", "found "),
-        ("invalid value: ", "found "),
-        ("invalid length ", "found a list of length "),
-        ("an array of length 3", "a list of 3 numbers"),
-        ("an array of size 3", "a list of 3 numbers"),
-        ("tuple of 3 elements", "a list of 3 numbers"),
-        ("expected f64", "expected a number"),
-        ("expected u64", "expected a whole number, 0 or more"),
-        ("expected usize", "expected a whole number, 0 or more"),
-        ("expected u32", "expected a whole number, 0 or more"),
-        ("a boolean", "true or false"),
-        ("a sequence", "a list"),
-    ];
-    let simpler = words.iter().fold(message.to_owned(), |m, (from, to)| m.replace(from, to));
-    match simpler.find("expected struct ") {
-        Some(start) => format!("{}expected a section of keys", &simpler[..start]),
-        None => simpler,
-    }
+/// Whether a key is another one or in it.
+fn is_in(key: &str, other: &str) -> bool {
+    key.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }

@@ -4,9 +4,7 @@ mod checks;
 mod differences;
 mod error;
 mod granular_disks;
-mod names;
 mod overrides;
-mod places;
 mod schema;
 mod shear_cell;
 mod shear_cell_continuum;
@@ -15,11 +13,11 @@ mod template;
 mod time_and_output;
 
 pub use self::suspension::SuspensionScene;
+use crate::document::{Node, excerpt, known};
 pub use differences::Difference;
 pub use error::SceneError;
 use error::{Explain, Fault};
 pub use granular_disks::GranularDisksScene;
-use places::Places;
 pub use schema::scene_schema;
 pub use shear_cell::ShearCellScene;
 pub use shear_cell_continuum::ContinuumScene;
@@ -65,33 +63,15 @@ impl Scene {
     /// Checks the text of a scene. `name` is the file's, for messages and as the place that paths start from.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         let folder = Path::new(name).parent().unwrap_or(Path::new(""));
-        let written = Self::check(text, name, folder)?;
+        let explain = Explain { text, written: None, name, overrides: &[] };
+        let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
+        let explain = Explain { written: Some(&written), overrides, ..explain };
         if overrides.is_empty() {
-            return Ok(written);
+            return Reading { document: &written, folder, explain }.scene(text);
         }
         let text = overrides::apply(text, overrides).map_err(|message| SceneError::Override { message })?;
-        let with = format!("{name} with --set {}", overrides.join(" --set "));
-        Self::check(&text, &with, folder).map_err(SceneError::without_line)
-    }
-
-    fn check(text: &str, name: &str, folder: &Path) -> Result<Self, SceneError> {
-        let explain = Explain { text, name };
-        let places = Places::of(text).map_err(|error| explain.syntax(&error))?;
-        let named = places.text_at("kind");
-        let reading = Reading { text, folder, explain, places };
-        let kind = match named.as_deref().unwrap_or(KINDS[0]) {
-            "suspension" => Kind::Suspension(reading.check(SuspensionScene::checked)?),
-            "granular-disks" => {
-                Kind::GranularDisks(reading.check(|raw, folder| GranularDisksScene::checked(&raw, folder))?)
-            }
-            "shear-cell" => Kind::ShearCell(reading.check(|raw, _| ShearCellScene::checked(raw))?),
-            "shear-cell-continuum" => Kind::Continuum(reading.check(|raw, _| ContinuumScene::checked(raw))?),
-            other => {
-                let message = format!("is \"{other}\"; {}", names::known(other, &KINDS));
-                return Err(reading.explain.fault(&reading.places, &Fault::new("kind", message)));
-            }
-        };
-        Ok(Self { text: text.to_owned(), kind })
+        let document = Node::of_toml(&text).map_err(|error| explain.syntax(&error))?;
+        Reading { document: &document, folder, explain }.scene(&text)
     }
 
     /// The scene as TOML, with the overrides in it: what to keep with the results.
@@ -105,22 +85,38 @@ impl Scene {
     }
 }
 
-/// A text on its way to a scene.
+/// A document on its way to a scene.
 struct Reading<'a> {
-    text: &'a str,
+    document: &'a Node,
     folder: &'a Path,
     explain: Explain<'a>,
-    places: Places,
 }
 
 impl Reading<'_> {
+    /// The scene of this text.
+    fn scene(&self, text: &str) -> Result<Scene, SceneError> {
+        let kind = match self.document.get("kind").and_then(Node::text).unwrap_or(KINDS[0]) {
+            "suspension" => Kind::Suspension(self.check(SuspensionScene::checked)?),
+            "granular-disks" => {
+                Kind::GranularDisks(self.check(|raw, folder| GranularDisksScene::checked(&raw, folder))?)
+            }
+            "shear-cell" => Kind::ShearCell(self.check(|raw, _| ShearCellScene::checked(raw))?),
+            "shear-cell-continuum" => Kind::Continuum(self.check(|raw, _| ContinuumScene::checked(raw))?),
+            other => {
+                let message = format!("is \"{}\"; {}", excerpt(other), known(other, &KINDS));
+                return Err(self.explain.fault(&Fault::new("kind", message)));
+            }
+        };
+        Ok(Scene { text: text.to_owned(), kind })
+    }
+
     /// The file's keys, then what they mean.
     fn check<Raw: serde::de::DeserializeOwned, Checked>(
         &self,
         checked: impl FnOnce(Raw, &Path) -> Result<Checked, Fault>,
     ) -> Result<Box<Checked>, SceneError> {
-        let raw = toml::from_str(self.text).map_err(|error| self.explain.structure(&self.places, &error))?;
-        let scene = checked(raw, self.folder).map_err(|fault| self.explain.fault(&self.places, &fault))?;
+        let raw = self.document.read().map_err(|misfit| self.explain.structure(&misfit))?;
+        let scene = checked(raw, self.folder).map_err(|fault| self.explain.fault(&fault))?;
         Ok(Box::new(scene))
     }
 }

@@ -1,5 +1,6 @@
 //! Keys set on the command line.
 
+use crate::document::excerpt;
 use toml::{Table, Value};
 
 /// The text of a scene with the keys of `overrides` set, each `key=value` with a dotted key such as
@@ -8,11 +9,26 @@ pub(super) fn apply(text: &str, overrides: &[String]) -> Result<String, String> 
     let table: Table = toml::from_str(text).map_err(|e| e.to_string())?;
     let mut root = Value::Table(table);
     for item in overrides {
+        let shown = excerpt(item);
         let (key, value) =
-            item.split_once('=').ok_or_else(|| format!("{item}: write key=value, as in time.step=0.01"))?;
-        set(&mut root, key.trim(), value_of(value.trim())).map_err(|message| format!("{item}: {message}"))?;
+            item.split_once('=').ok_or_else(|| format!("{shown}: write key=value, as in time.step=0.01"))?;
+        set(&mut root, key.trim(), value_of(value.trim())).map_err(|message| format!("{shown}: {message}"))?;
     }
     toml::to_string(&root).map_err(|e| e.to_string())
+}
+
+/// The key that an override sets, written as `species[0].radius`.
+pub(super) fn key_of(item: &str) -> String {
+    let key = item.split_once('=').map_or(item, |(key, _)| key).trim();
+    let mut written = String::new();
+    for part in parts(key).into_iter().flatten() {
+        match part {
+            Part::Key(name) if written.is_empty() => name.clone_into(&mut written),
+            Part::Key(name) => written = format!("{written}.{name}"),
+            Part::Item(index) => written = format!("{written}[{index}]"),
+        }
+    }
+    written
 }
 
 fn value_of(text: &str) -> Value {
@@ -26,21 +42,64 @@ fn set(root: &mut Value, key: &str, value: Value) -> Result<(), String> {
         let replaced = ENDS.iter().filter(|other| ENDS.contains(&end) && **other != end);
         replaced.for_each(|other| drop(time.remove(*other)));
     }
-    let dotted = key.replace('[', ".").replace(']', "");
     let mut place = root;
-    for part in dotted.split('.') {
-        place = match place {
-            Value::Table(table) if !part.is_empty() => table.entry(part).or_insert_with(|| Value::Table(Table::new())),
-            Value::Array(array) => {
-                let count = array.len();
-                let item = part.parse().ok().and_then(|i: usize| array.get_mut(i));
-                item.ok_or_else(|| format!("there is no item {part} in {key}; the scene has {count}, from 0"))?
+    for part in parts(key)? {
+        place = match (place, part) {
+            (Value::Table(table), Part::Key(name)) => table.entry(name).or_insert_with(|| Value::Table(Table::new())),
+            (Value::Array(list), Part::Item(index)) => {
+                let count = list.len();
+                list.get_mut(index).ok_or_else(|| format!("there is no item {index}; the scene has {count}, from 0"))?
             }
-            _ => return Err(format!("{key} is not a key; {part:?} has nothing to stand in")),
+            (Value::Table(table), Part::Item(_)) if table.is_empty() => {
+                return Err(format!("there is no list in the scene in which {} could be an item", excerpt(key)));
+            }
+            (found, part) => {
+                let (part, found) = (part.shown(), found.type_str());
+                return Err(format!(
+                    "{} is not a key; {part} has nothing to stand in but a value of type {found}",
+                    excerpt(key)
+                ));
+            }
         };
     }
     *place = value;
     Ok(())
+}
+
+/// A part of a key.
+enum Part<'a> {
+    Key(&'a str),
+    Item(usize),
+}
+
+impl Part<'_> {
+    fn shown(&self) -> String {
+        match self {
+            Self::Key(name) => format!("\"{}\"", excerpt(name)),
+            Self::Item(index) => format!("[{index}]"),
+        }
+    }
+}
+
+/// The parts of `species[0].radius`, which may be written `species.0.radius`.
+fn parts(key: &str) -> Result<Vec<Part<'_>>, String> {
+    let wrong = || format!("{} is not a key; write it as in species[0].radius", excerpt(key));
+    let mut parts = Vec::new();
+    for part in key.split('.') {
+        let (name, items) = part.find('[').map_or((part, ""), |start| part.split_at(start));
+        match name.parse() {
+            Ok(index) => parts.push(Part::Item(index)),
+            Err(_) if name.is_empty() => return Err(wrong()),
+            Err(_) => parts.push(Part::Key(name)),
+        }
+        if !items.is_empty() {
+            let inside = items.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).ok_or_else(wrong)?;
+            for index in inside.split("][") {
+                parts.push(Part::Item(index.parse().map_err(|_| wrong())?));
+            }
+        }
+    }
+    Ok(parts)
 }
 
 /// Ways to say when a run ends: one takes the place of another.
@@ -72,5 +131,9 @@ mod tests {
         assert!(with("time.step").unwrap_err().contains("write key=value"));
         assert!(with("species[5].radius=1").unwrap_err().contains("no item 5"));
         assert!(with("title.x=1").unwrap_err().contains("nothing to stand in"));
+        assert!(with("bonds[0].stiffness=1").unwrap_err().contains("there is no list"));
+        for key in ["species[0", "species[x].radius", "species[0]radius", "time[step]", "", "time..step", "time."] {
+            assert!(with(&format!("{key}=1")).unwrap_err().contains("write it as in species[0].radius"), "{key}");
+        }
     }
 }

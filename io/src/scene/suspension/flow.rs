@@ -1,6 +1,7 @@
 //! The background flow of a scene.
 
 use super::raw;
+use crate::document::NumberOr;
 use crate::scene::checks::positive;
 use crate::scene::error::Fault;
 use domain::Number;
@@ -121,12 +122,12 @@ fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
             let flow = if extension(raw.kind).is_some() { "an extension" } else { "a shear flow u = rate y" };
             Err(Fault::new("flow.rate", format!("is missing; {flow} needs it")))
         }
-        (Some(raw::Rate::Number(rate)), None, _) => Ok((*rate, Protocol::STEADY)),
-        (Some(raw::Rate::Number(rate)), Some(strains), _) => {
+        (Some(NumberOr::Number(rate)), None, _) => Ok((*rate, Protocol::STEADY)),
+        (Some(NumberOr::Number(rate)), Some(strains), _) => {
             Ok((*rate, Protocol::Steps(reversals(*rate, strains, time_step)?)))
         }
-        (Some(raw::Rate::Table(table)), None, _) => from_table(table, time_step),
-        (Some(raw::Rate::Table(_)), Some(_), _) => {
+        (Some(NumberOr::Other(table)), None, _) => from_table(table, time_step),
+        (Some(NumberOr::Other(_)), Some(_), _) => {
             let message = "goes with one flow.rate; with a table of rates give the reversals there";
             Err(Fault::new("flow.reversal_at", message))
         }
@@ -134,7 +135,7 @@ fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
 }
 
 fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol), Fault> {
-    let is_table = matches!(raw.rate, Some(raw::Rate::Table(_)));
+    let is_table = matches!(raw.rate, Some(NumberOr::Other(_)));
     let keys = [
         ("flow.oscillation", raw.oscillation.is_some()),
         ("flow.reversal_at", raw.reversal_at.is_some()),
@@ -144,7 +145,7 @@ fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol
         let message = "can't be with flow.control = \"stress\", where the rate is what the stress makes it; leave one of them out";
         return Err(Fault::new(key, message));
     }
-    let rate = if let Some(raw::Rate::Number(rate)) = raw.rate { rate } else { stress / viscosity };
+    let rate = if let Some(NumberOr::Number(rate)) = raw.rate { rate } else { stress / viscosity };
     Ok((rate, Protocol::Stress(stress)))
 }
 

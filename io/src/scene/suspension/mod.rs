@@ -1,5 +1,6 @@
 //! Scenes of spheres in Stokes flow.
 
+mod attraction;
 mod cell;
 mod flow;
 mod raw;
@@ -8,14 +9,15 @@ mod tethers;
 
 use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
+use crate::document::NumberOr;
 use domain::{Boundaries, PeriodicBox, Turn, Vector};
 pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Adaptive, Attraction, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion,
-    Start, StatisticsWanted,
+    Adaptive, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start,
+    StatisticsWanted,
 };
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](super::Scene) makes one.
@@ -60,7 +62,7 @@ impl SuspensionScene {
             flow,
             protocol,
             repulsion: raw.repulsion.as_ref().map(repulsion),
-            attraction: raw.attraction.as_ref().map(attraction),
+            attraction: raw.attraction.as_ref().map(attraction::attraction).transpose()?,
             contacts: raw.contacts.as_ref().map(contacts),
             bonds: tethers::bonds(&raw.bonds),
             traps,
@@ -141,24 +143,11 @@ fn repulsion(raw: &raw::Repulsion) -> Repulsion {
     Repulsion { strength, radius_power, range, screening_length, calibrate }
 }
 
-fn attraction(raw: &raw::Attraction) -> Attraction {
-    match *raw {
-        raw::Attraction::VanDerWaals { hamaker, closest, range } => Attraction::VanDerWaals {
-            hamaker,
-            closest: closest.unwrap_or(Attraction::CLOSEST),
-            range: range.unwrap_or(Attraction::RANGE),
-        },
-        raw::Attraction::Depletion { pressure, depletant_radius } => {
-            Attraction::Depletion { pressure, radius: depletant_radius }
-        }
-    }
-}
-
 fn contacts(raw: &raw::Contacts) -> Contacts {
     let usual = Contacts::new(raw.friction);
     let stiffness = raw.stiffness.and_then(|stiffness| match stiffness {
-        raw::Stiffness::Number(number) => Some(number),
-        raw::Stiffness::Name(raw::Auto::Auto) => None,
+        NumberOr::Number(number) => Some(number),
+        NumberOr::Other(raw::Auto::Auto) => None,
     });
     Contacts {
         stiffness,

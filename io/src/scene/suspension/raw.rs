@@ -1,5 +1,6 @@
 //! The file's keys, as serde finds them.
 
+use crate::document::{Alternative, NumberOr};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -203,11 +204,11 @@ pub(super) struct Oscillation {
     pub(super) frequency: f64,
 }
 
-#[derive(Deserialize, JsonSchema, Clone)]
-#[serde(untagged, expecting = "a number or a table of times and rates was expected")]
-pub(super) enum Rate {
-    Number(f64),
-    Table(Vec<[f64; 2]>),
+/// A rate, or a table of times and rates.
+pub(super) type Rate = NumberOr<Vec<[f64; 2]>>;
+
+impl Alternative for Vec<[f64; 2]> {
+    const WORDS: &'static str = "a number or a table of times and rates, as [[0.0, 1.0], [5.0, -1.0]]";
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
@@ -239,24 +240,27 @@ pub(super) struct Repulsion {
 }
 
 #[derive(Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub(super) enum Attraction {
-    /// Of van der Waals.
-    VanDerWaals {
-        /// Hamaker constant, an energy.
-        hamaker: f64,
-        /// Gap that bounds the force at contact, in mean radii of the two spheres; 0.01 by default.
-        closest: Option<f64>,
-        /// Gap where it ends, in mean radii of the two; 1 by default.
-        range: Option<f64>,
-    },
-    /// By small spheres that find no place between large ones.
-    Depletion {
-        /// Osmotic pressure of the small spheres.
-        pressure: f64,
-        /// Radius of the small spheres.
-        depletant_radius: f64,
-    },
+#[serde(deny_unknown_fields)]
+pub(super) struct Attraction {
+    /// Which one: of van der Waals, or by small spheres that find no place between large ones.
+    pub(super) kind: AttractionKind,
+    /// Hamaker constant, an energy, for "van-der-waals".
+    pub(super) hamaker: Option<f64>,
+    /// Gap that bounds the force at contact, in mean radii of the two spheres, for "van-der-waals"; 0.01 by default.
+    pub(super) closest: Option<f64>,
+    /// Gap where it ends, in mean radii of the two, for "van-der-waals"; 1 by default.
+    pub(super) range: Option<f64>,
+    /// Osmotic pressure of the small spheres, for "depletion".
+    pub(super) pressure: Option<f64>,
+    /// Radius of the small spheres, for "depletion".
+    pub(super) depletant_radius: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum AttractionKind {
+    VanDerWaals,
+    Depletion,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -312,11 +316,11 @@ pub(super) struct Traps {
     pub(super) stiffness: f64,
 }
 
-#[derive(Deserialize, JsonSchema, Clone, Copy)]
-#[serde(untagged, expecting = "a number or \"auto\" was expected")]
-pub(super) enum Stiffness {
-    Number(f64),
-    Name(Auto),
+/// A stiffness, or "auto".
+pub(super) type Stiffness = NumberOr<Auto>;
+
+impl Alternative for Auto {
+    const WORDS: &'static str = "a number or \"auto\"";
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy)]

@@ -1,7 +1,13 @@
 //! The nearest known name.
 
+/// Letters of a name that may be a slip of the pen.
+const LONGEST: usize = 60;
+
 /// The one of `known` that `name` probably means: at most a third of its letters are wrong, swapped, missing or extra.
 fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    if name.chars().nth(LONGEST).is_some() {
+        return None;
+    }
     let name = name.to_lowercase().replace('_', "-");
     let distance = |other: &str| edits(&name, &other.to_lowercase().replace('_', "-"));
     let (best, edits) = known.iter().map(|&k| (k, distance(k))).min_by_key(|&(_, d)| d)?;
@@ -9,7 +15,7 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 }
 
 /// What to do about a name that is not among the known ones.
-pub(super) fn known(name: &str, known: &[&str]) -> String {
+pub(crate) fn known(name: &str, known: &[&str]) -> String {
     let all = known.join(", ");
     match nearest(name, known) {
         Some(best) => format!("did you mean \"{best}\"? Known here: {all}"),
