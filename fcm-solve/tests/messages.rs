@@ -29,7 +29,7 @@ fn a_case_comes_from_the_standard_input() {
     let answer: serde_json::Value = serde_json::from_str(&said(CASE, &["mobility", "-"], 0)).expect("JSON");
     assert!(answer["velocities"][0][0].as_f64().expect("a number") > 0.03);
     let error = said("{}", &["mobility", "-"], 1);
-    assert!(error.contains("can't read the standard input: missing field"), "{error}");
+    assert!(error.contains("can't read the standard input: viscosity is missing"), "{error}");
 }
 
 #[test]
