@@ -24,6 +24,7 @@ mod report;
 mod resume;
 mod run;
 mod run_loop;
+mod sampled_frames;
 mod scene_file;
 mod signals;
 mod stats;

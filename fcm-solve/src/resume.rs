@@ -3,8 +3,7 @@
 use crate::causes::in_full;
 use crate::commands::resume_command;
 use crate::continuation::{go_on, kept_scene, latest};
-use crate::signals::Signals;
-use crate::walltime::{self, Walltime};
+use crate::signals::{Signals, StopArgs};
 use crate::whole_scene::carry_out;
 use domain::Comm;
 use io::{RunFolder, WholeScene};
@@ -19,20 +18,19 @@ pub struct Args {
     /// Go on until this step instead of the scene's last
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     steps: Option<u64>,
-    /// Stop in time before so long has passed, as 23:50:00 or 1-12:00:00 [default: the end of the job, if Slurm says]
-    #[arg(long, value_name = "TIME", value_parser = walltime::parse)]
-    walltime: Option<Walltime>,
+    #[command(flatten)]
+    stops: StopArgs,
 }
 
 /// Goes on with the run. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let command = resume_command(&args.folder, args.steps);
-    let signals = comm.agree(Signals::watch(comm, command, walltime::end(args.walltime)))?;
+    let signals = comm.agree(Signals::watch(comm, command, &args.stops))?;
     let folder = comm.agree(RunFolder::reopen(&args.folder, comm).map_err(|e| in_full(&e.into())))?;
     let scene = kept_scene(&folder, args.steps, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
         io::check_memory(scene.kind(), comm)?;
-        return carry_out(&work, (&scene, &folder), comm);
+        return carry_out(&work, (&scene, &folder), (comm, &signals));
     }
     let state = comm.agree(latest(&folder, comm))?;
     go_on(folder, state, args.steps, (comm, &signals))

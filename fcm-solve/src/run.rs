@@ -6,8 +6,7 @@ use crate::continuation::{go_on, latest};
 use crate::part_progress::PartProgress;
 use crate::run_loop::run_to_end;
 use crate::scene_file::read;
-use crate::signals::Signals;
-use crate::walltime::{self, Walltime};
+use crate::signals::{Signals, StopArgs};
 use crate::whole_scene::carry_out;
 use crate::{prepared_scene::prepared, streams};
 use anyhow::ensure;
@@ -33,16 +32,15 @@ pub struct Args {
     /// Go on with the run in that folder, if there is one and it is not finished
     #[arg(long = "continue", conflicts_with = "force")]
     goes_on: bool,
-    /// Stop in time before so long has passed, as 23:50:00 or 1-12:00:00 [default: the end of the job, if Slurm says]
-    #[arg(long, value_name = "TIME", value_parser = walltime::parse)]
-    walltime: Option<Walltime>,
+    #[command(flatten)]
+    stops: StopArgs,
 }
 
 /// Runs the scene. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let scene = read(&args.scene, &args.overrides, comm)?;
     let path = args.folder(&scene);
-    let signals = Signals::watch(comm, args.command(&path), walltime::end(args.walltime));
+    let signals = Signals::watch(comm, args.command(&path), &args.stops);
     let signals = comm.agree(signals)?;
     let folder = comm.agree(RunFolder::claim(&path, comm, args.former()).map_err(|e| in_full(&e.into())))?;
     if args.goes_on && folder.holds_run(comm) {
@@ -58,7 +56,7 @@ fn start(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> any
         io::check_memory(scene.kind(), comm)?;
         folder.start_with(scene.text())?;
         signals.go_on_with(resume_command(folder.path(), None));
-        return carry_out(&work, (&scene, &folder), comm);
+        return carry_out(&work, (&scene, &folder), (comm, signals));
     }
     let mut preparing = PartProgress::start(comm, "the particles are placed");
     let mut started = io::start(&scene, comm, &mut |part| preparing.show(part))?;
@@ -77,7 +75,7 @@ fn start_or_go_on(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signal
             Ok(finished("", &folder, comm))
         } else {
             signals.go_on_with(resume_command(folder.path(), None));
-            carry_out(&work, (&kept, &folder), comm)
+            carry_out(&work, (&kept, &folder), (comm, signals))
         };
     }
     let has_checkpoint = if comm.is_first() { Checkpoints::of(folder.path()).any() } else { Ok(false) };

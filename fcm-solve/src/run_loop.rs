@@ -30,6 +30,7 @@ pub fn run_to_end(
         signals.checkpoint_took(recorder.longest_checkpoint());
         if let Some(stop) = signals.received() {
             recorder.checkpoint(simulation)?;
+            signals.tell_steps_taken(simulation.clock().step() - first);
             return stopped(stop, [first, simulation.clock().step(), last], &progress, &signals.command());
         }
         let due = recorder.next_due(simulation.clock().step()).map_or(last, |due| due.min(last));

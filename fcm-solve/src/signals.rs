@@ -2,9 +2,11 @@
 
 use crate::stop::Stop;
 use crate::streams;
+use crate::walltime::{self, Walltime};
 use domain::{Comm, Interrupt};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -13,6 +15,21 @@ const SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU];
 
 /// Time that the end of a program takes besides its last checkpoint.
 const ENDING: Duration = Duration::from_secs(1);
+
+/// When a run stops before its end, and who is told.
+#[derive(clap::Args)]
+pub struct StopArgs {
+    /// Stop in time before so long has passed, as 23:50:00 or 1-12:00:00 [default: the end of the job, if Slurm says]
+    #[arg(long, value_name = "TIME", value_parser = walltime::parse)]
+    walltime: Option<Walltime>,
+    /// Write into this file, if the run stops before its end, how many steps it has taken: for job scripts
+    #[arg(long, value_name = "FILE")]
+    steps_taken: Option<PathBuf>,
+}
+
+/// The message of a program whose time is up before it has written anything new.
+const VAIN: &str = "error: the run's time is over before its first step, and nothing new is written: give it more time (--walltime, or \
+                    the job's limit)";
 
 /// The handler of signals until the program ends. As long as there is nothing to save, a signal ends the program at
 /// once; a run stops after its next checkpoint. A second Ctrl-C ends either at once; a second request to terminate does
@@ -30,12 +47,16 @@ struct Requests {
     pressed: AtomicBool,
     /// Whether there is a run, which looks here and saves its state.
     has_run: AtomicBool,
+    /// Results that were stored and need not be computed again.
+    results: AtomicU64,
     /// When the run has to be over, and what it is known to take.
     end: Option<Instant>,
     pace: Mutex<Pace>,
     is_first: bool,
     /// The command that continues the run.
     command: Mutex<String>,
+    /// The file that tells how many steps were taken.
+    steps_taken: Option<PathBuf>,
 }
 
 /// The time that a run needs to stop.
@@ -49,16 +70,19 @@ struct Pace {
 }
 
 impl Signals {
-    /// Starts to handle signals. `command` continues the run, and `end` is the time when it has to be over.
-    pub fn watch(comm: &Comm, command: String, end: Option<Instant>) -> std::io::Result<Self> {
+    /// Starts to handle signals, and the end of the run's time. `command` continues the run.
+    pub fn watch(comm: &Comm, command: String, stops: &StopArgs) -> std::io::Result<Self> {
+        let end = walltime::end(stops.walltime);
         let requests = Arc::new(Requests {
             stop: AtomicU8::new(0),
             pressed: AtomicBool::new(false),
             has_run: AtomicBool::new(false),
+            results: AtomicU64::new(0),
             end,
             pace: Mutex::default(),
             is_first: comm.is_first(),
             command: Mutex::new(command),
+            steps_taken: stops.steps_taken.clone(),
         });
         let mut signals = signal_hook::iterator::Signals::new(heeded())?;
         let listener = requests.clone();
@@ -80,6 +104,16 @@ impl Signals {
         self.go_on_with(command);
         self.requests.has_run.store(true, Ordering::SeqCst);
         self.requests.pace().looked = None;
+    }
+
+    /// Notes that one more result need not be computed again.
+    pub fn result_is_stored(&self) {
+        self.requests.results.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// Tells how many steps were taken until the run stops, where that is asked for.
+    pub fn tell_steps_taken(&self, steps: u64) {
+        self.requests.tell_steps_taken(steps);
     }
 
     /// The request of any rank. Collective.
@@ -140,13 +174,28 @@ impl Requests {
         }
     }
 
-    /// Ends the program as it is; its files are whole at any time.
+    /// Ends the program as it is; its files are whole at any time. It is an error if time is up and there is nothing new: such
+    /// a job would be started again and again in vain.
     fn leave(&self, stop: Stop) -> ! {
+        let results = self.results.load(Ordering::SeqCst);
+        let is_vain = stop == Stop::TimeIsUp && results == 0;
+        self.tell_steps_taken(results);
         if self.is_first {
-            streams::log(format_args!("stopped by {stop}; go on with: {}", self.command()));
+            streams::log(if is_vain {
+                VAIN.to_owned()
+            } else {
+                format!("stopped by {stop}; go on with: {}", self.command())
+            });
             streams::finish_log();
         }
-        signal_hook::low_level::exit(i32::from(stop.exit_code()))
+        signal_hook::low_level::exit(if is_vain { 1 } else { i32::from(stop.exit_code()) })
+    }
+
+    fn tell_steps_taken(&self, steps: u64) {
+        let Some(path) = self.steps_taken.as_ref().filter(|_| self.is_first) else { return };
+        if let Err(error) = io::replace_file(path, format!("{steps}\n").as_bytes()) {
+            streams::log(format_args!("warning: {error}"));
+        }
     }
 
     fn pace(&self) -> MutexGuard<'_, Pace> {

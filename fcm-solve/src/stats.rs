@@ -2,12 +2,14 @@
 
 use crate::causes::in_full;
 use crate::number::{finite, positive};
+use crate::sampled_frames::SampledFrames;
 use crate::streams::{self, json};
 use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, Need, Particles, Partition, Process};
-use io::{Kind, Scene, TrajectoryReader, provenance, write_tables};
+use io::{Kind, Provenance, Scene, TrajectoryReader, provenance, write_tables};
+use serde_json::json;
 use simulation::Table;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use suspension::{
     Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsOfRank, StatisticsWanted, column_bytes,
 };
@@ -64,40 +66,57 @@ fn take(args: &Args) -> anyhow::Result<()> {
         wanted.distance = Some(distance);
     }
     let until = args.to.unwrap_or(f64::INFINITY);
-    let frames: Vec<(usize, f64)> = recorded.times().iter().copied().enumerate().collect();
-    let meant: Vec<_> = frames.into_iter().filter(|(_, time)| (wanted.from..=until).contains(time)).collect();
-    let samples = meant.len() as u64;
-    let (alone, mut statistics) = (Comm::alone(), None::<Statistics>);
-    let everything = Partition::new(&alone, [1, 1]);
-    for (frame, time) in meant {
-        let (cell, particles) = match recorded.frame(frame) {
-            Ok(frame) => frame,
-            Err(error) => {
-                streams::log(format_args!("warning: {error}; the statistics are without this frame"));
-                continue;
-            }
-        };
-        fits(&particles, model).with_context(|| format!("frame {frame} of {}", trajectory.display()))?;
-        if statistics.is_none() {
-            check_memory(model, particles.len() as f64, samples)?;
-        }
-        let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles, &alone));
-        let (rate, cell, particles) = (model.shear_rates().before_time(time), &cell, &particles);
-        let (partition, shear_stress, pressure_gradient) = (&everything, None, None);
-        statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress, pressure_gradient });
-    }
+    let chosen = SampledFrames::of(&recorded, &(wanted.from..=until), &trajectory);
+    let (statistics, damaged) = sampled(&recorded, &chosen, (model, wanted), &trajectory)?;
     let Some(mut statistics) = statistics else {
         bail!("the trajectory has no whole frame in that span; change --from and --to")
     };
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("stats"));
     ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
-    let provenance = provenance(&scene, recorded.provenance().plan.clone(), &alone);
+    let of_run = recorded.provenance();
+    let provenance =
+        Provenance { scene: of_run.scene.clone(), ..provenance(&scene, of_run.plan.clone(), &Comm::alone()) };
     let tables = statistics.tables();
     write_tables(&out, "statistics", &provenance, &tables).context("the statistics are lost")?;
     let summary = &tables[0];
     let words = || format!("{}tables     {}\n", in_columns(summary), out.display());
-    let values = || json(&serde_json::json!({ "summary": summary.to_json(), "tables": out }));
+    let frames = json!({ "missing": chosen.missing.count(), "damaged": damaged });
+    let values = || json(&json!({ "summary": summary.to_json(), "tables": out, "frames": frames }));
     streams::print_here(&if args.json { values() } else { words() })
+}
+
+/// The statistics of frames, none if none is whole, and how many are damaged; each of these is named in a warning.
+fn sampled(
+    recorded: &TrajectoryReader,
+    chosen: &SampledFrames,
+    (model, wanted): (&Model, StatisticsWanted),
+    path: &Path,
+) -> anyhow::Result<(Option<Statistics>, u64)> {
+    let (alone, mut statistics) = (Comm::alone(), None::<Statistics>);
+    let everything = Partition::new(&alone, [1, 1]);
+    let (mut before, mut damaged) = (None, 0);
+    for &frame in &chosen.frames {
+        let (step, time) = (recorded.steps()[frame], recorded.times()[frame]);
+        let (cell, particles) = match recorded.frame(frame) {
+            Ok(frame) => frame,
+            Err(error) => {
+                streams::log(format_args!("warning: {error}; the statistics are without this frame"));
+                damaged += 1;
+                continue;
+            }
+        };
+        fits(&particles, model).with_context(|| format!("frame {frame} of {}", path.display()))?;
+        if statistics.is_none() {
+            check_memory(model, particles.len() as f64, chosen.samples)?;
+        }
+        let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles, &alone));
+        statistics.pass_over(before.map_or(0, |before| (step - before) / chosen.interval - 1));
+        before = Some(step);
+        let (rate, cell, particles) = (model.shear_rates().before_time(time), &cell, &particles);
+        let (partition, shear_stress, pressure_gradient) = (&everything, None, None);
+        statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress, pressure_gradient });
+    }
+    Ok((statistics, damaged))
 }
 
 /// Refuses particles of which no statistics can be made: without velocities, or of another scene.

@@ -1,6 +1,7 @@
 //! Carrying out scenes without time steps.
 
 use crate::part_progress::PartProgress;
+use crate::signals::Signals;
 use crate::streams;
 use domain::Comm;
 use io::{Listener, RunFolder, Scene, WholeScene};
@@ -8,22 +9,33 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 
 /// Shows messages and progress.
-struct Shown(Mutex<PartProgress>);
+struct Shown<'a> {
+    progress: Mutex<PartProgress>,
+    signals: &'a Signals,
+}
 
-impl Listener for Shown {
+impl Listener for Shown<'_> {
     fn line(&self, text: &str) {
-        self.0.lock().expect("nobody who holds it panics").say(text);
+        self.progress.lock().expect("nobody who holds it panics").say(text);
     }
 
     fn part(&self, part: f64) {
-        self.0.lock().expect("nobody who holds it panics").show(part);
+        self.progress.lock().expect("nobody who holds it panics").show(part);
+    }
+
+    fn stored(&self) {
+        self.signals.result_is_stored();
     }
 }
 
 /// Does the work that is left of a scene without time steps. A signal ends the program at once; finished results are
 /// kept.
-pub fn carry_out(work: &WholeScene, (scene, folder): (&Scene, &RunFolder), comm: &Comm) -> anyhow::Result<ExitCode> {
-    let shown = Shown(Mutex::new(PartProgress::start(comm, "all runs")));
+pub fn carry_out(
+    work: &WholeScene,
+    (scene, folder): (&Scene, &RunFolder),
+    (comm, signals): (&Comm, &Signals),
+) -> anyhow::Result<ExitCode> {
+    let shown = Shown { progress: Mutex::new(PartProgress::start(comm, "all runs")), signals };
     let done = work.carry_out(scene, folder, comm, &shown);
     drop(shown);
     streams::log(format_args!("finished; results in {}", folder.path().display()));

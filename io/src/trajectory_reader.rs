@@ -1,11 +1,13 @@
 //! Reading trajectories.
 
 use crate::frames::Sums;
-use crate::{FileError, Provenance, checksum, claimed_size};
+use crate::missing_steps::{MissingSteps, Period};
+use crate::{FileError, Provenance, Scene, checksum, claimed_size};
 use domain::{BoxError, Column, Particles, PeriodicBox, Vector};
 use hdf5::types::FixedAscii;
 use hdf5::{File, Group, H5Type, Hyperslab};
-use simulation::Frame;
+use simulation::{Frame, Schedule};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// A trajectory of this program, read frame by frame.
@@ -80,6 +82,28 @@ impl TrajectoryReader {
         &self.steps
     }
 
+    /// The largest number of steps of which all intervals between some frames are multiples; 0 if there are none.
+    pub fn common_interval(&self, frames: &[usize]) -> u64 {
+        let steps = frames.iter().map(|&frame| self.steps[frame]);
+        steps
+            .clone()
+            .zip(steps.skip(1))
+            .fold(0, |common, (before, after)| common_divisor(common, after.abs_diff(before)))
+    }
+
+    /// The steps of a span, both ends included, of which the run was to write a frame that the file does not have.
+    pub fn missing_steps(&self, span: &RangeInclusive<u64>) -> MissingSteps {
+        let scene = Scene::parse(&self.provenance.scene, "the scene of the run", &[]).ok();
+        let output = scene.as_ref().and_then(|scene| scene.kind().output());
+        let schedule = output.map_or(Schedule::NEVER, |output| output.trajectory);
+        MissingSteps::of(&[Period { steps: 0..=u64::MAX, schedule }], &self.steps, span)
+    }
+
+    /// Whether a frame's step and time are as they were written.
+    pub fn has_clock(&self, frame: usize) -> bool {
+        self.sums.as_ref().is_none_or(|sums| sums.has_clock(frame))
+    }
+
     /// The radii of the particles, in the order of their ids.
     pub fn radii(&self) -> &[f64] {
         &self.fixed.radii
@@ -137,6 +161,10 @@ impl TrajectoryReader {
         let dataset = claimed_size::dataset(&self.group, &format!("{name}/value"))?;
         Ok(dataset.read_slice_2d::<T, _>(slice)?.into_raw_vec_and_offset().0)
     }
+}
+
+fn common_divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
 /// The box of lattice vectors, one after the other, which is at a strain if it is a sheared one.

@@ -7,15 +7,20 @@
 #   qsub -v SCENE=my.toml,WALLTIME=23:50:00 scripts/batch/pbs.sh
 # The folder where qsub is called is that of the paths. From the environment, through -v: SCENE; WALLTIME, somewhat less
 # than the job's; ARGUMENTS, further ones of fcm-solve run, of which none has a blank; LAUNCH, what starts the ranks
-# (`mpirun`); FCM_SOLVE, the program; SCRIPT, this file, which PBS copies before it is run.
+# (`mpirun`); FCM_SOLVE, the program; SCRIPT, this file, which PBS copies before it is run. After three jobs in a row that did
+# not take a single step no more is submitted, and the code is 1; the environment passes their number on, as VAIN.
 set -u
 cd "$PBS_O_WORKDIR" || exit 1
 script=${SCRIPT:-scripts/batch/pbs.sh}
 launch=${LAUNCH:-mpirun}
+# The first rank writes here how many steps it took.
+steps=$PWD/.fcm-solve-${PBS_JOBID:-$$}.steps
+trap 'rm -f "$steps"' EXIT
 
 date
 # shellcheck disable=SC2086
-$launch "${FCM_SOLVE:-fcm-solve}" run "$SCENE" ${ARGUMENTS:-} --continue --walltime "${WALLTIME:-23:50:00}" &
+$launch "${FCM_SOLVE:-fcm-solve}" run "$SCENE" ${ARGUMENTS:-} --continue --walltime "${WALLTIME:-23:50:00}" \
+    --steps-taken "$steps" &
 run=$!
 # Open MPI's mpirun gives its ranks a second after SIGTERM, which may be too short for a checkpoint; SIGUSR1 it passes on.
 trap 'kill -USR1 $run' USR1 TERM
@@ -25,6 +30,12 @@ while [ $code -ge 128 ] && kill -0 $run 2>/dev/null; do
     code=$?
 done
 if [ $code = 75 ]; then
+    if [ "$(cat "$steps" 2>/dev/null || echo 0)" -gt 0 ]; then VAIN=0; else VAIN=$((${VAIN:-0} + 1)); fi
+    if [ "$VAIN" -gt 3 ]; then
+        echo "given up after three restarts that did not take a single step: give the run more time, or look at its log" >&2
+        exit 1
+    fi
+    export VAIN
     qsub -V "$script"
 fi
 exit $code

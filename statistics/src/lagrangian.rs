@@ -58,6 +58,7 @@ const SUMS: usize = 2 + 3 * 6;
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Level {
     pushed: u64,
+    /// The time of each slot; NaN of a sample that is missing.
     times: Vec<f64>,
     /// `[slot][particle][component]`
     history: Vec<f64>,
@@ -88,12 +89,24 @@ impl Level {
         for lag in first..known {
             let (slot, start) = self.slot(self.pushed - lag as u64);
             let elapsed = time - self.times[slot];
+            if elapsed.is_nan() {
+                continue;
+            }
             let sums = &mut self.sums[lag * count * SUMS..][..count * SUMS];
             for ((then, motion), &class) in self.history[start..].chunks_exact(WIDTH).zip(motions).zip(classes) {
                 add(&mut sums[class * SUMS..][..SUMS], elapsed, then, motion);
             }
         }
         self.pushed += 1;
+    }
+
+    /// Keeps that samples are missing: nothing is correlated with them.
+    fn pass_over(&mut self, missing: u64) {
+        for _ in 0..missing.min(KEPT as u64) {
+            let (slot, _) = self.slot(self.pushed);
+            self.times[slot] = f64::NAN;
+            self.pushed += 1;
+        }
     }
 }
 
@@ -134,7 +147,7 @@ impl Lagrangian {
     /// Adds a sample: the motions of all particles, in the same order each time.
     pub fn add(&mut self, time: f64, motions: &[Motion]) {
         assert_eq!(motions.len(), self.classes.len(), "a motion for each particle");
-        self.samples += 1;
+        self.samples = self.samples.saturating_add(1);
         for level in 0..=self.samples.trailing_zeros() as usize {
             if level == self.levels.len() {
                 self.levels.push(Level::new(self.classes.len(), self.class_count));
@@ -142,6 +155,16 @@ impl Lagrangian {
             let first = if level == 0 { 0 } else { KEPT / 2 };
             self.levels[level].push(time, motions, (&self.classes, self.class_count), first);
         }
+    }
+
+    /// Passes over so many samples that are missing, so that the next one has its place in the sequence. Samples have to be at
+    /// equal times but for those that are missing.
+    pub fn pass_over(&mut self, missing: u64) {
+        let next = self.samples.saturating_add(missing);
+        for (level, kept) in self.levels.iter_mut().enumerate() {
+            kept.pass_over((next >> level) - (self.samples >> level));
+        }
+        self.samples = next;
     }
 
     /// The sums so far.

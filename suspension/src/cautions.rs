@@ -19,6 +19,7 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
         far_diffusion(model, radii),
         quick_tethers(model, radii),
         burden(model, radii),
+        model.statistics.and_then(|wanted| wanted.caution(model.time_step, model.steps)),
     ];
     all.into_iter().flatten().collect()
 }

@@ -1,5 +1,7 @@
 """Files of a run that are cut or altered afterwards: what is damaged is named, and the run goes on where it can."""
 
+import csv
+import json
 import pathlib
 import random
 import shutil
@@ -8,6 +10,7 @@ import tempfile
 import unittest
 
 import h5py
+import numpy as np
 
 from program import PATIENCE, ROOT, command, run
 
@@ -34,14 +37,35 @@ def place_of(path, dataset, frame):
     return path.read_bytes().index(number)
 
 
+def lags(out):
+    """Time and mean square displacement along z of the first species."""
+    with open(out / "stats" / "lags.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return [(float(row["time"]), float(row["displacement_z"])) for row in rows if row["species"] == rows[0]["species"]]
+
+
+def without_frames(file, path, frames):
+    """A copy of a trajectory that lacks some frames."""
+    with h5py.File(path, "w") as copy:
+        for name in file:
+            file.copy(name, copy)
+        groups = [f"particles/all/{name}" for name in ("position", "image", "velocity", "angular_velocity", "stresslet")]
+        groups += ["particles/all/box/edges", "particles/all/box/strain"]
+        for name in ["parameters/checksums", *(f"{group}/{part}" for group in groups for part in ("value", "step", "time"))]:
+            values, attributes = copy[name][()], dict(copy[name].attrs)
+            del copy[name]
+            copy[name] = np.delete(values, frames, axis=0)
+            copy[name].attrs.update(attributes)
+
+
 class Damage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.place = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.place.cleanup)
         cls.whole = pathlib.Path(cls.place.name) / "whole"
-        sets = [word for key, value in SETS.items() for word in ("--set", f"{key}={value}")]
-        run(["run", ROOT / "scenes" / "settling.toml", "--out", cls.whole, *sets])
+        cls.words = [word for key, value in SETS.items() for word in ("--set", f"{key}={value}")]
+        run(["run", ROOT / "scenes" / "settling.toml", "--out", cls.whole, *cls.words])
 
     def setUp(self):
         self.out = self.whole.with_name("out")
@@ -70,6 +94,32 @@ class Damage(unittest.TestCase):
         self.assertIn(f"warning: trajectory.h5 is damaged: {named}; the run goes on without it", said)
         with h5py.File(self.trajectory) as file:
             self.assertEqual(file["particles/all/position/step"][:].tolist(), list(range(9)))
+
+    def test_statistics_are_of_the_times_of_the_frames_that_are_there(self):
+        """The mean square displacement at a lag does not depend on which frames are damaged or missing."""
+        sets = ["--set", "time.steps=40", "--set", "output.trajectory_every=2"]
+        whole = self.out.with_name("of-stats")
+        run(["run", ROOT / "scenes" / "settling.toml", "--out", whole, *self.words, *sets, "--force"])
+        run(["stats", whole])
+        expected = lags(whole)
+        trajectory = whole / "trajectory.h5"
+        for frame in (3, 4, 9, 15):
+            flip(trajectory, place_of(trajectory, "particles/all/position/value", frame))
+        told = json.JSONDecoder().raw_decode(run(["stats", whole, "--json"]))[0]
+        self.assertEqual(told["frames"], {"missing": 0, "damaged": 4})
+        found = lags(whole)
+        self.assertEqual([time for time, _ in found], [time for time, _ in expected])
+        for (_, square), (_, right) in zip(found[1:8], expected[1:8]):
+            self.assertLess(abs(square / right - 1), 0.2)
+
+    def test_frames_that_are_missing_are_named_by_stats(self):
+        with h5py.File(self.trajectory, "r+") as file:
+            copied = self.out / "copied.h5"
+            without_frames(file, copied, [2, 3])
+        copied.replace(self.trajectory)
+        code, said = self.ends("stats", self.out)
+        self.assertEqual(code, 0, said)
+        self.assertIn(f"{self.trajectory}: 2 frames that the run was to write are missing, of steps 2 to 3", said)
 
     def test_a_cut_or_altered_time_series_is_mended(self):
         table = self.out / "observables.csv"

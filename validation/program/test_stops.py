@@ -138,6 +138,58 @@ class Stops(unittest.TestCase):
         self.assertIn("the run's time is too short for a single step", said)
         self.assertTrue(self.has_begun())
 
+    def test_too_little_time_for_the_start_is_an_error(self):
+        """Nothing is written by then, so that a job would be started again and again for nothing."""
+        said = self.run_scene(DENSE, "--walltime", "0:02", "--steps-taken", self.place / "steps", expect=1)
+        self.assertIn("error: the run's time is over before its first step, and nothing new is written", said)
+        self.assertFalse(self.has_begun())
+        self.assertEqual((self.place / "steps").read_text(), "0\n")
+
+    def test_a_run_that_stops_tells_how_many_steps_it_took(self):
+        steps = self.place / "steps"
+        process = self.begin_scene(SETS, "--steps-taken", steps)
+        wait_for(self.has_begun, process)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGUSR1)
+        _, said = process.communicate(timeout=PATIENCE)
+        stopped = int(said.split("stopped after step ")[1].split()[0])
+        self.assertEqual(int(steps.read_text()), stopped)
+        steps.unlink()
+        self.run_scene(SETS, "--continue", "--steps-taken", steps)
+        self.assertFalse(steps.exists())
+
+    def test_job_scripts_give_up_after_three_restarts_that_took_no_step(self):
+        """With a stand-in for the program, whose steps are those of the environment, one word for each start."""
+        batch = ROOT / "scripts" / "batch"
+        program = self.place / "program"
+        program.write_text(
+            "#!/bin/bash\n"
+            'echo start >> "$NOTES"; count=$(wc -l < "$NOTES"); words=($STEPS); file=${@: -1}\n'
+            'taken=${words[$((count - 1))]:-0}; [ "$taken" = none ] || echo "$taken" > "$file"; exit 75\n'
+        )
+        for name, does in (("qsub", 'echo "$VAIN" > "$NOTES.vain"'), ("scontrol", "true"), ("squeue", "echo 1:00:00")):
+            (self.place / name).write_text(f"#!/bin/sh\n{does}\n")
+            (self.place / name).chmod(0o755)
+        program.chmod(0o755)
+        base = os.environ | {"FCM_SOLVE": str(program), "LAUNCH": "env", "PBS_O_WORKDIR": str(self.place), "SCENE": "my.toml"}
+        base |= {"PATH": f"{self.place}:{os.environ['PATH']}", "SLURM_JOB_ID": "7", "NOTES": str(self.place / "notes")}
+        notes, vain = self.place / "notes", self.place / "notes.vain"
+        for steps, starts in (("", 4), ("none none none none 5", 4), ("0 0 3 0 0 0 0 5", 7), ("1 1 0 0 0", 6)):
+            for script in ("plain.sh", "pbs.sh", "slurm.sh"):
+                notes.write_text("")
+                vain.write_text("0")
+                ended = None
+                while ended is None or ended.returncode == 75:
+                    environment = base | {"STEPS": steps, "VAIN": vain.read_text().strip()}
+                    words = [batch / script, *([] if script == "pbs.sh" else ["my.toml"])]
+                    ended = subprocess.run(words, env=environment, cwd=self.place, capture_output=True, text=True, timeout=PATIENCE)
+                    self.assertLess(notes.read_text().count("start"), 20)
+                with self.subTest(script=script, steps=steps):
+                    self.assertEqual(ended.returncode, 1, ended)
+                    self.assertIn("given up after three restarts that did not take a single step", ended.stderr)
+                    self.assertEqual(notes.read_text().count("start"), starts)
+                    self.assertEqual(list(self.place.glob(".fcm-solve*")), [])
+
     def test_one_command_starts_goes_on_and_is_done(self):
         scene = SETS | {"time.steps": 30}
         self.run_scene(scene, out=self.place / "whole")

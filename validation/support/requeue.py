@@ -36,13 +36,20 @@ def requeued(slurm, launcher, out, times):
     complaint = lambda what: lambda: f"{what}, in state {slurm.state(job)}:\n{text(log)}"
     for number in range(times):
         stopped = last_step(out)
-        slurm.wait(lambda stopped=stopped: last_step(out) > stopped, complaint("the run does not go on"), patience=300)
+        slurm.wait(lambda stopped=stopped: has_got_on(out, stopped, log), complaint("the run does not go on"), patience=300)
         slurm.call("scancel", "--batch", "--signal=USR1", job)
         slurm.wait(lambda: text(log).count("back into the queue") > number, complaint("the job does not stop"))
     slurm.wait(lambda: slurm.state(job) in ("COMPLETED", "FAILED", "TIMEOUT"), complaint("the job does not end"), patience=600)
     if slurm.state(job) != "COMPLETED":
         raise AssertionError(f"the job ended as {slurm.state(job)}:\n{text(log)}")
     return text(log)
+
+
+def has_got_on(out, stopped, log):
+    """Whether there is a later checkpoint. A job that has given up will not write any."""
+    if "given up after" in text(log):
+        raise AssertionError(f"the job has given up:\n{text(log)}")
+    return last_step(out) > stopped
 
 
 def last_step(out):

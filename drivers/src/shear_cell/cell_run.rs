@@ -49,6 +49,18 @@ impl Experiment {
             .value("steps", self.steps)
             .value("end_time", end)
             .value("measured_from", from)
+            .warnings(self.caution())
+    }
+
+    /// A warning if nothing is measured until the end.
+    fn caution(&self) -> Option<String> {
+        let [end, from] = [self.steps, self.settle].map(|steps| Number(steps as f64 * self.time_step));
+        (self.settle > 0 && self.settle >= self.steps).then(|| {
+            format!(
+                "time.settle = {from:.6}, but the run ends at time {end:.6}: nothing is measured, and there will be no profiles \
+                 unless the run goes on for longer"
+            )
+        })
     }
 
     fn solid_fraction(&self) -> f64 {
@@ -78,6 +90,7 @@ pub struct CellRun {
     settle: u64,
     sample: Option<Sample>,
     plan: String,
+    caution: Option<String>,
     interrupt: Interrupt,
     comm: Comm,
 }
@@ -111,6 +124,7 @@ impl CellRun {
             settle: experiment.settle,
             sample: None,
             plan: experiment.outline().text().to_owned(),
+            caution: experiment.caution(),
             interrupt: Interrupt::NEVER,
             comm: comm.clone(),
         }
@@ -132,6 +146,10 @@ impl Simulation for CellRun {
 
     fn listen(&mut self, interrupt: Interrupt) {
         self.interrupt = interrupt;
+    }
+
+    fn cautions(&self) -> Vec<String> {
+        self.caution.iter().cloned().collect()
     }
 
     /// Takes one step. The engine is restarted after each, as from a checkpoint, so that a run does not depend on

@@ -86,6 +86,12 @@ impl Sums {
         Ok(self.stored.read_slice::<u64, _, IxDyn>(one_of(frame, 2))?.into_raw_vec_and_offset().0)
     }
 
+    /// Whether a frame's step and time are as they were written.
+    pub(crate) fn has_clock(&self, frame: usize) -> bool {
+        let stored = self.read(frame).ok().and_then(|sums| sums.first().copied());
+        stored.is_some() && self.clock_sum(frame).ok() == stored
+    }
+
     /// What is wrong with a frame, if anything is.
     pub(crate) fn damage(&self, frame: usize) -> Option<Damage> {
         let sums = self.read(frame).unwrap_or_default();

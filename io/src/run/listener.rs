@@ -8,6 +8,9 @@ pub trait Listener: Sync {
     /// Called now and then with the part of the work that is done.
     fn part(&self, _part: f64) {}
 
+    /// Called when a result is stored that need not be computed again.
+    fn stored(&self) {}
+
     /// Whether to continue. It is called often; the work stops when it first returns false.
     fn goes_on(&self) -> bool {
         true

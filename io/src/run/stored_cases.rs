@@ -95,6 +95,7 @@ impl SweepStore for StoredCases<'_> {
             table.add(&[], &[&name(case)[..], &record.values()].concat());
         }
         replace_file(&self.path(case), table.to_csv().as_bytes())?;
+        self.listener.stored();
         self.say(case, "");
         Ok(())
     }

@@ -109,6 +109,46 @@ fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
     }
 }
 
+/// Two particles that move apart at velocity 1 are displaced by the lag, whichever samples are missing: single ones, many at
+/// the start, a long row, or all but a few.
+#[test]
+fn missing_samples_leave_lags_as_they_are() {
+    let is_missing: [&dyn Fn(u64) -> bool; 5] =
+        [&|k| k == 5, &|k| k % 3 == 1, &|k| (40..400).contains(&k), &|k| k < 7 || k.is_multiple_of(2), &|k| {
+            ![3, 4, 260, 511].contains(&k)
+        }];
+    for is_missing in is_missing {
+        let (mut lagrangian, mut next) = (Lagrangian::new(&[0; 2]), None);
+        for k in (0..512).filter(|&k| !is_missing(k)) {
+            lagrangian.pass_over(next.map_or(0, |next| k - next));
+            let time = 0.5 * k as f64;
+            let motion = |velocity: Vector| Motion { velocity, path: time * velocity };
+            lagrangian.add(time, &[motion(Vector::X), motion(-Vector::X)]);
+            next = Some(k + 1);
+        }
+        let lags = lagrangian.sums().lags(None);
+        assert!(lagrangian.fits() && lags.len() > 1 && lags.is_sorted_by(|a, b| a.time < b.time));
+        for lag in &lags {
+            let square = lag.time * lag.time;
+            assert!((lag.time / 0.5).fract() == 0.0, "{lag:?}");
+            assert!((lag.mean_square_displacement.x - square).abs() < 1e-12 * (1.0 + square), "{lag:?}");
+        }
+        let mut again = Lagrangian::new(&[0; 2]);
+        assert!(again.load(&lagrangian.save()) && again.sums() == lagrangian.sums());
+    }
+}
+
+/// A gap of any length takes no time, and nothing is correlated across one that no level spans.
+#[test]
+fn gaps_may_be_of_any_length() {
+    let mut lagrangian = Lagrangian::new(&[0]);
+    (0..4).for_each(|k| lagrangian.add(f64::from(k), &[Motion::default()]));
+    lagrangian.pass_over(u64::MAX / 2 - 3);
+    lagrangian.add(1e19, &[Motion::default()]);
+    assert!(lagrangian.sums().lags(None).iter().all(|lag| lag.time <= 3.0));
+    lagrangian.pass_over(u64::MAX);
+}
+
 /// Parts of any size have the sums of all when they are added up: exactly where all numbers are whole.
 #[test]
 fn parts_add_up_to_the_whole() {

@@ -74,6 +74,37 @@ impl Statistics {
         }
     }
 
+    /// A warning if no sample is due until the end of a run of so many steps.
+    pub(crate) fn caution(&self, time_step: f64, steps: u64) -> Option<String> {
+        if self.samples_until(time_step, steps) > 0 {
+            return None;
+        }
+        let (from, end) = (Number(self.from), Number(steps as f64 * time_step));
+        Some(match self.samples.next_after(0) {
+            None => "statistics.every = 0 takes no sample, so that there will be no statistics; set it to 1 or more, or leave \
+                     out [statistics]"
+                .to_owned(),
+            Some(every) => format!(
+                "[statistics] take no sample: the run ends at time {end:.6}, after step {steps}, before the first of them is due, \
+                 by statistics.from = {from:.6} and statistics.every = {every}; there will be no statistics unless the run goes \
+                 on for longer"
+            ),
+        })
+    }
+
+    /// Samples that are due from step 0 to a last step: at times from `from` on.
+    fn samples_until(&self, time_step: f64, steps: u64) -> u64 {
+        let first = (self.from / time_step).ceil().max(0.0);
+        // The time of a step, a product, may be a little above or below that of the division.
+        let first = if (first - 1.0) * time_step >= self.from { first - 1.0 } else { first };
+        let first = if first * time_step < self.from { first + 1.0 } else { first }.max(0.0);
+        if first > steps as f64 {
+            return 0;
+        }
+        let before = (first as u64).checked_sub(1).map_or(0, |step| self.samples.count_until(step));
+        self.samples.count_until(steps) - before
+    }
+
     /// Whether pairs in a box can be told apart up to a distance; if not, what is wrong with it.
     pub fn check_distance(distance: f64, cell: &PeriodicBox) -> Result<(), String> {
         let shortest = cell.edges().min_element();
@@ -85,5 +116,45 @@ impl Statistics {
             return Err(format!("is {found}; it needs at least {least:.4}, a millionth of the box's shortest edge"));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_those_that_are_due() {
+        for (from, every, step, steps) in [
+            (0.0, 1, 0.01, 8),
+            (0.03, 1, 0.01, 8),
+            (0.3, 3, 0.1, 20),
+            (-1.0, 4, 0.1, 9),
+            (0.7, 1, 0.1, 7),
+            (0.8, 1, 0.1, 7),
+        ] {
+            let wanted = Statistics { samples: Schedule::every(every), from, ..Statistics::ALL };
+            let is_taken = |k: &u64| k % every == 0 && *k as f64 * step >= from;
+            assert_eq!(
+                wanted.samples_until(step, steps),
+                (0..=steps).filter(is_taken).count() as u64,
+                "{from} {every}"
+            );
+        }
+    }
+
+    #[test]
+    fn statistics_without_samples_are_warned_of_with_both_times() {
+        let said = |from, every| {
+            Statistics { samples: Schedule::every(every), from, ..Statistics::ALL }.caution(0.01, 8).unwrap_or_default()
+        };
+        assert!(
+            said(1e6, 1).contains("time 0.08") && said(1e6, 1).contains("statistics.from = 1"),
+            "{}",
+            said(1e6, 1)
+        );
+        assert!(said(0.01, 9).contains("statistics.every = 9"));
+        assert!(said(0.0, 0).contains("statistics.every = 0 takes no sample"));
+        assert_eq!([said(0.0, 9), said(0.08, 1), said(-5.0, 8)], ["", "", ""]);
     }
 }

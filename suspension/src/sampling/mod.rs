@@ -131,7 +131,8 @@ impl Statistics {
         }
     }
 
-    /// Takes a sample, unless it is too early for it. Collective.
+    /// Takes a sample, unless it is too early for it. Samples are at equal times, but for those that were
+    /// [passed over](Self::pass_over). Collective.
     pub fn sample(&mut self, sample: &Sample) {
         if sample.time < self.about.wanted.from {
             return;
@@ -154,6 +155,11 @@ impl Statistics {
         }
         let [first, _, samples] = self.times;
         self.times = [if samples == 0.0 { sample.time } else { first }, sample.time, samples + 1.0];
+    }
+
+    /// Passes over so many samples that are missing: the next one is so many intervals later.
+    pub fn pass_over(&mut self, missing: u64) {
+        self.kept.iter_mut().for_each(|kept| kept.lagrangian.pass_over(missing));
     }
 
     /// Averages velocities relative to the flow, which it returns, and angular velocities.
