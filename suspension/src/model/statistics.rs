@@ -148,11 +148,7 @@ mod tests {
         let said = |from, every| {
             Statistics { samples: Schedule::every(every), from, ..Statistics::ALL }.caution(0.01, 8).unwrap_or_default()
         };
-        assert!(
-            said(1e6, 1).contains("time 0.08") && said(1e6, 1).contains("statistics.from = 1"),
-            "{}",
-            said(1e6, 1)
-        );
+        assert!(said(1e6, 1).contains("time 0.08") && said(1e6, 1).contains("statistics.from = 1"), "{}", said(1e6, 1));
         assert!(said(0.01, 9).contains("statistics.every = 9"));
         assert!(said(0.0, 0).contains("statistics.every = 0 takes no sample"));
         assert_eq!([said(0.0, 9), said(0.08, 1), said(-5.0, 8)], ["", "", ""]);
