@@ -50,7 +50,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
 }
 
 /// A run from its start. Collective.
-fn start(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     let scene = prepared(scene, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
         io::check_memory(scene.kind(), comm)?;

@@ -6,7 +6,7 @@ use crate::sampled_frames::SampledFrames;
 use crate::streams::{self, json};
 use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, Need, Particles, Partition, Process};
-use io::{Kind, Provenance, Scene, TrajectoryReader, provenance, write_tables};
+use io::{Kind, Manifest, Provenance, Scene, TrajectoryReader, provenance, write_tables};
 use serde_json::json;
 use simulation::Table;
 use std::path::{Path, PathBuf};
@@ -77,7 +77,8 @@ fn take(args: &Args) -> anyhow::Result<()> {
     let provenance =
         Provenance { scene: of_run.scene.clone(), ..provenance(&scene, of_run.plan.clone(), &Comm::alone()) };
     let tables = statistics.tables();
-    write_tables(&out, "statistics", &provenance, &tables).context("the statistics are lost")?;
+    let manifest = Manifest::of(&args.folder)?;
+    write_tables((&out, "statistics"), &provenance, &tables, &manifest).context("the statistics are lost")?;
     let summary = &tables[0];
     let words = || format!("{}tables     {}\n", in_columns(summary), out.display());
     let frames = json!({ "missing": chosen.missing.count(), "damaged": damaged });

@@ -13,6 +13,11 @@ pub(crate) fn of<T: NoUninit>(values: &[T]) -> u64 {
     xxh3_64(bytemuck::cast_slice(values))
 }
 
+/// The checksum of a text as 16 digits.
+pub(crate) fn of_text(text: &str) -> String {
+    format!("{:016x}", xxh3_64(text.as_bytes()))
+}
+
 /// Stores a list of so many numbers, of which `each` brings a block after the other, with its checksum.
 pub(crate) fn write_blocks<T: H5Type + NoUninit>(
     group: &Group,

@@ -111,11 +111,9 @@ impl Contents {
 /// Whether a file begins with the signature of HDF5.
 fn starts_as_hdf5(path: &Path) -> std::io::Result<bool> {
     let mut start = Vec::new();
-    std::fs::File::open(path)?.take(SIGNATURE.len() as u64).read_to_end(&mut start)?;
-    Ok(start == SIGNATURE)
+    std::fs::File::open(path)?.take(text::HDF5.len() as u64).read_to_end(&mut start)?;
+    Ok(start == text::HDF5)
 }
-
-const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     let times_name = times.name();

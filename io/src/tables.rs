@@ -1,6 +1,6 @@
 //! Tables of results, as CSV for reading and as HDF5 for programs.
 
-use crate::{FileError, Provenance, atomic_file, atomic_hdf5, text};
+use crate::{FileError, Manifest, Provenance, atomic_file, atomic_hdf5, text};
 use hdf5::File;
 use hdf5::types::VarLenUnicode;
 use simulation::Table;
@@ -37,13 +37,24 @@ fn write(table: &Table, file: &File) -> hdf5::Result<()> {
 }
 
 /// Writes tables into a folder, which is made: each as a CSV file of its own, all together as `NAME.h5`. Files of those
-/// names are replaced at once.
-pub fn write_tables(folder: &Path, name: &str, provenance: &Provenance, tables: &[Table]) -> Result<(), FileError> {
-    std::fs::create_dir_all(folder).map_err(|e| FileError::write(folder, &e))?;
-    for table in tables {
-        atomic_file::replace(&folder.join(table.name).with_extension("csv"), table.to_csv().as_bytes())?;
+/// names are replaced at once, where the manifest lists them or is not that of the folder.
+pub fn write_tables(
+    (folder, name): (&Path, &str),
+    provenance: &Provenance,
+    tables: &[Table],
+    manifest: &Manifest,
+) -> Result<(), FileError> {
+    if folder != manifest.folder() {
+        manifest.make_folder(folder)?;
     }
-    atomic_hdf5::write(&folder.join(name).with_extension("h5"), |file| {
+    let enter = |name: &str, extension: &str| {
+        let path = folder.join(name).with_extension(extension);
+        manifest.enter(&path).map(|()| path)
+    };
+    for table in tables {
+        atomic_file::replace(&enter(table.name, "csv")?, table.to_csv().as_bytes())?;
+    }
+    atomic_hdf5::write(&enter(name, "h5")?, |file| {
         provenance.write(file)?;
         tables.iter().try_for_each(|table| write(table, file))
     })
@@ -62,7 +73,8 @@ mod tests {
         table.add(&["small"], &[0.1, 0.5]);
         table.add(&["large, \"round\""], &[2.0, f64::NAN]);
         for _ in 0..2 {
-            write_tables(folder.path(), "all", &provenance, &[table.clone()]).unwrap();
+            let none = Manifest::none(folder.path());
+            write_tables((folder.path(), "all"), &provenance, &[table.clone()], &none).unwrap();
         }
         let csv = std::fs::read_to_string(folder.path().join("sizes.csv")).unwrap();
         assert_eq!(csv, "species,length,share\nsmall,0.1,0.5\n\"large, \"\"round\"\"\",2.0,NaN\n");

@@ -5,6 +5,9 @@ use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{Dataset, Group, Location};
 use std::str::FromStr;
 
+/// The first bytes of an HDF5 file.
+pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
 /// Text as HDF5 stores it.
 pub(crate) fn scalar(text: &str) -> VarLenUnicode {
     // HDF5 strings end at the first zero character.

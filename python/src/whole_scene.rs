@@ -59,9 +59,9 @@ pub fn carry_out(
 fn in_folder(scene: &Scene, (path, former): (&Path, ExistingRun), listener: &Told) -> Result<(), RunError> {
     let comm = Comm::alone();
     let work = WholeScene::of(scene).ok_or(RunError::NoSteps)?;
-    let folder = RunFolder::claim(path, &comm, former)?;
+    let mut folder = RunFolder::claim(path, &comm, former)?;
     io::check_memory(scene.kind(), &comm)?;
-    if former != ExistingRun::Continue {
+    if former != ExistingRun::Continue || !folder.holds_run(&comm) {
         folder.start_with(scene.text())?;
     }
     work.carry_out(scene, &folder, &comm, listener)

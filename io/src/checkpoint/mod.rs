@@ -2,8 +2,8 @@
 
 mod bytes;
 
-use crate::FileError;
 use crate::atomic_file;
+use crate::{FileError, Manifest, manifest};
 use bytes::Whole;
 use domain::{Comm, Failure};
 use simulation::State;
@@ -28,16 +28,23 @@ impl<'a> Checkpoints<'a> {
         Self(folder)
     }
 
-    /// Writes a checkpoint of a state, of which each rank brings its own particles, and removes all but the last two. The
-    /// file appears under its name only when it is whole and on the disk. The first rank writes. Collective.
-    pub fn write(&self, state: &State, comm: &Comm) -> Result<(), FileError> {
-        let path = self.path(state.step);
-        let put = |rows: &domain::ById| atomic_file::put(&path, |file, _| bytes::write(file, state, rows));
+    /// Writes a checkpoint of a state, of which each rank brings its own particles, and removes all but the last two of those
+    /// that the run's manifest lists. The file appears under its name only when it is whole and on the disk. The first rank
+    /// writes. Collective.
+    pub fn write(run: &Manifest, state: &State, comm: &Comm) -> Result<(), FileError> {
+        let path = Checkpoints(run.folder()).path(state.step);
+        let put = |rows: &domain::ById| {
+            run.enter(&path)?;
+            atomic_file::put(&path, |file, _| bytes::write(file, state, rows))
+        };
         let Some(written) = state.particles.by_id_with(&state.statistics, comm, put) else { return Ok(()) };
         written?;
-        for old in self.paths()?.iter().rev().skip(KEPT) {
+        let mut all = run.files();
+        all.retain(|path| is_one(path) && path.is_file());
+        all.sort();
+        for old in all.iter().rev().skip(KEPT) {
             // What can't be removed now will be after the next one; that is no reason to end a run.
-            let _ = std::fs::remove_file(old);
+            let _ = run.remove(old);
         }
         Ok(())
     }
@@ -78,22 +85,18 @@ impl<'a> Checkpoints<'a> {
         }))
     }
 
-    /// Removes the checkpoints of a former run.
-    pub fn remove_all(&self) -> Result<(), FileError> {
-        self.paths()?.iter().try_for_each(|old| std::fs::remove_file(old).map_err(|e| FileError::write(old, &e)))
-    }
-
     /// Their files, oldest first.
     fn paths(&self) -> Result<Vec<PathBuf>, FileError> {
         let entries = std::fs::read_dir(self.0).map_err(|e| FileError::read(self.0, &e))?;
-        let is_one = |path: &PathBuf| {
-            let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-            name.starts_with("checkpoint-") && path.extension().is_some_and(|e| e == "bin")
-        };
-        let mut paths: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).filter(is_one).collect();
+        let mut paths: Vec<PathBuf> =
+            entries.filter_map(|e| Some(e.ok()?.path())).filter(|path| is_one(path)).collect();
         paths.sort();
         Ok(paths)
     }
+}
+
+fn is_one(path: &Path) -> bool {
+    manifest::is_numbered(path, "checkpoint-", ".bin")
 }
 
 fn open(path: &Path) -> Result<Whole, FileError> {

@@ -21,7 +21,7 @@ fn state(step: u64) -> State {
 #[test]
 fn what_is_written_is_read_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::of(folder.path()).write(&state(12), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), &state(12), &Comm::alone()).unwrap();
     let (found, damaged) = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
     assert_eq!(found, state(12));
     assert_eq!(found.particles.columns[0].values[7].to_bits(), (-0.0_f64).to_bits());
@@ -39,7 +39,7 @@ fn one_piece_is_as_it_was() {
     for statistics in [Vec::new(), vec![vec![3, 4]]] {
         let folder = tempfile::tempdir().unwrap();
         let state = State { statistics, ..state(2) };
-        Checkpoints::of(folder.path()).write(&state, &Comm::alone()).unwrap();
+        Checkpoints::write(&Manifest::of_test(folder.path()), &state, &Comm::alone()).unwrap();
         let bytes = std::fs::read(Checkpoints::of(folder.path()).path(2)).unwrap();
         assert!(!bytes.windows(6).any(|word| word == b"pieces"));
         assert_eq!(bytes.len(), bytes_of(&state));
@@ -53,13 +53,13 @@ fn ranks_write_one_file_and_read_shares_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let (whole, alone) = (state(3), folder.path().join("alone"));
     std::fs::create_dir(&alone).unwrap();
-    Checkpoints::of(&alone).write(&whole, &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(&alone), &whole, &Comm::alone()).unwrap();
     for ranks in [1, 2, 3, 7, 9] {
         let shares = Comm::threads(ranks, |comm| {
             let rows: Vec<usize> = (0..7).rev().filter(|row| row % ranks == comm.rank()).collect();
             let statistics = pieces(&whole, &comm);
             let share = State { particles: whole.particles.selected(&rows), statistics, ..whole.clone() };
-            Checkpoints::of(folder.path()).write(&share, &comm).unwrap();
+            Checkpoints::write(&Manifest::of_test(folder.path()), &share, &comm).unwrap();
             let found = Checkpoints::of(folder.path()).latest(&comm).unwrap().0;
             assert_eq!(found.statistics, pieces(&whole, &comm));
             found
@@ -82,19 +82,23 @@ fn ranks_write_one_file_and_read_shares_of_it() {
 #[test]
 fn the_last_two_are_kept_and_nothing_half_written() {
     let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("checkpoint-0000000099.bin"), "of somebody else").unwrap();
     for step in [0, 5, 10, 100_000] {
-        Checkpoints::of(folder.path()).write(&state(step), &Comm::alone()).unwrap();
+        Checkpoints::write(&Manifest::of_test(folder.path()), &state(step), &Comm::alone()).unwrap();
     }
     let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
-    assert_eq!(names, ["checkpoint-0000000010.bin", "checkpoint-0000100000.bin"]);
+    assert_eq!(
+        names,
+        ["checkpoint-0000000010.bin", "checkpoint-0000000099.bin", "checkpoint-0000100000.bin", "manifest.jsonl"]
+    );
 }
 
 #[test]
 fn any_damage_to_the_last_one_is_seen_and_the_one_before_serves() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::of(folder.path()).write(&state(1), &Comm::alone()).unwrap();
-    Checkpoints::of(folder.path()).write(&state(2), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), &state(1), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), &state(2), &Comm::alone()).unwrap();
     let last = Checkpoints::of(folder.path()).path(2);
     let whole = std::fs::read(&last).unwrap();
     let mut changed = whole.clone();

@@ -4,7 +4,7 @@ mod recorded;
 #[cfg(test)]
 mod tests;
 
-use crate::{FileError, Provenance, atomic_hdf5, checksum, text};
+use crate::{FileError, Manifest, Provenance, atomic_hdf5, checksum, manifest, text};
 use hdf5::{File, H5Type};
 pub use recorded::RecordedContacts;
 use simulation::{ContactForce, ContactForces};
@@ -13,11 +13,13 @@ use std::path::{Path, PathBuf};
 /// The folder of the files.
 pub(crate) const FOLDER: &str = "contacts";
 
-/// Writes the contacts of a step to `contacts/` in a folder.
-pub fn write_contacts(contacts: &ContactForces, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
-    let folder = folder.join(FOLDER);
-    std::fs::create_dir_all(&folder).map_err(|e| FileError::write(&folder, &e))?;
-    atomic_hdf5::write(&folder.join(name(contacts.step)), |file| fill(file, contacts, provenance))
+/// Writes the contacts of a step to `contacts/` in the folder of a run.
+pub fn write_contacts(contacts: &ContactForces, run: &Manifest, provenance: &Provenance) -> Result<(), FileError> {
+    let folder = run.folder().join(FOLDER);
+    run.make_folder(&folder)?;
+    let path = folder.join(name(contacts.step));
+    run.enter(&path)?;
+    atomic_hdf5::write(&path, |file| fill(file, contacts, provenance))
 }
 
 fn name(step: u64) -> String {
@@ -65,14 +67,10 @@ impl Columns<'_> {
 }
 
 /// Removes the contacts of a former run after step `last`.
-pub fn drop_contacts_after(folder: &Path, last: u64) -> Result<(), FileError> {
+pub fn drop_contacts_after(run: &Manifest, last: u64) -> Result<(), FileError> {
     let late = name(last);
-    for path in files(folder)? {
-        if path.file_name().is_some_and(|name| *name > *late) {
-            std::fs::remove_file(&path).map_err(|e| FileError::write(&path, &e))?;
-        }
-    }
-    Ok(())
+    let is_late = |path: &PathBuf| path.file_name().is_some_and(|name| *name > *late);
+    files(run.folder())?.iter().filter(|path| is_late(path)).try_for_each(|path| run.remove(path))
 }
 
 /// The files in the folder of a run, oldest first.
@@ -88,6 +86,5 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
 }
 
 fn is_one(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.starts_with("contacts-") && name.ends_with(".h5")
+    manifest::is_numbered(path, "contacts-", ".h5")
 }

@@ -19,7 +19,7 @@ fn contacts(step: u64) -> ContactForces {
 fn written(folder: &Path) {
     let provenance =
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 2 };
-    (0..5).for_each(|step| write_contacts(&contacts(step), folder, &provenance).unwrap());
+    (0..5).for_each(|step| write_contacts(&contacts(step), &Manifest::of_test(folder), &provenance).unwrap());
 }
 
 #[test]
@@ -38,9 +38,9 @@ fn contacts_are_read_as_they_were_written() {
 #[test]
 fn contacts_after_the_step_of_a_checkpoint_are_dropped() {
     let folder = tempfile::tempdir().unwrap();
-    drop_contacts_after(folder.path(), 2).unwrap();
+    drop_contacts_after(&Manifest::of_test(folder.path()), 2).unwrap();
     written(folder.path());
-    drop_contacts_after(folder.path(), 2).unwrap();
+    drop_contacts_after(&Manifest::of_test(folder.path()), 2).unwrap();
     let recorded = RecordedContacts::of(folder.path()).unwrap();
     assert_eq!(recorded.clocks().iter().map(|clock| clock.0).collect::<Vec<_>>(), [0, 1, 2]);
 }

@@ -1,7 +1,7 @@
 //! Forces of contacts for other programs: a table, or the lines of force chains.
 
 use super::vtp::{Array, Piece, write_pieces};
-use crate::{FileError, atomic_file};
+use crate::{FileError, Manifest, atomic_file};
 use domain::Vector;
 use simulation::{ContactForce, ContactForces};
 use std::io::{BufWriter, Result, Write};
@@ -30,18 +30,20 @@ impl ContactFormat {
 const HEAD: &str = "step,time,first,second,x,y,z,dx,dy,dz,normal_force,tangential_force_x,tangential_force_y,\
                     tangential_force_z,state";
 
-/// Writes the contacts of some steps to a file. It appears under its name when it is whole.
+/// Writes the contacts of some steps to a file, which is entered in the manifest if it is in that folder. It appears under
+/// its name when it is whole.
 pub fn export_contacts(
     steps: &mut dyn Iterator<Item = ContactForces>,
     format: ContactFormat,
-    path: &Path,
+    (path, run): (&Path, &Manifest),
 ) -> std::result::Result<(), FileError> {
     if path.exists() && !path.is_file() {
         return Err(FileError::write(path, &"it is no file"));
     }
+    run.enter(path)?;
     match format {
         ContactFormat::Csv => atomic_file::put(path, |file, _| table(&mut BufWriter::new(file), steps)),
-        ContactFormat::Vtp => write_pieces(path, &mut steps.map(|contacts| lines(&contacts))),
+        ContactFormat::Vtp => write_pieces((path, run), &mut steps.map(|contacts| lines(&contacts))),
     }
 }
 
@@ -112,7 +114,8 @@ mod tests {
     fn exported(format: ContactFormat) -> (tempfile::TempDir, String) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("contacts").with_extension(format.extension());
-        export_contacts(&mut (0..3).map(contacts), format, &path).unwrap();
+        let none = Manifest::none(folder.path());
+        export_contacts(&mut (0..3).map(contacts), format, (&path, &none)).unwrap();
         let text = std::fs::read_to_string(path).unwrap();
         (folder, text)
     }

@@ -12,7 +12,7 @@ pub use contacts::{ContactFormat, export_contacts};
 pub use range::FrameRange;
 
 use crate::trajectory_reader::{Snapshot, TrajectoryReader};
-use crate::{FileError, Kind, Scene, atomic_file};
+use crate::{FileError, Kind, Manifest, Scene, atomic_file};
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -38,22 +38,24 @@ impl Format {
     }
 }
 
-/// Writes frames of a trajectory to a file. It appears under its name when it is whole.
+/// Writes frames of a trajectory to a file, which is entered in the manifest if it is in that folder. It appears under its
+/// name when it is whole.
 pub fn export(
     recorded: &TrajectoryReader,
     frames: &mut dyn Iterator<Item = Snapshot>,
     format: Format,
-    path: &Path,
+    (path, run): (&Path, &Manifest),
 ) -> Result<(), FileError> {
     if path.exists() && !path.is_file() {
         return Err(FileError::write(path, &"it is no file"));
     }
+    run.enter(path)?;
     match format {
         Format::Xyz => atomic_file::put(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
         Format::Gsd => {
             atomic_file::put(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames))
         }
-        Format::Vtp => vtp::write(path, frames),
+        Format::Vtp => vtp::write((path, run), frames),
     }
 }
 

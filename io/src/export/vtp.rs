@@ -1,29 +1,37 @@
 //! `PolyData` of VTK in XML, a file for each frame: `NAME/STEP.vtp` beside the list `NAME.pvd`.
 
 use crate::trajectory_reader::Snapshot;
-use crate::{FileError, atomic_file};
+use crate::{FileError, Manifest, atomic_file};
 use domain::Vector;
 use simulation::Frame;
 use std::fmt::Write as _;
 use std::io::{BufWriter, Result, Write};
 use std::path::Path;
 
-pub(super) fn write(list: &Path, frames: &mut dyn Iterator<Item = Snapshot>) -> std::result::Result<(), FileError> {
+pub(super) fn write(
+    list: (&Path, &Manifest),
+    frames: &mut dyn Iterator<Item = Snapshot>,
+) -> std::result::Result<(), FileError> {
     write_pieces(list, &mut frames.map(|snapshot| Piece::of_frame(&snapshot)))
 }
 
 /// Writes pieces, each to a file of its own, and their list.
-pub(super) fn write_pieces(list: &Path, pieces: &mut dyn Iterator<Item = Piece>) -> std::result::Result<(), FileError> {
+pub(super) fn write_pieces(
+    (list, run): (&Path, &Manifest),
+    pieces: &mut dyn Iterator<Item = Piece>,
+) -> std::result::Result<(), FileError> {
     if list.extension().is_none_or(|extension| extension != "pvd") {
         return Err(FileError::write(list, &"the name of a list of VTP files needs to end in .pvd"));
     }
     let folder = list.with_extension("");
-    std::fs::create_dir_all(&folder).map_err(|e| FileError::write(&folder, &e))?;
+    run.make_folder(&folder)?;
     let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut entries = String::new();
     for piece in pieces {
         let file = format!("{}.vtp", piece.step);
-        atomic_file::put(&folder.join(&file), |out, _| piece.write(&mut BufWriter::new(out)))?;
+        let path = folder.join(&file);
+        run.enter(&path)?;
+        atomic_file::put(&path, |out, _| piece.write(&mut BufWriter::new(out)))?;
         let (time, path) = (piece.time, escaped(&format!("{name}/{file}")));
         writeln!(entries, "    <DataSet timestep=\"{time:?}\" part=\"0\" file=\"{path}\"/>").expect("text grows");
     }

@@ -6,19 +6,24 @@ mod repeated;
 mod tests;
 mod xdmf;
 
-use crate::{FileError, Provenance, atomic_file, atomic_hdf5, checksum, text};
+use crate::{FileError, Manifest, Provenance, atomic_file, atomic_hdf5, checksum, manifest, text};
 use hdf5::File;
 use simulation::VelocityField;
 use std::path::{Path, PathBuf};
 
-/// Writes a field to `fields/` in a folder and adds it to the index `fields.xdmf`.
-pub fn write_field(field: &VelocityField, folder: &Path, provenance: &Provenance) -> Result<(), FileError> {
-    let fields = folder.join("fields");
-    std::fs::create_dir_all(&fields).map_err(|e| FileError::write(&fields, &e))?;
+/// Writes a field to `fields/` in the folder of a run and adds it to the index `fields.xdmf`.
+pub fn write_field(field: &VelocityField, run: &Manifest, provenance: &Provenance) -> Result<(), FileError> {
+    let fields = run.folder().join("fields");
+    run.make_folder(&fields)?;
     let path = fields.join(format!("velocity-{:010}.h5", field.step));
+    run.enter(&path)?;
     atomic_hdf5::write(&path, |file| fill(file, field, provenance))?;
-    add_to_index(folder, &path)
+    run.enter(&run.folder().join(INDEX))?;
+    add_to_index(run, &path)
 }
+
+/// The XDMF file.
+const INDEX: &str = "fields.xdmf";
 
 fn fill(file: &File, field: &VelocityField, provenance: &Provenance) -> hdf5::Result<()> {
     provenance.write(file)?;
@@ -42,36 +47,32 @@ fn fill(file: &File, field: &VelocityField, provenance: &Provenance) -> hdf5::Re
 }
 
 /// Removes the fields of a former run after step `last`.
-pub fn drop_fields_after(folder: &Path, last: u64) -> Result<(), FileError> {
+pub fn drop_fields_after(run: &Manifest, last: u64) -> Result<(), FileError> {
     let late = format!("velocity-{last:010}.h5");
-    for path in field_files(folder)? {
-        if path.file_name().is_some_and(|name| *name > *late) {
-            std::fs::remove_file(&path).map_err(|e| FileError::write(&path, &e))?;
-        }
+    let is_late = |path: &PathBuf| path.file_name().is_some_and(|name| *name > *late);
+    field_files(run).iter().filter(|path| is_late(path)).try_for_each(|path| run.remove(path))?;
+    let index = run.folder().join(INDEX);
+    if !index.exists() {
+        return Ok(());
     }
-    if folder.join("fields.xdmf").exists() { index_fields(folder) } else { Ok(()) }
+    run.enter(&index)?;
+    index_fields(run)
 }
 
-/// The files of fields, oldest first.
-fn field_files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
-    let fields = folder.join("fields");
-    if !fields.is_dir() {
-        return Ok(Vec::new());
-    }
-    let entries = std::fs::read_dir(&fields).map_err(|e| FileError::read(&fields, &e))?;
-    let is_field = |path: &PathBuf| path.extension().is_some_and(|e| e == "h5");
-    let mut files: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).filter(is_field).collect();
-    files.sort();
-    Ok(files)
+/// The files of fields that the run has made, oldest first.
+fn field_files(run: &Manifest) -> Vec<PathBuf> {
+    let fields = run.folder().join("fields");
+    let is_field = |path: &PathBuf| path.starts_with(&fields) && manifest::is_numbered(path, "velocity-", ".h5");
+    run.files().into_iter().filter(|path| is_field(path) && path.is_file()).collect()
 }
 
 /// Adds the latest field to the index. The index is written again if it lacks earlier fields, or if these need another
 /// kind of mesh beside this one. So a run reads each of its fields once.
-fn add_to_index(folder: &Path, path: &Path) -> Result<(), FileError> {
-    let (index, before) = (folder.join("fields.xdmf"), field_files(folder)?.len() - 1);
+fn add_to_index(run: &Manifest, path: &Path) -> Result<(), FileError> {
+    let (index, before) = (run.folder().join(INDEX), field_files(run).len() - 1);
     let series = std::fs::read_to_string(&index).unwrap_or_default();
     let frame = xdmf::Frame::read(path).map_err(|e| FileError::damaged(path, &e))?;
-    let Some(longer) = xdmf::longer(&series, before, &frame) else { return index_fields(folder) };
+    let Some(longer) = xdmf::longer(&series, before, &frame) else { return index_fields(run) };
     if xdmf::is_curved(&series) && !frame.has_position {
         complete(path, true)?;
     }
@@ -82,8 +83,8 @@ fn add_to_index(folder: &Path, path: &Path) -> Result<(), FileError> {
 /// is of a sheared box, all are given as curved meshes, those of a straight box too; and frames of another grid than the
 /// last one's, as former versions computed them in sheared boxes, are left out. Frames of a box that follows spheres are not:
 /// each is a collection of one mesh then, the parts of which may be of any size.
-fn index_fields(folder: &Path) -> Result<(), FileError> {
-    let files = field_files(folder)?;
+fn index_fields(run: &Manifest) -> Result<(), FileError> {
+    let files = field_files(run);
     let mut frames = Vec::with_capacity(files.len());
     for path in &files {
         frames.push(xdmf::Frame::read(path).map_err(|e| FileError::damaged(path, &e))?);
@@ -94,7 +95,7 @@ fn index_fields(folder: &Path) -> Result<(), FileError> {
             complete(path, curved)?;
         }
     }
-    atomic_file::replace(&folder.join("fields.xdmf"), xdmf::series(frames, curved).as_bytes())
+    atomic_file::replace(&run.folder().join(INDEX), xdmf::series(frames, curved).as_bytes())
 }
 
 /// Adds to a file what the series needs of it: places to the frames of a straight box before the first sheared one, and

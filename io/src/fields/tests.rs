@@ -27,7 +27,7 @@ fn write(folder: &Path, steps_and_strains: &[(u64, f64)]) {
             values: values.clone(),
             note: "",
         };
-        write_field(&field, folder, &provenance()).unwrap();
+        write_field(&field, &Manifest::of_test(folder), &provenance()).unwrap();
     }
 }
 
@@ -100,7 +100,7 @@ fn an_index_that_grows_is_that_of_all_files() {
             write(folder.path(), &[(step as u64, strain)]);
         }
         let grown = index(folder.path());
-        drop_fields_after(folder.path(), 3).unwrap();
+        drop_fields_after(&Manifest::of_test(folder.path()), 3).unwrap();
         assert_eq!(grown, index(folder.path()), "{strains:?}");
     }
 }
@@ -139,7 +139,7 @@ fn files_of_before_are_completed() {
         file.unlink("position").unwrap();
     }
     // As a run does that goes on.
-    drop_fields_after(folder.path(), 10).unwrap();
+    drop_fields_after(&Manifest::of_test(folder.path()), 10).unwrap();
     write(folder.path(), &[(20, 0.3)]);
     for step in [0, 10, 20] {
         let places = read(folder.path(), step, "repeated/position");
@@ -158,7 +158,7 @@ fn frames_of_another_grid_are_left_out() {
     }
     old.new_dataset::<f64>().shape((2, 5, 4, 3)).create("velocity").unwrap();
     drop(old);
-    drop_fields_after(folder.path(), 10).unwrap();
+    drop_fields_after(&Manifest::of_test(folder.path()), 10).unwrap();
     write(folder.path(), &[(20, 0.0)]);
     let xdmf = index(folder.path());
     assert_eq!(xdmf.matches("<Time").count(), 2);
@@ -169,7 +169,7 @@ fn frames_of_another_grid_are_left_out() {
 fn late_fields_are_dropped() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[(5, 0.0), (10, 0.2)]);
-    drop_fields_after(folder.path(), 5).unwrap();
+    drop_fields_after(&Manifest::of_test(folder.path()), 5).unwrap();
     let xdmf = index(folder.path());
     assert_eq!(xdmf.matches("<Time").count(), 1);
     assert!(xdmf.contains("velocity-0000000005.h5"));
@@ -193,7 +193,7 @@ fn places_take_little_room() {
         values: values.clone(),
         note: "",
     };
-    write_field(&field, folder.path(), &provenance).unwrap();
+    write_field(&field, &Manifest::of_test(folder.path()), &provenance).unwrap();
     let size = std::fs::metadata(folder.path().join("fields/velocity-0000000000.h5")).unwrap().len();
     let velocities = 48 * 48 * 48 * 24;
     assert!(size < velocities * 11 / 10, "{size} bytes for {velocities} of velocities");
@@ -207,7 +207,7 @@ fn write_bounded(folder: &Path, frames: &[(u64, [usize; 3], f64)]) {
         let (first, spacing) = (Vector::new(0.0, 0.0, origin), Vector::new(1.0, 2.0, 0.25));
         let (time, periodic) = (0.1 * step as f64, [true, true, false]);
         let field = VelocityField { step, time, cell, first, spacing, points, periodic, values, note: "" };
-        write_field(&field, folder, &provenance()).unwrap();
+        write_field(&field, &Manifest::of_test(folder), &provenance()).unwrap();
     }
 }
 
@@ -243,8 +243,8 @@ fn a_box_that_follows_spheres_has_a_mesh_of_its_own_in_each_frame() {
         assert!(grown.contains(&format!("Dimensions=\"{nz} 4 5\"")), "{grown}");
         assert!(grown.contains(&format!(">{origin:?} 0.0 0.0<")), "{grown}");
     }
-    drop_fields_after(folder.path(), 3).unwrap();
+    drop_fields_after(&Manifest::of_test(folder.path()), 3).unwrap();
     assert_eq!(grown, index(folder.path()));
-    drop_fields_after(folder.path(), 1).unwrap();
+    drop_fields_after(&Manifest::of_test(folder.path()), 1).unwrap();
     assert!(!index(folder.path()).contains("Spatial"), "those that are left are of one size");
 }

@@ -19,13 +19,14 @@ mod warnings;
 
 use crate::contacts::RecordedContacts;
 use crate::trajectory_reader::TrajectoryReader;
-use crate::{FileError, Provenance, atomic_file};
+use crate::{FileError, Manifest, Provenance, atomic_file};
 use about::About;
 pub use error::ReportError;
 use facts::Course;
 use hdf5::File;
 use observables::Observables;
 use page::Page;
+pub(crate) use page::is_page;
 use playback::Playback;
 use std::path::Path;
 use stored_table::StoredTable;
@@ -62,6 +63,7 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
         plan: &provenance.plan,
         scene: &provenance.scene,
     };
+    Manifest::of(folder)?.enter_known(out, is_page)?;
     Ok(atomic_file::replace(out, page.html().as_bytes())?)
 }
 

@@ -4,6 +4,9 @@ use super::chart::{Chart, svg};
 use super::facts::Fact;
 use super::html::{escaped, folded};
 use super::playback::Playback;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 
 /// What the page shows.
 pub(super) struct Page<'a> {
@@ -40,6 +43,21 @@ const STAGE: &str = r#"<section id="player">
 const CHOICE: &str = "<label><input id=\"show-chains\" type=\"checkbox\"> contact forces</label>\n";
 const HINT: &str = "Drag to turn, with the right button to move, wheel to zoom; space plays, arrows step.";
 
+/// Whether a file is such a page.
+pub(crate) fn is_page(path: &Path) -> bool {
+    let (expected, mut found) = (start(), String::new());
+    let read = File::open(path).and_then(|file| file.take(expected.len() as u64).read_to_string(&mut found));
+    read.is_ok() && found == expected
+}
+
+/// The first lines.
+fn start() -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n"
+    )
+}
+
 impl Page<'_> {
     /// The page as HTML: one file that needs no other.
     pub(super) fn html(&self) -> String {
@@ -49,11 +67,10 @@ impl Page<'_> {
             .map(Option::unwrap_or_default);
         let charts: String = self.charts.iter().filter_map(figure).collect();
         format!(
-            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-             <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n\
+            "{}<meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n\
              <link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{stage}\
              <div class=\"charts\">\n{charts}</div>\n{}{}{}{script}</body>\n</html>\n",
+            start(),
             self.warned(),
             self.told(),
             self.tables,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Provenance, Series, Trajectory, write_contacts, write_tables};
+use crate::{Manifest, Provenance, Series, Trajectory, write_contacts, write_tables};
 use domain::{Particles, PeriodicBox, Vector};
 use simulation::{ContactForce, ContactForces, ContactState, Frame, Quantity, Table};
 
@@ -30,7 +30,7 @@ fn provenance() -> Provenance {
 fn add_series(folder: &Path, gaps: &[f64]) {
     let mean = Quantity::vectors("mean_velocity", "length/time", &["</script><b>".into()]);
     let quantities = [mean, Quantity::number("smallest_gap", "length")];
-    let mut series = Series::create(folder, &provenance(), &quantities, gaps.len() as u64).unwrap();
+    let mut series = Series::create(&Manifest::none(folder), &provenance(), &quantities, gaps.len() as u64).unwrap();
     for (k, &gap) in gaps.iter().enumerate() {
         let values = [vec![0.0, f64::NAN, -0.5 * k as f64], vec![gap]];
         series.append((10 * k as u64, k as f64), &values).unwrap();
@@ -69,7 +69,7 @@ fn forces_of_contacts_can_be_shown() {
     };
     let lattice = [Vector::X * 8.0, Vector::Y * 8.0, Vector::Z * 8.0];
     let contacts = ContactForces { step: 10, time: 1.0, lattice, list: vec![contact] };
-    write_contacts(&contacts, folder.path(), &provenance()).unwrap();
+    write_contacts(&contacts, &Manifest::none(folder.path()), &provenance()).unwrap();
     let page = report(folder.path()).unwrap();
     let mut names: Vec<&str> = page.split(" id=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
     names.sort_unstable();
@@ -131,7 +131,7 @@ fn tables_of_solutions_are_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let mut summary = Table::new("summary", &[], &[("speed", "length/time"), ("slip", "length/time"), ("dilute", "")]);
     summary.add(&[], &[1.5, 0.25, 1.0]);
-    write_tables(folder.path(), "solution", &provenance(), &[summary]).unwrap();
+    write_tables((folder.path(), "solution"), &provenance(), &[summary], &Manifest::none(folder.path())).unwrap();
     let page = report(folder.path()).unwrap();
     assert!(page.contains("<th>speed (length/time)</th>") && page.contains("<td>1.5</td>"), "{page}");
     assert!(page.contains("1 of 1 solutions are dilute."));
@@ -148,7 +148,13 @@ fn statistics_are_charts_and_a_table() {
     let mut summary = Table::new("summary", labels, &[("value", ""), ("error", ""), ("converged", "")]);
     summary.add(&["T_xx", "a", "length^2/time^2"], &[0.5, 0.01, 0.0]);
     summary.add(&["D_slope_x", "a", "length^2/time"], &[f64::NAN, f64::NAN, 1.0]);
-    write_tables(&folder.path().join("stats"), "statistics", &provenance(), &[pairs, summary]).unwrap();
+    write_tables(
+        (&folder.path().join("stats"), "statistics"),
+        &provenance(),
+        &[pairs, summary],
+        &Manifest::none(folder.path()),
+    )
+    .unwrap();
     let page = report(folder.path()).unwrap();
     assert!(page.contains(">a and b</text>") && page.contains("distance of centres (length)"));
     let row = "<td>T_xx</td><td>a</td><td>0.5</td><td>\u{b1} 0.01 at least</td><td>length\u{b2}/time\u{b2}</td>";
@@ -169,7 +175,13 @@ fn displacements_of_the_species_are_drawn_without_their_mean() {
                 lags.add(&[of], &[time; 4]);
             }
         }
-        write_tables(&folder.path().join("stats"), "statistics", &provenance(), &[lags]).unwrap();
+        write_tables(
+            (&folder.path().join("stats"), "statistics"),
+            &provenance(),
+            &[lags],
+            &Manifest::none(folder.path()),
+        )
+        .unwrap();
         let page = report(folder.path()).unwrap();
         let chart = page.split("<svg").find(|svg| svg.contains("mean square displacement")).unwrap();
         let chart = chart.split("</svg>").next().unwrap();
@@ -185,7 +197,7 @@ fn stresses_on_walls_are_a_table() {
     add_series(folder.path(), &[0.1]);
     let mut walls = Table::new("walls", &["wall"], &[("normal", "force/length"), ("normal_error", "force/length")]);
     walls.add(&["lower"], &[2.5, 0.125]);
-    write_tables(folder.path(), "averages", &provenance(), &[walls]).unwrap();
+    write_tables((folder.path(), "averages"), &provenance(), &[walls], &Manifest::none(folder.path())).unwrap();
     let page = report(folder.path()).unwrap();
     assert!(page.contains("Stresses on the walls") && page.contains("<td>lower</td><td>2.5</td><td>0.125</td>"));
 }
@@ -194,7 +206,7 @@ fn stresses_on_walls_are_a_table() {
 fn a_column_of_a_table_in_time_is_that_of_its_row() {
     let folder = tempfile::tempdir().unwrap();
     let mean = Quantity::vectors("mean_velocity", "length/time", &["a".into(), "b".into()]);
-    let mut series = Series::create(folder.path(), &provenance(), &[mean], 2).unwrap();
+    let mut series = Series::create(&Manifest::none(folder.path()), &provenance(), &[mean], 2).unwrap();
     for k in [0.0, 10.0] {
         let values: Vec<f64> = (0..6).map(|n| k + f64::from(n)).collect();
         series.append((k as u64, k), &[values]).unwrap();

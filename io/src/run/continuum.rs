@@ -3,7 +3,7 @@
 use super::outline;
 use super::{Listener, RunError, provenance};
 use crate::causes::in_full;
-use crate::{ContinuumScene, Scene, read_rows, write_tables};
+use crate::{ContinuumScene, Manifest, Scene, read_rows, write_tables};
 use domain::{Comm, Number};
 use drivers::continuum::{Point, Problem, Solution};
 use simulation::Table;
@@ -22,7 +22,7 @@ const SOLUTION: &str = "solution";
 pub(super) fn solve(
     problems: &ContinuumScene,
     scene: &Scene,
-    folder: &Path,
+    run: &Manifest,
     listener: &dyn Listener,
 ) -> Result<(), RunError> {
     let (mut summary, mut profile) = (summary(), profile());
@@ -38,7 +38,7 @@ pub(super) fn solve(
         }
     }
     let provenance = provenance(scene, outline::continuum(problems).text().to_owned(), &Comm::alone());
-    write_tables(folder, SOLUTION, &provenance, &[summary, profile])?;
+    write_tables((run.folder(), SOLUTION), &provenance, &[summary, profile], run)?;
     if unsolved.is_empty() { Ok(()) } else { Err(RunError::Unsolved { unsolved, problems: problems.problems.len() }) }
 }
 

@@ -1,9 +1,11 @@
 //! The folder of a run, locked by one program at a time.
 
 use super::RunError;
-use crate::{Checkpoints, replace_file};
+use crate::manifest::SCENE;
+use crate::{MANIFEST, Manifest, Obstacles, replace_file};
 use domain::Comm;
-use std::fs::{File, TryLockError};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
 /// What to do with a run that the folder contains already.
@@ -20,45 +22,72 @@ pub enum ExistingRun {
 /// The folder of a run, locked until the run ends.
 pub struct RunFolder {
     path: PathBuf,
+    /// The files that runs have made here; known to the first rank.
+    manifest: Manifest,
     /// On the first rank; the system unlocks it when the program ends, however it ends.
     _lock: Option<File>,
 }
 
 impl RunFolder {
-    /// Locks a folder for a run, unless it contains a run that is to be kept.
+    /// Locks a folder for a run, unless it contains a run that is to be kept, or files that no run has made under names that
+    /// a run uses.
     pub fn claim(path: &Path, comm: &Comm, former: ExistingRun) -> Result<Self, RunError> {
-        if comm.is_first() {
-            std::fs::create_dir_all(path).map_err(|source| failed("make the folder", path, source))?;
-            if path.join(SCENE).exists() && former == ExistingRun::Keep {
-                let name = path.display();
-                return Err(RunError::Refused(format!(
-                    "{name} already holds the results of a run: go on with it by --continue, name another folder with \
-                     --out, or replace it with --force"
-                )));
-            }
+        if !comm.is_first() {
+            return Ok(Self::elsewhere(path));
         }
-        Self::hold(path, comm)
+        std::fs::create_dir_all(path).map_err(|source| failed("make the folder", path, source))?;
+        if former == ExistingRun::Continue
+            && path.join(SCENE).exists()
+            && let Some(manifest) = known_files(path)?
+        {
+            return Self::hold(path, manifest);
+        }
+        let manifest = Manifest::open(path)?;
+        let has_results = manifest.as_ref().is_some_and(|manifest| manifest.files().iter().any(|file| file.exists()));
+        if has_results && former != ExistingRun::Replace {
+            return Err(RunError::Refused(kept(path)));
+        }
+        refuse_obstacles(path, manifest.as_ref())?;
+        Self::hold(path, manifest.unwrap_or_else(|| Manifest::none(path)))
     }
 
     /// Locks the folder of a run that is continued.
     pub fn reopen(path: &Path, comm: &Comm) -> Result<Self, RunError> {
-        if comm.is_first() && !path.join(SCENE).exists() {
-            let name = path.display();
+        if !comm.is_first() {
+            return Ok(Self::elsewhere(path));
+        }
+        let name = path.display();
+        if !path.join(SCENE).exists() {
             return Err(RunError::Refused(format!(
                 "{name} holds no run to go on with: it has no {SCENE}; start one by `fcm-solve run SCENE --out {name}`"
             )));
         }
-        Self::hold(path, comm)
+        match known_files(path)? {
+            Some(manifest) => Self::hold(path, manifest),
+            None => Err(RunError::Refused(format!(
+                "{name} holds no run to go on with: it has a {SCENE}, but neither {MANIFEST} nor any other file that a run \
+                 has written; start one in another folder by `fcm-solve run {name}/{SCENE} --out DIR`"
+            ))),
+        }
     }
 
-    fn hold(path: &Path, comm: &Comm) -> Result<Self, RunError> {
-        let lock = if comm.is_first() { Some(lock(path)?) } else { None };
-        Ok(Self { path: path.to_owned(), _lock: lock })
+    /// On a rank that writes nothing.
+    fn elsewhere(path: &Path) -> Self {
+        Self { path: path.to_owned(), manifest: Manifest::none(path), _lock: None }
+    }
+
+    fn hold(path: &Path, manifest: Manifest) -> Result<Self, RunError> {
+        Ok(Self { path: path.to_owned(), manifest, _lock: Some(lock(path)?) })
     }
 
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The files that runs have made here; none are known to other ranks than the first.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
     }
 
     /// Whether the folder contains a run. Collective.
@@ -71,53 +100,73 @@ impl RunFolder {
         self.path.join(SCENE)
     }
 
-    /// Removes the files of a former run and writes the scene of this one.
-    pub fn start_with(&self, scene: &str) -> Result<(), RunError> {
-        Checkpoints::of(&self.path).remove_all()?;
-        for name in FILES {
-            remove(|| std::fs::remove_file(self.path.join(name)), &self.path.join(name))?;
-        }
-        for name in ["fields", "contacts", "force-chains", "statistics", "stats", "trajectory", "cases"] {
-            remove(|| std::fs::remove_dir_all(self.path.join(name)), &self.path.join(name))?;
-        }
+    /// Removes the files of a former run, which its manifest lists, and writes the manifest and the scene of this one.
+    pub fn start_with(&mut self, scene: &str) -> Result<(), RunError> {
+        let former = Manifest::open(&self.path)?;
+        let former = former.as_ref().unwrap_or(&self.manifest);
+        refuse_obstacles(&self.path, Some(former))?;
+        former.remove_temporary_files();
+        former.remove_all()?;
+        self.manifest = Manifest::begin(&self.path, scene, Some(former))?;
+        self.manifest.remove_temporary_files();
         self.keep(scene)
     }
 
     /// Writes the scene of this run.
     pub fn keep(&self, scene: &str) -> Result<(), RunError> {
-        Ok(replace_file(&self.scene(), scene.as_bytes())?)
+        self.manifest.enter(&self.scene())?;
+        replace_file(&self.scene(), scene.as_bytes())?;
+        Ok(self.manifest.note_scene(scene)?)
     }
 }
 
-const SCENE: &str = "scene.toml";
+/// The manifest of the files of a run, or of one that an older version has left; nothing if there is no file of a run.
+fn known_files(path: &Path) -> Result<Option<Manifest>, RunError> {
+    match Manifest::open(path)? {
+        Some(manifest) => Ok(Some(manifest)),
+        None => Ok(Manifest::of_older_version(path)?),
+    }
+}
 
-/// Files that a run of any kind may leave here, besides its checkpoints.
-const FILES: [&str; 20] = [
-    "report.html",
-    "trajectory.h5",
-    "trajectory.xyz",
-    "trajectory.gsd",
-    "trajectory.pvd",
-    "observables.h5",
-    "observables.csv",
-    "fields.xdmf",
-    "contacts.csv",
-    "force-chains.pvd",
-    "averages.h5",
-    "averages.csv",
-    "profile.csv",
-    "walls.csv",
-    "map.csv",
-    "totals.csv",
-    "solution.h5",
-    "summary.csv",
-    "sweep.h5",
-    "branches.csv",
-];
+fn kept(path: &Path) -> String {
+    let (name, has_scene) = (path.display(), path.join(SCENE).exists());
+    let continued = if has_scene {
+        "go on with it by --continue".to_owned()
+    } else {
+        format!("its {SCENE} is gone: put it back to go on with it by --continue")
+    };
+    format!(
+        "{name} already holds the results of a run: {continued}, name another folder with --out, or replace it with --force"
+    )
+}
 
+/// Refuses a folder in which files of others have names that a run uses.
+fn refuse_obstacles(path: &Path, manifest: Option<&Manifest>) -> Result<(), RunError> {
+    let obstacles = Obstacles::of(path, manifest)?;
+    if obstacles.is_empty() {
+        return Ok(());
+    }
+    let name = path.display();
+    let has_manifest = path.join(MANIFEST).exists();
+    if !has_manifest && path.join(SCENE).exists() && Manifest::of_older_version(path)?.is_some() {
+        return Err(RunError::Refused(format!(
+            "{name} already holds the results of a run of an older version, which wrote no {MANIFEST} to tell its files from \
+             others ({obstacles}): go on with it by --continue, name another folder with --out, or move or delete the folder by \
+             hand; --force removes only what a manifest lists"
+        )));
+    }
+    Err(RunError::Refused(format!(
+        "{name} has files that no run is known to have made, under names that a run uses: {obstacles}; name another folder with \
+         --out, or move them away; --force removes only what {MANIFEST} lists, which a run writes"
+    )))
+}
+
+/// Locks the file `.lock`, which is made if need be and otherwise left as it is.
 fn lock(path: &Path) -> Result<File, RunError> {
     let name = path.join(".lock");
-    let file = File::create(&name).map_err(|source| failed("write", &name, source))?;
+    let (mut options, flags) = (OpenOptions::new(), libc::O_NOFOLLOW | libc::O_NONBLOCK);
+    options.read(true).write(true).create(true).truncate(false).custom_flags(flags);
+    let file = options.open(&name).map_err(|source| failed("lock the folder by", &name, source))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(RunError::Refused(format!(
             "another run is writing to {}: wait for it, stop it, or name another folder with --out",
@@ -128,36 +177,9 @@ fn lock(path: &Path) -> Result<File, RunError> {
     }
 }
 
-fn remove(action: impl FnOnce() -> std::io::Result<()>, path: &Path) -> Result<(), RunError> {
-    match action() {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed("remove", path, error)),
-        _ => Ok(()),
-    }
-}
-
 fn failed(what: &'static str, path: &Path, source: std::io::Error) -> RunError {
     RunError::Folder { what, path: path.to_owned(), source }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_new_run_leaves_nothing_of_a_former_one() {
-        let folder = tempfile::tempdir().unwrap();
-        let of = |name: &str| folder.path().join(name);
-        std::fs::create_dir(of("stats")).unwrap();
-        for name in ["trajectory.h5", "stats/summary.csv", "notes.txt"] {
-            std::fs::write(of(name), "former").unwrap();
-        }
-        let run = RunFolder::claim(folder.path(), &Comm::alone(), ExistingRun::Replace).unwrap();
-        run.start_with("new").unwrap();
-        assert!(!of("trajectory.h5").exists() && !of("stats").exists());
-        assert!(of("notes.txt").exists(), "what is no part of a run stays");
-        assert_eq!(std::fs::read(run.scene()).unwrap(), b"new");
-        std::fs::create_dir(of("trajectory.h5")).unwrap();
-        let error = run.start_with("newer").unwrap_err().to_string();
-        assert!(error.contains("trajectory.h5"), "{error}");
-    }
-}
+mod tests;

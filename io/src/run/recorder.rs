@@ -3,8 +3,8 @@
 use super::{RunError, RunFolder};
 use crate::causes::in_full;
 use crate::{
-    Checkpoints, FileError, Output, Provenance, Scene, Series, Trajectory, drop_contacts_after, drop_fields_after,
-    write_contacts, write_field, write_tables,
+    Checkpoints, FileError, Manifest, Output, Provenance, Scene, Series, Trajectory, drop_contacts_after,
+    drop_fields_after, write_contacts, write_field, write_tables,
 };
 use domain::{ById, Comm};
 use simulation::{Quantity, Simulation};
@@ -59,6 +59,7 @@ impl Recorder {
     /// A recorder for a new run, which replaces any former run in the folder.
     pub fn create(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
         let comm = simulation.comm().clone();
+        let mut folder = folder;
         let emptied = if comm.is_first() { folder.start_with(scene.text()) } else { Ok(()) };
         comm.agree(emptied.map_err(|e| in_full(&e)))?;
         Self::open(folder, scene, simulation, (None, scene.kind().steps()))
@@ -90,7 +91,7 @@ impl Recorder {
         let output = scene.kind().output().ok_or(RunError::NoSteps)?.clone();
         let provenance = provenance(scene, simulation.plan(), &comm);
         let (frame, quantities) = (simulation.frame_share(), simulation.quantities());
-        let open = Open { path: folder.path(), provenance: &provenance, last, room };
+        let open = Open { run: folder.manifest(), provenance: &provenance, last, room };
         let files = frame.particles.by_id(&comm, |rows| open.files(&output, (rows, frame.periodic), &quantities));
         let files = comm.agree(files.unwrap_or_else(|| Ok(Files::default())))?;
         let warnings = files.damage();
@@ -205,13 +206,13 @@ impl Recorder {
 
     fn field(&self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let field = simulation.velocity_field()?.filter(|_| self.comm.is_first());
-        let write = field.map_or(Ok(()), |field| write_field(&field, self.folder.path(), &self.provenance));
+        let write = field.map_or(Ok(()), |field| write_field(&field, self.folder.manifest(), &self.provenance));
         Ok(self.comm.agree(write)?)
     }
 
     fn contacts(&self, simulation: &dyn Simulation) -> Result<(), RunError> {
         let contacts = simulation.contact_forces().filter(|_| self.comm.is_first());
-        let write = contacts.map_or(Ok(()), |list| write_contacts(&list, self.folder.path(), &self.provenance));
+        let write = contacts.map_or(Ok(()), |list| write_contacts(&list, self.folder.manifest(), &self.provenance));
         Ok(self.comm.agree(write)?)
     }
 
@@ -219,7 +220,7 @@ impl Recorder {
         let state = simulation.state();
         // What a checkpoint follows on must be on the disk when it is.
         self.comm.agree(if self.comm.is_first() { self.files.sync() } else { Ok(()) })?;
-        self.comm.agree(Checkpoints::of(self.folder.path()).write(&state, &self.comm))?;
+        self.comm.agree(Checkpoints::write(self.folder.manifest(), &state, &self.comm))?;
         self.saved = Some(simulation.clock().step());
         Ok(())
     }
@@ -228,7 +229,7 @@ impl Recorder {
         let path = self.folder.path();
         let write = simulation.averages().map_or(Ok(()), |set| {
             let folder = set.folder.map_or_else(|| path.to_owned(), |name| path.join(name));
-            write_tables(&folder, set.name, &self.provenance, &set.tables)
+            write_tables((&folder, set.name), &self.provenance, &set.tables, self.folder.manifest())
         });
         Ok(self.comm.agree(write)?)
     }
@@ -247,7 +248,7 @@ pub fn provenance(scene: &Scene, plan: String, comm: &Comm) -> Provenance {
 
 /// How files are opened: from the start, or after the last step of a former run, with room until a step.
 struct Open<'a> {
-    path: &'a Path,
+    run: &'a Manifest,
     provenance: &'a Provenance,
     last: Option<u64>,
     room: u64,
@@ -256,8 +257,9 @@ struct Open<'a> {
 impl Open<'_> {
     fn files(&self, output: &Output, frame: (&ById, [bool; 3]), quantities: &[Quantity]) -> Result<Files, FileError> {
         if let Some(last) = self.last {
-            drop_fields_after(self.path, last)?;
-            drop_contacts_after(self.path, last)?;
+            self.run.remove_temporary_files();
+            drop_fields_after(self.run, last)?;
+            drop_contacts_after(self.run, last)?;
         }
         let frames = output.trajectory.count_until(self.room);
         let rows = output.observables.count_until(self.room);
@@ -268,7 +270,8 @@ impl Open<'_> {
     }
 
     fn trajectory(&self, frame: (&ById, [bool; 3]), frames: u64) -> Result<Trajectory, FileError> {
-        let path = self.path.join("trajectory.h5");
+        let path = self.run.folder().join("trajectory.h5");
+        self.run.enter(&path)?;
         match self.last {
             Some(last) if path.exists() => Trajectory::resume_for(&path, self.provenance, frame, (last, frames)),
             _ => Trajectory::create_for(&path, self.provenance, frame, frames),
@@ -277,8 +280,8 @@ impl Open<'_> {
 
     fn series(&self, quantities: &[Quantity], rows: u64) -> Result<Series, FileError> {
         match self.last {
-            Some(last) => Series::resume(self.path, self.provenance, quantities, (last, rows)),
-            None => Series::create(self.path, self.provenance, quantities, rows),
+            Some(last) => Series::resume(self.run, self.provenance, quantities, (last, rows)),
+            None => Series::create(self.run, self.provenance, quantities, rows),
         }
     }
 }

@@ -1,15 +1,16 @@
 //! Stored results of a sweep's runs, so that none is repeated.
 
 use super::{Listener, RunError};
-use crate::{read_rows, replace_file};
+use crate::{Manifest, read_rows, replace_file};
 use domain::{Interrupted, Number};
 use drivers::disks::{Case, Record, SweepStore};
 use simulation::Table;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
 
 /// Stores each run's records in a file of the folder `cases`.
 pub struct StoredCases<'a> {
+    run: &'a Manifest,
     folder: PathBuf,
     progress: Mutex<Progress>,
     listener: &'a dyn Listener,
@@ -35,12 +36,11 @@ fn name(case: &Case) -> [f64; 4] {
 
 impl<'a> StoredCases<'a> {
     /// Those of a run's folder, `count` in all.
-    pub fn of(folder: &Path, count: usize, listener: &'a dyn Listener) -> Result<Self, RunError> {
-        let folder = folder.join("cases");
-        let failed = |source| RunError::Folder { what: "make the folder", path: folder.clone(), source };
-        std::fs::create_dir_all(&folder).map_err(failed)?;
+    pub fn of(run: &'a Manifest, count: usize, listener: &'a dyn Listener) -> Result<Self, RunError> {
+        let folder = run.folder().join("cases");
+        run.make_folder(&folder)?;
         let progress = Mutex::new(Progress { parts: vec![0.0; count], made: 0 });
-        Ok(Self { folder, progress, listener })
+        Ok(Self { run, folder, progress, listener })
     }
 
     fn path(&self, case: &Case) -> PathBuf {
@@ -94,7 +94,9 @@ impl SweepStore for StoredCases<'_> {
         for record in records {
             table.add(&[], &[&name(case)[..], &record.values()].concat());
         }
-        replace_file(&self.path(case), table.to_csv().as_bytes())?;
+        let path = self.path(case);
+        self.run.enter(&path)?;
+        replace_file(&path, table.to_csv().as_bytes())?;
         self.listener.stored();
         self.say(case, "");
         Ok(())

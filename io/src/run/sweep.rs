@@ -2,20 +2,19 @@
 
 use super::stored_cases::StoredCases;
 use super::{Listener, RunError, outline, provenance};
-use crate::{Scene, write_tables};
+use crate::{Manifest, Scene, write_tables};
 use domain::Comm;
 use drivers::disks::{Branch, Record, Sweep, estimated_free_path};
 use simulation::Table;
-use std::path::Path;
 
 /// Makes the runs that are left, several at a time, and writes the averages. Finished runs are stored.
-pub(super) fn sweep(sweep: &Sweep, scene: &Scene, folder: &Path, listener: &dyn Listener) -> Result<(), RunError> {
+pub(super) fn sweep(sweep: &Sweep, scene: &Scene, run: &Manifest, listener: &dyn Listener) -> Result<(), RunError> {
     let plan = format!("sweep      {}\n", outline::cases(sweep));
-    listener.line(&format!("{plan}results    {}", folder.display()));
-    let runs = sweep.run(&StoredCases::of(folder, sweep.cases().len(), listener)?)?;
+    listener.line(&format!("{plan}results    {}", run.folder().display()));
+    let runs = sweep.run(&StoredCases::of(run, sweep.cases().len(), listener)?)?;
     let branches = sweep.branches(&runs)?;
     let tables = [averages(&branches), summary(&branches)];
-    Ok(write_tables(folder, "sweep", &provenance(scene, plan, &Comm::alone()), &tables)?)
+    Ok(write_tables((run.folder(), "sweep"), &provenance(scene, plan, &Comm::alone()), &tables, run)?)
 }
 
 /// What a branch is of.

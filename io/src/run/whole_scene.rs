@@ -36,9 +36,10 @@ impl<'a> WholeScene<'a> {
         if comm.size() > 1 {
             return Err(StartError::Processes.into());
         }
+        folder.manifest().remove_temporary_files();
         match self {
-            Self::Continuum(problems) => continuum::solve(problems, scene, folder.path(), listener),
-            Self::Sweep(runs) => sweep::sweep(runs, scene, folder.path(), listener),
+            Self::Continuum(problems) => continuum::solve(problems, scene, folder.manifest(), listener),
+            Self::Sweep(runs) => sweep::sweep(runs, scene, folder.manifest(), listener),
         }
     }
 

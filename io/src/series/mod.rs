@@ -4,7 +4,7 @@ mod existing_rows;
 
 use crate::atomic_file;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
-use crate::{FileError, Provenance};
+use crate::{FileError, Manifest, Provenance};
 use existing_rows::ExistingRows;
 use simulation::Quantity;
 use std::fmt::Write as _;
@@ -20,9 +20,9 @@ pub struct Series {
 }
 
 impl Series {
-    /// A series of up to `rows` rows.
+    /// A series of up to `rows` rows in the folder of a run.
     pub fn create(
-        folder: &Path,
+        run: &Manifest,
         provenance: &Provenance,
         quantities: &[Quantity],
         rows: u64,
@@ -30,36 +30,40 @@ impl Series {
         let elements: Vec<Element> = quantities.iter().map(element).collect();
         let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
         let kind = Kind { elements: &elements, capacity: rows, fixed: &fixed };
-        let frames = Frames::create(&folder.join("observables.h5"), &kind)?;
-        Self::with_table(folder, &header(quantities), frames)
+        let path = run.folder().join("observables.h5");
+        run.enter(&path)?;
+        let frames = Frames::create(&path, &kind)?;
+        Self::with_table(run, &header(quantities), frames)
     }
 
     /// Continues the series of a former run after step `last`: later rows are dropped. `rows` is the number of rows at
     /// the end of the run. The table is written again from the HDF5 file, or that from the table if it is missing.
     pub fn resume(
-        folder: &Path,
+        run: &Manifest,
         provenance: &Provenance,
         quantities: &[Quantity],
         (last, rows): (u64, u64),
     ) -> Result<Self, FileError> {
-        let former = ExistingRows::read(&folder.join("observables.csv"), quantities, last)?;
-        let path = folder.join("observables.h5");
+        let former = ExistingRows::read(&run.folder().join("observables.csv"), quantities, last)?;
+        let path = run.folder().join("observables.h5");
         if !path.exists() {
-            let mut series = Self::create(folder, provenance, quantities, rows)?;
+            let mut series = Self::create(run, provenance, quantities, rows)?;
             for (clock, values) in &former.rows {
                 series.append(*clock, values)?;
             }
             return Ok(series);
         }
+        run.enter(&path)?;
         let elements: Vec<Element> = quantities.iter().map(element).collect();
         let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
         let frames = Frames::resume(&path, &Kind { elements: &elements, capacity: rows, fixed: &fixed }, last)?;
         let table = table(&frames, quantities, &former)?;
-        Self::with_table(folder, &table, frames)
+        Self::with_table(run, &table, frames)
     }
 
-    fn with_table(folder: &Path, table: &str, frames: Frames) -> Result<Self, FileError> {
-        let csv_path = folder.join("observables.csv");
+    fn with_table(run: &Manifest, table: &str, frames: Frames) -> Result<Self, FileError> {
+        let csv_path = run.folder().join("observables.csv");
+        run.enter(&csv_path)?;
         atomic_file::replace(&csv_path, table.as_bytes())?;
         Ok(Self { csv: for_appending(&csv_path)?, csv_path, frames })
     }

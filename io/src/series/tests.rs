@@ -8,7 +8,7 @@ fn rows_go_to_both_files_and_none_is_doubled() {
     let quantities =
         [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["a".into(), "b".into()])];
     let row = |step: u64| vec![vec![step as f64], (0..6).map(|i| 0.1 * f64::from(i) + step as f64).collect()];
-    let mut series = Series::create(folder.path(), &provenance, &quantities, 4).unwrap();
+    let mut series = Series::create(&Manifest::none(folder.path()), &provenance, &quantities, 4).unwrap();
     for step in 0..4 {
         series.append((step, 0.1 * step as f64), &row(step)).unwrap();
     }
@@ -17,7 +17,7 @@ fn rows_go_to_both_files_and_none_is_doubled() {
     let whole = std::fs::read_to_string(&csv).unwrap();
     assert!(whole.starts_with("step,time,gap,mean_x[a],mean_y[a],mean_z[a],mean_x[b],mean_y[b],mean_z[b]\n"));
     std::fs::write(&csv, whole.clone() + "4,0.").unwrap(); // cut short
-    let mut series = Series::resume(folder.path(), &provenance, &quantities, (1, 9)).unwrap();
+    let mut series = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (1, 9)).unwrap();
     assert_eq!(series.last_step().unwrap(), Some(1));
     for step in 2..4 {
         series.append((step, 0.1 * step as f64), &row(step)).unwrap();
@@ -36,14 +36,14 @@ fn each_of_the_two_files_is_mended_from_the_other() {
         Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
     let quantities = [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["a".into()])];
     let row = |step: u64| vec![vec![1.0 / (3.0 + step as f64)], vec![f64::NAN, -0.0, 1e300 * step as f64]];
-    let mut series = Series::create(folder.path(), &provenance, &quantities, 4).unwrap();
+    let mut series = Series::create(&Manifest::none(folder.path()), &provenance, &quantities, 4).unwrap();
     for step in 0..4 {
         series.append((step, 0.1 * step as f64), &row(step)).unwrap();
     }
     drop(series);
     let (csv, h5) = (folder.path().join("observables.csv"), folder.path().join("observables.h5"));
     let (whole, frames) = (std::fs::read_to_string(&csv).unwrap(), std::fs::read(&h5).unwrap());
-    let resume = || Series::resume(folder.path(), &provenance, &quantities, (3, 4)).unwrap();
+    let resume = || Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (3, 4)).unwrap();
     let second = whole.lines().nth(2).unwrap();
     for damaged in ["", "step,time\n", &whole[..50], &whole.replace(second, "?"), &whole.replace("0.1", "0.7")] {
         std::fs::write(&csv, damaged).unwrap();

@@ -96,7 +96,12 @@ fn contacts_are_lines() {
     let list = vec![contact(1.0), contact(-2.0)];
     let provenance =
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 2 };
-    write_contacts(&ContactForces { step: 10, time: 0.1, lattice, list }, folder.path(), &provenance).unwrap();
+    write_contacts(
+        &ContactForces { step: 10, time: 0.1, lattice, list },
+        &crate::Manifest::of_test(folder.path()),
+        &provenance,
+    )
+    .unwrap();
     let playback = played(&path);
     let (told, lists) = playback.parts('y');
     assert_eq!(told["chains"], json!({"counts": [0, 2, 0], "largest": "2"}));
