@@ -86,6 +86,7 @@ enum Stencils<T> {
 impl<T: Real> Far<T> {
     pub fn new(plan: &Plan, partition: &Partition, cell: &PeriodicBox) -> Self {
         let grid = Grid::new(plan.grid, lattice(plan, cell)).expect("a plan has a grid that can be transformed");
+        let grid = if plan.is_reduced() { grid.reduced() } else { grid };
         let transform = Transform::new(grid.points(), partition, plan.support.lanes);
         let field = transform.field();
         Self {

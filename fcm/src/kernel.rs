@@ -90,6 +90,21 @@ impl Starts {
         self.whole = planes.all && rows.all;
         rows.any.then_some(planes.last + rows.last)
     }
+
+    /// Adds to the rows where they begin along x: at the place's first point, and each `shift` points before the last one, around a
+    /// period. Gives the last of these points.
+    #[inline(always)]
+    pub fn add_columns(&mut self, place: &Place, shift: usize, period: usize) -> usize {
+        let (mut x, mut last) = (place.first[0] as usize, 0);
+        for start in &mut self.rows {
+            if *start != ELSEWHERE {
+                *start += x;
+                last = last.max(x);
+            }
+            x = if x < shift { x + period - shift } else { x - shift };
+        }
+        last
+    }
 }
 
 /// Which points of a stencil are in a share of them.

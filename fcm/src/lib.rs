@@ -67,6 +67,7 @@ mod plan;
 mod planner;
 mod problem;
 mod raster;
+mod slant;
 mod spread;
 mod stencil;
 mod table;

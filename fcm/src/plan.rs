@@ -67,6 +67,10 @@ impl From<solver::GridError> for PlanError {
     }
 }
 
+/// Lengths of a box over its width from which on the grid of its lattice as it is sheared, of strains up to half of that, would
+/// have to be some times as fine along y.
+pub(crate) const LONG: f64 = 16.0;
+
 /// How an evaluation is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {

@@ -163,10 +163,10 @@ impl Problem {
             return self.of_width(width);
         }
         if let Some(grid) = self.fixed.grid {
-            let spacing = (self.edges / Vector::from_array(grid.map(|n| n as f64))).max_element();
-            let mut all = self.of_spacing(spacing);
+            let spacing = self.edges / Vector::from_array(grid.map(|n| n as f64));
+            let mut all = self.of_spacing(spacing.max_element());
             for candidate in &mut all {
-                candidate.width = (candidate.width * self.stretch()).max(least);
+                candidate.width = (candidate.width * self.coarsening(spacing)).max(least);
             }
             return all;
         }
@@ -185,43 +185,26 @@ impl Problem {
 
     /// Those with one Gaussian.
     fn of_width(&self, width: f64) -> Vec<Candidate> {
-        let brackets = self.brackets(width);
-        let all = Accuracy::split(self.multipoles, self.tolerance * self.leeway(), |_| brackets).into_iter();
+        let brackets = |resolution: f64| self.brackets(width, self.stretch_at(width / resolution));
+        let all = Accuracy::split(self.multipoles, self.tolerance * self.leeway(), brackets).into_iter();
         all.map(|accuracy| Candidate { method: MethodName::Split, accuracy, width }).collect()
     }
 
     /// Those with one spacing.
     fn of_spacing(&self, spacing: f64) -> Vec<Candidate> {
-        let brackets = |resolution: f64| self.brackets(spacing * resolution);
+        let stretch = self.stretch_at(spacing);
+        let brackets = |resolution: f64| self.brackets(spacing * resolution, stretch);
         let all = Accuracy::split(self.multipoles, self.tolerance * self.leeway(), brackets).into_iter();
         let method = MethodName::Split;
         all.map(|accuracy| Candidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
     }
 
-    /// What a common Gaussian leaves to its brackets.
-    fn brackets(&self, width: f64) -> Brackets {
+    /// What a common Gaussian leaves to its brackets, on a grid along whose axes spheres reach so much farther.
+    fn brackets(&self, width: f64, stretch: f64) -> Brackets {
         let [least, most] = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
         let common = Common::new(width, [least, most].into_iter());
         let (square, typical) = (width * width, 0.25 * (most * most - least * least));
-        Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch: self.stretch() }
-    }
-
-    /// Whether the third lattice vector is not upright.
-    pub(crate) fn leans(&self) -> bool {
-        self.largest_tilts.iter().any(|&tilt| tilt != 0.0)
-    }
-
-    /// Lattice vectors over the box's edges: a grid sheared by `s` resolves `sqrt(1 + s^2)` less along y.
-    fn lengthened(&self) -> Vector {
-        let (s, [t, r]) = (self.largest_strain, self.largest_tilts);
-        Vector::new(1.0, (1.0 + s * s).sqrt(), (1.0 + t * t + r * r).sqrt())
-    }
-
-    /// The most of these, and of how much farther a sphere reaches along a lattice coordinate: [`domain::PeriodicBox::slant`].
-    fn stretch(&self) -> f64 {
-        let (s, [t, r]) = (self.largest_strain, self.largest_tilts);
-        let (first, Vector { y, z, .. }) = (t + s * r, self.lengthened());
-        (1.0 + s * s + first * first).sqrt().max(y).max(z)
+        Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch }
     }
 
     /// The grid that a candidate needs; none if it has more points than are counted.
@@ -229,7 +212,9 @@ impl Problem {
         if let Some(grid) = self.fixed.grid {
             return Some(grid);
         }
-        let needed = self.lengths_of(candidate) / candidate.width * candidate.accuracy.resolution * self.lengthened();
+        let needed = self.lengths_of(candidate) / candidate.width
+            * candidate.accuracy.resolution
+            * self.lengthened_for(candidate.method);
         if needed.max_element() > Grid::MOST as f64 {
             return None;
         }
@@ -283,7 +268,7 @@ impl Problem {
     /// Round-off as the highest wavenumbers amplify it, on which a window that is long for its Gaussian has next to nothing.
     fn amplified(&self, width: f64, Accuracy { resolution, points }: Accuracy, precision: Precision) -> f64 {
         let window = Window::new(points, resolution);
-        let Brackets { common, own, .. } = self.brackets(width);
+        let Brackets { common, own, .. } = self.brackets(width, self.stretch());
         let gain = |k: f64| {
             let square = (k * resolution).powi(2);
             (-0.5 * square).exp() * (1.0 + common * square) * (1.0 + own * square) * window.transform(0.0)
@@ -371,7 +356,7 @@ impl Problem {
 
     /// The cutoff that a common Gaussian needs.
     fn cutoff(&self, width: f64) -> f64 {
-        width * accuracy::cutoff(self.multipoles, self.tolerance * self.leeway(), self.brackets(width))
+        width * accuracy::cutoff(self.multipoles, self.tolerance * self.leeway(), self.brackets(width, self.stretch()))
     }
 
     /// The stencils that a candidate needs on a grid.
@@ -399,11 +384,13 @@ impl Problem {
 
     /// The error of what is done, with what the user fixed: with the narrowest and the widest Gaussian on the grid.
     fn expected(&self, method: Method, [narrowest, widest]: [f64; 2], spacing: Vector, support: Support) -> f64 {
-        let resolution = narrowest / (spacing * self.lengthened()).max_element();
+        let lengthened = self.lengthened_on(method, spacing);
+        let resolution = narrowest / (spacing * lengthened).max_element();
         match method {
             Method::Direct => accuracy::direct_error(self.multipoles, resolution, support.reach / widest),
             Method::Split { width, cutoff } => {
-                let brackets = self.brackets(width);
+                let stretch = if self.is_reduced() { lengthened.y } else { self.stretch() };
+                let brackets = self.brackets(width, stretch);
                 accuracy::split_error(self.multipoles, resolution, support.support, brackets)
                     .hypot(accuracy::cutoff_error(self.multipoles, cutoff / width, brackets))
                     .hypot(self.wall_error((width, cutoff), spacing.max_element(), support.support))

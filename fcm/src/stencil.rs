@@ -29,9 +29,9 @@ impl Support {
 pub(crate) struct Place {
     /// Row of the particle among those present.
     pub row: u32,
-    /// First grid point along each axis, wrapped into the box.
+    /// First grid point along each axis, wrapped into the box; along x that of the first row, see [`Grid::row_shift`].
     pub first: [u32; 3],
-    /// Lattice coordinates of that point relative to the particle.
+    /// Coordinates of that point relative to the particle in the lattice of [`Grid::strain`].
     pub offset: Vector,
 }
 
@@ -41,12 +41,18 @@ pub(crate) fn places(grid: &Grid, extent: [usize; 3], positions: &[Vector]) -> V
     let spacing = grid.spacing();
     let points = grid.points().map(|n| n as i32);
     let half = 0.5 * Vector::from_array(extent.map(|n| n as f64));
+    let (row_shift, slope) = (grid.row_shift() as i32, spacing.x / spacing.y * grid.row_shift() as f64);
     let unsorted = positions.par_iter().enumerate().map(|(row, &position)| {
-        let coordinates = grid.cell().lattice_coordinates(position);
+        let mut coordinates = grid.cell().lattice_coordinates(position);
+        if row_shift != 0 {
+            coordinates.x += slope * coordinates.y;
+        }
         let first = (coordinates / spacing - half).ceil();
         let offset = first * spacing - coordinates;
-        let wrapped = |d: usize| (first[d] as i32).rem_euclid(points[d]) as u32;
-        Place { row: row as u32, first: [wrapped(0), wrapped(1), wrapped(2)], offset }
+        let [x, y, z] = first.to_array().map(|first| first as i32);
+        let wrapped = |d: usize, first: i32| first.rem_euclid(points[d]) as u32;
+        let first = [wrapped(0, x - row_shift * y), wrapped(1, y), wrapped(2, z)];
+        Place { row: row as u32, first, offset }
     });
     let blocks = Blocks::of(grid.points());
     let key = |place: &Place| blocks.place(place.first.map(|p| p as usize));

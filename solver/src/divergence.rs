@@ -15,7 +15,7 @@ pub fn divergence<T: Real>(
     // Squares, whose roots are taken once.
     let mut largest = [0.0_f64; 2];
     transform.for_each_mode(velocity, |mode, values| {
-        if (0..3).any(|axis| grid.is_nyquist(axis, mode[axis])) {
+        if (0..3).any(|axis| grid.is_nyquist(axis, mode)) {
             return;
         }
         let k = grid.wavevector(mode);

@@ -33,10 +33,17 @@ pub enum GridError {
 /// `nx x ny x nz` points of a periodic box of any lattice, along the axes of which, see [`PeriodicBox`], the point `(i, j, k)`
 /// lies at `z = zeta, y = eta + r zeta, x = xi + s eta + t zeta` with `(xi, eta, zeta) = (i Lx/nx, j Ly/ny, k Lz/nz)`, and its
 /// wavevectors are `k = (k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` with `k1 = 2 pi m1 / Lx` and so on, `-n/2 <= m < n/2`.
+///
+/// Where the strain `s` is larger than the ratio of the spacings `hx = Lx/nx` and `hy = Ly/ny`, the same points belong to a lattice
+/// that is sheared less: with a whole number `q` the point `(i, j, k)` is `(i + q j, j, k)` of the strain `s - q hx/hy`. A
+/// [reduced](Grid::reduced) grid takes the nearest `q` to `s hy/hx`. Of the wavevectors that are the same on its points,
+/// `m2 + ny l`, each mode is the one within half a grid, `-ny/2 <= m2 - q m1 ny/nx < ny/2`: the shortest along the less sheared
+/// lattice. Points and transforms are those of the grid that is not reduced.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     points: [usize; 3],
     cell: PeriodicBox,
+    is_reduced: bool,
 }
 
 impl Grid {
@@ -57,7 +64,7 @@ impl Grid {
             }
         }
         let all = points.iter().map(|&n| n as f64).product();
-        if all > Self::MOST_IN_ALL { Err(GridError::InAll(all)) } else { Ok(Self { points, cell }) }
+        if all > Self::MOST_IN_ALL { Err(GridError::InAll(all)) } else { Ok(Self { points, cell, is_reduced: false }) }
     }
 
     /// A fast number of points, at least `at_least`, which is at most [`Grid::MOST`]: the next even number with factors
@@ -73,6 +80,24 @@ impl Grid {
     #[must_use]
     pub fn in_cell(&self, cell: PeriodicBox) -> Self {
         Self { cell, ..*self }
+    }
+
+    /// The same points with the wavevectors of the lattice that is sheared least, in a box whose third lattice vector is upright.
+    #[must_use]
+    pub fn reduced(&self) -> Self {
+        Self { is_reduced: true, ..*self }
+    }
+
+    /// `q`: points along x from a row to the next of the lattice that is sheared least; none unless the grid is reduced.
+    pub fn row_shift(&self) -> i64 {
+        let spacing = self.spacing();
+        if self.is_reduced { (self.cell.strain() * spacing.y / spacing.x).round() as i64 } else { 0 }
+    }
+
+    /// The strain `s - q hx/hy` of the lattice to which the rows belong.
+    pub fn strain(&self) -> f64 {
+        let spacing = self.spacing();
+        self.cell.strain() - self.row_shift() as f64 * spacing.x / spacing.y
     }
 
     /// Points along x, y and z.
@@ -114,15 +139,35 @@ impl Grid {
 
     /// The wavevector `(k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` of a mode, along the box's axes.
     pub fn wavevector(&self, mode: [usize; 3]) -> Vector {
-        let [k1, k2, k3] = std::array::from_fn(|axis| self.wavenumber(axis, mode[axis]));
+        let [k1, mut k2, k3] = std::array::from_fn(|axis| self.wavenumber(axis, mode[axis]));
+        if self.is_reduced {
+            k2 = std::f64::consts::TAU * self.order_along_y(mode) as f64 / self.cell.edges().y;
+        }
         let (strain, [t, r]) = (self.cell.strain(), self.cell.tilts());
         Vector::new(k1, k2 - strain * k1, k3 - r * k2 - (t - strain * r) * k1)
     }
 
     /// Whether a mode is the highest of an axis, `m = -n/2`. It stands for `n/2` as well, so a derivative has no
     /// answer there: operators take such modes as zero.
-    pub fn is_nyquist(&self, axis: usize, mode: usize) -> bool {
-        2 * mode == self.points[axis]
+    pub fn is_nyquist(&self, axis: usize, mode: [usize; 3]) -> bool {
+        if axis == 1 && self.is_reduced {
+            let (all, twice) = self.along_reduced(mode);
+            return twice.rem_euclid(2 * all) == all;
+        }
+        2 * mode[axis] == self.points[axis]
+    }
+
+    /// `m2` of a mode of a reduced grid.
+    fn order_along_y(&self, mode: [usize; 3]) -> i64 {
+        let (all, twice) = self.along_reduced(mode);
+        mode[1] as i64 - (twice + all).div_euclid(2 * all) * self.points[1] as i64
+    }
+
+    /// `nx ny`, and twice `m2 - q m1 ny/nx` times `nx`.
+    fn along_reduced(&self, [m1, m2, _]: [usize; 3]) -> (i64, i64) {
+        let [nx, ny, _] = self.points.map(|n| n as i64);
+        let m1 = if 2 * (m1 as i64) < nx { m1 as i64 } else { m1 as i64 - nx };
+        (nx * ny, 2 * (m2 as i64 * nx - self.row_shift() * m1 * ny))
     }
 }
 
@@ -205,6 +250,31 @@ mod tests {
                 let k = grid.wavevector(mode).dot(along_axes(grid.position([1, 2, 3])));
                 let on_the_grid = (0..3).map(|a| (mode[a] * (a + 1)) as f64 / grid.points()[a] as f64).sum::<f64>();
                 assert!(turns(k - std::f64::consts::TAU * on_the_grid) < 1e-14);
+            }
+        }
+    }
+
+    /// On its points each mode is that of the grid that is not reduced, and no wavevector that is the same there is shorter along
+    /// the less sheared lattice.
+    #[test]
+    fn reduced_grids_have_the_same_modes_by_shorter_wavevectors() {
+        let edges = Vector::new(40.0, 4.0, 10.0);
+        for strain in [-5.0, -3.3, -0.4, 0.0, 0.7, 2.5, 4.9] {
+            for points in [[40, 6, 2], [30, 10, 2], [16, 4, 4]] {
+                let grid = Grid::new(points, PeriodicBox::sheared(edges, strain).unwrap()).unwrap();
+                let (reduced, spacing) = (grid.reduced(), grid.spacing());
+                assert!(reduced.strain().abs() <= 0.5 * spacing.x / spacing.y + 1e-12);
+                let shifted = reduced.strain() + reduced.row_shift() as f64 * spacing.x / spacing.y;
+                assert!((shifted - grid.cell().strain()).abs() < 1e-12);
+                for mode in (0..points[0]).flat_map(|m1| (0..points[1]).map(move |m2| [m1, m2, 1])) {
+                    let (k, short) = (grid.wavevector(mode), reduced.wavevector(mode));
+                    let apart = (k.y - short.y) * spacing.y / std::f64::consts::TAU;
+                    assert!((apart - apart.round()).abs() < 1e-12 && (k.x, k.z) == (short.x, short.z));
+                    let along = (short.y + reduced.strain() * short.x) * spacing.y / std::f64::consts::PI;
+                    assert!(along.abs() < 1.0 + 1e-12, "{along} at {mode:?} of {points:?}, strain {strain}");
+                    let is_highest = (along.abs() - 1.0).abs() < 1e-12;
+                    assert_eq!(reduced.is_nyquist(1, mode), is_highest, "{mode:?} of {points:?}, strain {strain}");
+                }
             }
         }
     }

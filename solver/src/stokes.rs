@@ -81,7 +81,7 @@ impl<T: Real> Stokes<T> {
         let factor = |mode: [usize; 3]| {
             let k = in_plane(mode);
             let plane = if leans { 1.0 } else { plane(k.x, k.y) };
-            if mode[0] >= nx / 2 || grid.is_nyquist(1, mode[1]) { 0.0 } else { scale * plane }
+            if mode[0] >= nx / 2 || grid.is_nyquist(1, mode) { 0.0 } else { scale * plane }
         };
         // The multiplier may take long.
         let plane_at = |at: usize| T::from_f64(factor([at % columns, at / columns, 0]));
@@ -91,7 +91,7 @@ impl<T: Real> Stokes<T> {
         };
         let leaning = leans.then(|| Leaning::new(grid, &modes().map(in_plane).collect::<Vec<_>>(), multiplier));
         let k3 = |m3: usize| grid.wavenumber(2, m3);
-        let along_axis = |m3: usize| if grid.is_nyquist(2, m3) { 0.0 } else { axis(k3(m3).abs()) };
+        let along_axis = |m3: usize| if grid.is_nyquist(2, [0, 0, m3]) { 0.0 } else { axis(k3(m3).abs()) };
         Self {
             points: grid.points(),
             k1: (0..columns).map(|m1| T::from_f64(in_plane([m1, 0, 0]).x)).collect(),

@@ -7,6 +7,10 @@ use crate::window::Window;
 use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
 use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
 
+/// Wavenumbers in units of the inverse width beyond which a Gaussian of the component along a sheared lattice is no number, or a
+/// rough one, by itself: it is `exp(-684)`, and `f64` ends at `exp(-708)`.
+const FARTHEST_FACTOR: f64 = 37.0;
+
 /// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for
 /// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point,
 /// which is taken in units of [`unit_volume`] here.
@@ -14,11 +18,12 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
         return Stokes::new(grid, plan.viscosity);
     };
-    let (spacing, strain) = (grid.spacing(), grid.cell().strain());
+    let (spacing, strain) = (grid.spacing(), grid.strain());
     let volume = spacing.x * spacing.y * spacing.z;
     let unit = unit_volume(plan, grid);
     // In a lattice that leans the Gaussian is no product of functions along the axes: the solve has it.
     let width = if grid.cell().is_upright() { 0.0 } else { common.width };
+    let width_in_plane = if width > 0.0 { 0.0 } else { common.width };
     let gaussian = |exponent: f64| if width > 0.0 { 1.0 } else { exponent.exp() };
     let factor = |k: f64, spacing: f64| {
         let amplitude = gaussian(-0.5 * (k * common.width).powi(2));
@@ -27,6 +32,11 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     // The window stands along the lattice, the Gaussian does not.
     let plane = |k1: f64, k2: f64| {
         let along = k2 + strain * k1;
+        if along.abs() * width_in_plane > FARTHEST_FACTOR {
+            let exponent = -0.5 * (k1 * k1 + k2 * k2) * width_in_plane.powi(2);
+            let windows = window.transform(k1 * spacing.x) * window.transform(along * spacing.y);
+            return (exponent.exp() / (windows * volume)).powi(2) * unit.powi(2);
+        }
         let tilted = gaussian(-0.5 * (k2 * k2 - along * along) * common.width.powi(2));
         (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
     };

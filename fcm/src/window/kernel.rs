@@ -58,9 +58,10 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         place: &Place,
         slab: &Slab<X>,
     ) -> Option<usize> {
-        let Lattice { points, window, pieces, inverse, .. } = self.0;
+        let Lattice { points, row_shift, window, pieces, inverse, .. } = self.0;
         let lanes = WIDTH * V::LANES;
-        let last = scratch.starts.find(place, window.points(), *points, slab)?;
+        let last = scratch.starts.find(place, window.points(), *points, slab)?
+            + scratch.starts.add_columns(place, *row_shift, points[0]);
         scratch.of_planes.resize(PAIRS * 3 * lanes);
         scratch.of_rows.resize(DERIVATIVES * 3 * lanes);
         let (mut offsets, [x, y, z]) = ([0.0; 3], &mut scratch.axes);
@@ -73,7 +74,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         let to = [x.values_mut().as_mut_ptr(), y.values_mut().as_mut_ptr(), z.values_mut().as_mut_ptr()];
         // SAFETY: there is room for all derivatives.
         unsafe { pieces.write::<V, WIDTH>(offsets, Self::ORDERS, to) };
-        Some(last + place.first[0] as usize + lanes)
+        Some(last + lanes)
     }
 
     /// The coefficients of a load of a particle of a class.
@@ -171,7 +172,6 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             }
             Self::write_rows::<V, WIDTH>(scratch, plane);
             let factors = scratch.of_rows.values().as_ptr();
-            let start = start + place.first[0] as usize;
             for row in 0..scratch.starts.rows.len() {
                 let place = scratch.starts.rows[row];
                 if place == ELSEWHERE {
@@ -219,7 +219,6 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             if start == ELSEWHERE {
                 continue;
             }
-            let start = start + place.first[0] as usize;
             let mut of_plane = [[[zero; WIDTH]; 3]; DERIVATIVES];
             for row in 0..scratch.starts.rows.len() {
                 let place = scratch.starts.rows[row];

@@ -20,6 +20,8 @@ pub(crate) const UPRIGHT: usize = 4;
 #[derive(Debug, Clone)]
 pub(crate) struct Lattice<T> {
     pub points: [usize; 3],
+    /// Points along x by which a row begins before the last one, see [`Grid::row_shift`].
+    pub row_shift: usize,
     pub window: Window,
     pub pieces: Pieces<T>,
     /// Inverse spacings.
@@ -51,7 +53,7 @@ impl<T: Real> Lattice<T> {
     }
 
     fn of_pieces(grid: &Grid, (window, pieces): (Window, Pieces<T>), common: Common, envelopes: &[Envelope]) -> Self {
-        let (inverse, s, [t, r]) = (grid.spacing().recip().to_array(), grid.cell().strain(), grid.cell().tilts());
+        let (inverse, s, [t, r]) = (grid.spacing().recip().to_array(), grid.strain(), grid.cell().tilts());
         let ([x, y, z], f) = (inverse, t - s * r);
         let laplacian = [
             (1.0 + s * s + f * f) * x * x,
@@ -64,7 +66,9 @@ impl<T: Real> Lattice<T> {
         let factors = |sigma: f64| laplacian.map(|factor| T::from_f64(-0.5 * common.rest(sigma) * factor));
         let smoothing = envelopes.iter().map(|e| [factors(e.monopole), factors(e.dipole)]).collect();
         let (slants, leans) = (Slants { s, r, f }, !grid.cell().is_upright());
-        Self { points: grid.points(), window, pieces, inverse, slants, leans, smoothing }
+        let points = grid.points();
+        let row_shift = grid.row_shift().rem_euclid(points[0] as i64) as usize;
+        Self { points, row_shift, window, pieces, inverse, slants, leans, smoothing }
     }
 
     /// The highest order of derivatives that forces or dipoles or both need.

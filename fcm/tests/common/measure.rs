@@ -31,9 +31,10 @@ pub fn errors(found: &Motion, exact: &Motion) -> [f64; 3] {
     ]
 }
 
-/// The largest of the three.
+/// The largest of the three; infinite where one is no number.
 pub fn worst(found: &Motion, exact: &Motion) -> f64 {
-    errors(found, exact).into_iter().fold(0.0, f64::max)
+    let infinite = |error: f64| if error.is_nan() { f64::INFINITY } else { error };
+    errors(found, exact).into_iter().map(infinite).fold(0.0, f64::max)
 }
 
 /// One motion less another.

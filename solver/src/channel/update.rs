@@ -215,7 +215,7 @@ impl Group {
         for lane in 0..LANES {
             let wavevector = grid.wavevector([first + lane, mode, 0]);
             let k = wavevector.x.hypot(wavevector.y);
-            let is_nyquist = first + lane >= nx / 2 || grid.is_nyquist(1, mode);
+            let is_nyquist = first + lane >= nx / 2 || grid.is_nyquist(1, [first + lane, mode, 0]);
             if k == 0.0 || k > weights.highest || is_nyquist {
                 continue;
             }

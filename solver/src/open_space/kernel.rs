@@ -53,7 +53,7 @@ pub(super) fn transforms(
     for first in [0, 3] {
         let values = |mode: [usize; 3]| {
             let k = long.wavevector(mode);
-            if (0..3).any(|axis| long.is_nyquist(axis, mode[axis])) {
+            if (0..3).any(|axis| long.is_nyquist(axis, mode)) {
                 return [Complex::new(0.0, 0.0); 3];
             }
             let [m1, m2, m3] = [0, 1, 2].map(|axis| mode[axis].min(long.points()[axis] - mode[axis]));
