@@ -3,6 +3,8 @@
 use crate::scene_file::read;
 use crate::streams::{self, json};
 use domain::Comm;
+use io::{RunError, Scene};
+use simulation::Outline;
 use std::path::PathBuf;
 use suspension::{Asked, Ranks};
 
@@ -32,11 +34,21 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let scene = io::on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
     let outline = io::outline(scene.kind(), asked(args, comm), comm)?;
-    // Of ranks that are not present no time is known; and what can't start says so when it is run.
+    // Of ranks that are not present no time is known.
     let is_tried = !args.no_trial && args.ranks.is_none();
-    let trial = if is_tried { io::trial(&scene, comm).ok().flatten() } else { None };
-    let outline = trial.iter().fold(outline, |outline, trial| trial.add_to(outline));
+    let outline = if is_tried { tried(&scene, outline, comm)? } else { outline };
     streams::print(comm, &if args.json { json(&outline.to_json()) } else { outline.to_string() })
+}
+
+/// The outline with what a trial of the first steps says; a scene that can't start is refused as it is by `run`.
+fn tried(scene: &Scene, outline: Outline, comm: &Comm) -> anyhow::Result<Outline> {
+    match io::trial(scene, comm) {
+        Ok(trial) => Ok(trial.iter().fold(outline, |outline, trial| trial.add_to(outline))),
+        Err(RunError::Simulation(error)) => {
+            Ok(outline.warnings([format!("the first steps fail in a trial: {}", io::in_full(&error))]))
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// The ranks to predict memory for; those that are not present have the threads that this machine would give them.

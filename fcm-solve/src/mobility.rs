@@ -68,6 +68,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 /// Evaluates a case that was read; the first rank has the answer. Collective.
 fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
     let (parameters, turn) = parameters(case, (tolerance, io::kept_costs(comm)?))?;
+    case.noise.map_or(Ok(()), |_| parameters.check_noise())?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?.turned(turn);
     let positions: Vec<Vector> = case.positions.iter().map(|&position| position.into()).collect();
     let overlaps = mobility.place(&positions)?;

@@ -3,14 +3,15 @@
 use crate::{FileError, Manifest, Provenance, atomic_file, atomic_hdf5, text};
 use hdf5::File;
 use hdf5::types::VarLenUnicode;
-use simulation::Table;
+use simulation::{Table, csv_line};
 use std::path::Path;
 
 /// The rows of a CSV file that has the columns of a table without words.
 pub fn read_rows(table: &Table, path: &Path) -> Result<Vec<Vec<f64>>, FileError> {
     let csv = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
     let mut lines = csv.lines();
-    let expected = table.columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(",");
+    let expected = table.columns.iter().map(|(name, _)| name.as_str());
+    let expected = csv_line(expected);
     if lines.next() != Some(&expected) {
         return Err(FileError::damaged(path, &format!("its first line is not {expected}")));
     }

@@ -1,31 +1,46 @@
-"""Arguments as arrays: any array-like of numbers, in the shape that is asked for."""
+"""Arguments as arrays: any array-like of real numbers, in the shape that is asked for."""
 
 import numpy as np
 
 from ._core import is_finite
+from ._errors import InputError
+
+_FOUND = {
+    "b": "true and false",
+    "c": "complex numbers",
+    "m": "time spans",
+    "M": "dates",
+    "O": "objects",
+    "S": "text",
+    "T": "text",
+    "U": "text",
+    "V": "records",
+}
+# Whole numbers beyond are rounded as float64.
+_EXACT = 2**53
 
 
 def rows(name, value, count, width=3):
     """`value` as a C-contiguous float64 array of shape (count, width)."""
-    array = np.ascontiguousarray(value, dtype=np.float64)
+    array = np.ascontiguousarray(numbers(name, value))
     if array.shape != (count, width):
-        raise ValueError(f"{name} has the shape {array.shape}; it needs to be ({count}, {width})")
+        raise InputError(f"{name} has the shape {array.shape}; it needs to be ({count}, {width})")
     return finite(name, array)
 
 
 def row_each(name, value, count):
-    """`value` as a float64 array of shape (count,), from one number for all or one for each."""
-    array = np.asarray(value, dtype=np.float64)
+    """`value` as a float64 array of its own of shape (count,), from one number for all or one for each."""
+    array = numbers(name, value)
     if array.shape not in ((), (count,)):
-        raise ValueError(f"{name} has the shape {array.shape}; it needs to be a number or ({count},)")
-    return finite(name, np.ascontiguousarray(np.broadcast_to(array, (count,))))
+        raise InputError(f"{name} has the shape {array.shape}; it needs to be a number or ({count},)")
+    return finite(name, np.array(np.broadcast_to(array, (count,)), order="C"))
 
 
 def exactly(name, value, shape):
     """`value` as a float64 array of this shape."""
-    array = np.asarray(value, dtype=np.float64, order="C")
+    array = np.asarray(numbers(name, value), order="C")
     if array.shape != shape:
-        raise ValueError(f"{name} has the shape {array.shape}; it needs to be {shape}")
+        raise InputError(f"{name} has the shape {array.shape}; it needs to be {shape}")
     return finite(name, array)
 
 
@@ -33,5 +48,71 @@ def finite(name, array):
     """The array itself, C-contiguous, if all its numbers are finite."""
     if not is_finite(array):
         wrong = array[~np.isfinite(array)][0]
-        raise ValueError(f"{name} contains {wrong}; every number needs to be finite")
+        raise InputError(f"{name} contains {wrong}; every number needs to be finite")
     return array
+
+
+def numbers(name, value):
+    """`value` as a float64 array. What would lose something of its own by that is refused."""
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    _refuse_more_than_numbers(name, value)
+    try:
+        array = np.asarray(value)
+    except ValueError as cause:
+        raise InputError(f"{name} is no array of numbers: {cause}") from cause
+    if array.dtype.kind not in "fiu":
+        raise InputError(f"{name} has {_FOUND.get(array.dtype.kind, array.dtype)}; it needs to have real numbers")
+    if array.dtype.kind in "iu" and array.size > 0 and not -_EXACT <= array.min() <= array.max() <= _EXACT:
+        raise InputError(f"{name} has whole numbers beyond 2^53, which would be rounded; make them float64 first")
+    return np.asarray(array, dtype=np.float64)
+
+
+def number(name, value):
+    """`value` as a float, if it is one real number."""
+    array = numbers(name, value)
+    if array.ndim != 0:
+        raise InputError(f"{name} has the shape {array.shape}; it needs to be a number")
+    return float(finite(name, array))
+
+
+def whole(name, value, least):
+    """`value` as an int, if it is a whole number from `least` on."""
+    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not (is_whole and least <= value < 2**63):
+        raise InputError(f"{name} is {_shown(value)}; it needs to be a whole number from {least} on")
+    return int(value)
+
+
+def flag(name, value):
+    """`value` as a bool, if it is one."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} is {_shown(value)}; it needs to be True or False")
+    return bool(value)
+
+
+def words(name, value, count):
+    """`value` as a list of so many words."""
+    items = [value] if isinstance(value, str) else list(value)
+    if len(items) != count or not all(isinstance(item, str) for item in items):
+        raise InputError(f"{name} is {_shown(value)}; it needs to be {count} words")
+    return [str(item) for item in items]
+
+
+def _refuse_more_than_numbers(name, value):
+    """Masks, units and booleans among numbers would be dropped by numpy."""
+    if isinstance(value, np.ma.MaskedArray):
+        raise InputError(f"{name} is a masked array; fill its masked values first")
+    if isinstance(value, (list, tuple)):
+        for item in value:
+            _refuse_more_than_numbers(name, item)
+    elif isinstance(value, bool):
+        raise InputError(f"{name} has {_FOUND['b']}; it needs to have real numbers")
+    elif hasattr(value, "unit") or hasattr(value, "units"):
+        raise InputError(f"{name} has a unit; give its numbers alone, in the units of the others")
+
+
+def _shown(value):
+    """A value in a message, at most a line."""
+    shown = repr(value)
+    return shown if len(shown) <= 80 else shown[:80] + "..."

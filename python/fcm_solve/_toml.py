@@ -8,7 +8,11 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def value(item):
-    """A value on one line, as it stands after `key =`."""
+    """A value on one line, as it stands after `key =`. What would lose something of its own is refused."""
+    if hasattr(item, "mask") or hasattr(item, "unit") or hasattr(item, "units"):
+        raise TypeError(f"a scene has no masks and no units such as those of {_shown(item)}; give the numbers alone")
+    if getattr(getattr(item, "dtype", None), "kind", None) in ("m", "M"):
+        raise TypeError(f"a scene has no dates and time spans such as {_shown(item)}")
     item = item.tolist() if hasattr(item, "tolist") else item
     if isinstance(item, bool):
         return "true" if item else "false"
@@ -22,7 +26,13 @@ def value(item):
         return "[" + ", ".join(value(held) for held in item) + "]"
     if isinstance(item, str) or hasattr(item, "__fspath__"):
         return json.dumps(str(item), ensure_ascii=False).replace("\x7f", "\\u007f")
-    raise TypeError(f"a scene has no values such as {item!r}; it takes numbers, strings, booleans, lists and dicts")
+    raise TypeError(f"a scene has no values such as {_shown(item)}; it takes numbers, strings, booleans, lists and dicts")
+
+
+def _shown(item):
+    """A value in a message, at most a line."""
+    shown = " ".join(repr(item).split())
+    return shown if len(shown) <= 80 else shown[:80] + "..."
 
 
 def document(table):
@@ -51,4 +61,6 @@ def _dotted(path, key):
 
 
 def _key(key):
+    if not isinstance(key, str):
+        raise TypeError(f"{_shown(key)} is not a key of a scene; keys are strings")
     return key if _BARE.fullmatch(key) else json.dumps(key, ensure_ascii=False)

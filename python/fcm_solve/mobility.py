@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from . import _arrays, _core
 from ._communicator import handle
-from ._errors import Caution
+from ._errors import Caution, InputError
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import LinearOperator
@@ -151,24 +151,26 @@ class Mobility:
         method: str = "auto",
     ) -> None:
         self._radii = _radii(radii, count)
-        self._rigid = bool(rigid)
+        self._radii.flags.writeable = False
+        self._rigid = _arrays.flag("rigid", rigid)
         self._dipoles = _has_dipoles(multipoles)
-        if lubrication and not (self._rigid and self._dipoles):
-            raise ValueError(_LUBRICATED)
-        _core.start_threads(threads)
+        cutoff = _cutoff(lubrication)
+        if cutoff is not None and not (self._rigid and self._dipoles):
+            raise InputError(_LUBRICATED)
+        _core.start_threads(None if threads is None else _arrays.whole("threads", threads, 1))
         shape = (3, 3) if np.ndim(box) == 2 else (3,)
         rows = np.atleast_2d(_arrays.exactly("box", box, shape)).tolist()
-        if len(boundaries) != 3:
-            raise ValueError(f"boundaries are {boundaries}; they need to be three words, for x, y and z")
-        spheres = ((rows, [str(axis) for axis in boundaries]), float(strain), self._radii.tolist(), self._rigid)
-        fluid = (float(viscosity), float(tolerance))
-        self._core = _core.Mobility(spheres, fluid, (self._dipoles, _cutoff(lubrication), method), handle(comm))
+        axes = _arrays.words("boundaries", boundaries, 3)
+        spheres = ((rows, axes), _arrays.number("strain", strain), self._radii.tolist(), self._rigid)
+        fluid = (_arrays.number("viscosity", viscosity), _arrays.number("tolerance", tolerance))
+        terms = (self._dipoles, cutoff, *_arrays.words("method", method, 1))
+        self._core = _core.Mobility(spheres, fluid, terms, handle(comm))
         self._positions: np.ndarray | None = None
         self._say(self._core.burden())
 
     @property
     def radii(self) -> np.ndarray:
-        """(N,), length"""
+        """(N,), length; read-only, since the mobility is planned for them."""
         return self._radii
 
     @property
@@ -209,11 +211,11 @@ class Mobility:
         What is left out is zero. Raises `Error` if no solution is found.
         """
         if self._positions is None:
-            raise ValueError("the spheres have no positions yet: set .positions")
+            raise InputError("the spheres have no positions yet: set .positions")
         if stresslets is not None and self._rigid and self._dipoles:
-            raise ValueError(_RIGID)
+            raise InputError(_RIGID)
         if not self._dipoles and (torques is not None or stresslets is not None):
-            raise ValueError(_POINTS)
+            raise InputError(_POINTS)
         loads = (
             _load("forces", forces, self._radii, 3),
             _load("torques", torques, self._radii, 3),
@@ -236,28 +238,26 @@ class Mobility:
         Times sqrt(2 kT/dt) they are velocities whose displacements over dt have the variance 2 kT M dt; the mean drift,
         kT div M, is not in them.
         """
-        self._check_draws(draws, seed, first)
-        motions, clipped = self._core.noise(int(draws), int(seed), int(first))
+        draws, seed, first = self._draws(draws, seed, first)
+        motions, clipped = self._core.noise(draws, seed, first)
         if clipped > 1e-3:
             self._say(f"{clipped:.1e} of the near field's weight is negative, as where spheres overlap, and left out")
         count = len(self._radii) if self._core.is_first else 0
-        return Noise(*(np.reshape(motion, (int(draws), count, motion.shape[-1])) for motion in motions))
+        return Noise(*(np.reshape(motion, (draws, count, motion.shape[-1])) for motion in motions))
 
     def drift(self, draws: int, seed: int, first: int = 0) -> Drift:
         """Random parts of the drift kT div M that goes with `noise` of the same arguments, at kT = 1. Of rigid spheres."""
-        self._check_draws(draws, seed, first)
+        draws, seed, first = self._draws(draws, seed, first)
         if not (self._rigid and self._dipoles):
-            raise ValueError("only rigid spheres drift: leave out rigid=False and multipoles=\"monopole\"")
-        parts = self._core.drift(int(draws), int(seed), int(first))
+            raise InputError("only rigid spheres drift: leave out rigid=False and multipoles=\"monopole\"")
+        parts = self._core.drift(draws, seed, first)
         count = len(self._radii) if self._core.is_first else 0
-        return Drift(*(np.reshape(part, (int(draws), count, part.shape[-1])) for part in parts))
+        return Drift(*(np.reshape(part, (draws, count, part.shape[-1])) for part in parts))
 
-    def _check_draws(self, draws: int, seed: int, first: int) -> None:
+    def _draws(self, draws: int, seed: int, first: int) -> tuple[int, int, int]:
         if self._positions is None:
-            raise ValueError("the spheres have no positions yet: set .positions")
-        for name, number, least in (("draws", draws, 1), ("seed", seed, 0), ("first", first, 0)):
-            if not least <= number < 2**63:
-                raise ValueError(f"{name} is {number}; it needs to be a whole number from {least} on")
+            raise InputError("the spheres have no positions yet: set .positions")
+        return _arrays.whole("draws", draws, 1), _arrays.whole("seed", seed, 0), _arrays.whole("first", first, 0)
 
     def linear_operator(self, loads: str, motions: str) -> LinearOperator:
         """The part of the mobility from `loads` to `motions` as a scipy LinearOperator.
@@ -286,7 +286,7 @@ class Mobility:
     def _root(self, numbers, transposed):
         """Six numbers a sphere, (N, 6), to six."""
         if self._positions is None:
-            raise ValueError("the spheres have no positions yet: set .positions")
+            raise InputError("the spheres have no positions yet: set .positions")
         root, clipped = self._core.root(np.ascontiguousarray(numbers), transposed)
         if clipped > 1e-3:
             self._say(f"{clipped:.1e} of the mobility's weight is negative, as where spheres overlap, and left out")
@@ -301,20 +301,23 @@ class Mobility:
 
 
 def _radii(radii, count):
-    if count is None and np.ndim(radii) != 1:
-        raise ValueError(f"radii has the shape {np.shape(radii)}; it needs to be (N,), or a number with count=N")
-    return _arrays.row_each("radii", radii, len(radii) if count is None else count)
+    if count is not None:
+        return _arrays.row_each("radii", radii, _arrays.whole("count", count, 1))
+    array = _arrays.numbers("radii", radii)
+    if array.ndim != 1:
+        raise InputError(f"radii has the shape {array.shape}; it needs to be (N,), or a number with count=N")
+    return _arrays.row_each("radii", array, len(array))
 
 
 def _cutoff(lubrication):
     if isinstance(lubrication, (bool, np.bool_)):
         return _core.LUBRICATION_CUTOFF if lubrication else None
-    return float(lubrication)
+    return _arrays.number("lubrication", lubrication)
 
 
 def _has_dipoles(multipoles):
     if multipoles not in ("monopole", "dipole"):
-        raise ValueError(f'multipoles is {multipoles!r}; it needs to be "monopole" or "dipole"')
+        raise InputError(f'multipoles is {multipoles!r}; it needs to be "monopole" or "dipole"')
     return multipoles == "dipole"
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ._arrays import finite as _finite
+from ._arrays import numbers as _numbers
 from ._extras import needed
 
 _LOADS = {"forces": 3, "torques": 3, "stresslets": 5}
@@ -22,7 +23,7 @@ def operator(mobility, loads, motions):
     shape = (_MOTIONS[motions] * count, _LOADS[loads] * count)
 
     def matvec(x):
-        return getattr(mobility(**{loads: np.reshape(x, (count, -1))}), motions).ravel()
+        return getattr(mobility(**{loads: np.reshape(_numbers(loads, x), (count, -1))}), motions).ravel()
 
     # A stresslet is that of the fluid on the sphere: against a force it counts with the other sign.
     sign = -1 if (loads == "stresslets") != (motions == "strain_rates") else 1
@@ -31,7 +32,7 @@ def operator(mobility, loads, motions):
     def rmatvec(y):
         if conjugate is None:
             raise NotImplementedError("stresslets of rigid spheres are conjugate to no load; there is no transpose")
-        load = np.reshape(y, (count, -1)) @ _inverse_product(conjugate)
+        load = np.reshape(_numbers(motions, y), (count, -1)) @ _inverse_product(conjugate)
         motion = getattr(mobility(**{conjugate: load}), _CONJUGATE[loads])
         return sign * (motion @ _product(loads)).ravel()
 
@@ -44,7 +45,7 @@ def square_root(mobility):
     count, kinds = len(mobility.radii), 2 if mobility._dipoles else 1
 
     def times(vector, transposed):
-        numbers = np.zeros((count, 6))
+        numbers, vector = np.zeros((count, 6)), _numbers("numbers", vector)
         for kind in range(kinds):
             numbers[:, 3 * kind : 3 * kind + 3] = np.reshape(vector, (kinds, count, 3))[kind]
         found = mobility._root(_finite("numbers", numbers), transposed)

@@ -43,8 +43,8 @@ class Simulation(State):
         threads: int | None = None,
         comm: Any = None,
     ) -> None:
-        checked = scene_of(scene)
-        _core.start_threads(threads)
+        checked, force = scene_of(scene), _arrays.flag("force", force)
+        _core.start_threads(None if threads is None else _arrays.whole("threads", threads, 1))
         folder = None if out is None else (fspath(out), force)
         if checked.is_whole:
             self._core = WholeScene(checked, folder, False)
@@ -55,7 +55,7 @@ class Simulation(State):
     @classmethod
     def resume(cls, folder: str | PathLike, threads: int | None = None, comm: Any = None) -> Simulation:
         """The run of a folder, from its last checkpoint. Functions of forces are to be added again."""
-        _core.start_threads(threads)
+        _core.start_threads(None if threads is None else _arrays.whole("threads", threads, 1))
         simulation = cls.__new__(cls)
         kept = Path(folder) / "scene.toml"
         if kept.exists() and Scene.load(kept).is_whole:
@@ -119,20 +119,17 @@ class Simulation(State):
         if steps is not None and time is not None:
             raise ValueError("steps and time are given; give one of them")
         if time is not None:
-            steps = round(_positive("time", time) / self._core.time_step())
+            steps = round(_positive("time", _arrays.number("time", time)) / self._core.time_step())
         elif steps is None:
             return self._core.end()
-        if steps != int(steps) or steps < 0:
-            raise ValueError(f"steps is {steps}; it needs to be a whole number, 0 or more")
-        return now + int(steps)
+        return now + _arrays.whole("steps", steps, 0)
 
     def every(self, steps: int) -> Callable[[Callable], Callable]:
         """Decorates a function of the simulation that is called at the steps 0, `steps`, 2 `steps`, ..."""
-        if steps != int(steps) or steps < 1:
-            raise ValueError(f"every({steps}): it needs a whole number of steps, 1 or more")
+        steps = _arrays.whole("steps of every()", steps, 1)
 
         def watched(function):
-            self._watchers.append(Watcher(int(steps), function))
+            self._watchers.append(Watcher(steps, function))
             return function
 
         return watched

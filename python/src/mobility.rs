@@ -197,9 +197,12 @@ fn array_bytes(count: usize) -> Bytes {
 /// What was given can't be evaluated, or something failed.
 fn failed(cause: &MobilityError) -> PyErr {
     match cause {
-        MobilityError::Plan(_) | MobilityError::Overlap(_) | MobilityError::Outside(_) | MobilityError::Flow(_) => {
-            refused(cause)
-        }
+        MobilityError::Plan(_)
+        | MobilityError::Radius(_)
+        | MobilityError::Box(_)
+        | MobilityError::Overlap(_)
+        | MobilityError::Outside(_)
+        | MobilityError::Flow(_) => refused(cause),
         _ => explained(cause),
     }
 }

@@ -15,6 +15,7 @@
 
 mod clock;
 mod contact_forces;
+mod csv;
 mod found;
 mod frame;
 mod loads;
@@ -28,6 +29,7 @@ mod velocity_field;
 
 pub use clock::Clock;
 pub use contact_forces::{ContactForce, ContactForces, ContactState};
+pub use csv::{csv_cell, csv_line, csv_words};
 pub use found::Found;
 pub use frame::Frame;
 pub use loads::{AppliedLoads, LoadFunction, NoLoads};

@@ -1,5 +1,6 @@
 //! Tables of results.
 
+use crate::csv::{csv_cell, csv_line};
 use domain::Bytes;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -32,10 +33,9 @@ impl Table {
 
     /// The table as CSV; words with commas or quotes are quoted.
     pub fn to_csv(&self) -> String {
-        let names = self.labels.iter().map(|&name| name.to_owned()).chain(self.columns.iter().map(|c| c.0.clone()));
-        let mut csv = names.collect::<Vec<_>>().join(",") + "\n";
+        let mut csv = csv_line(self.labels.iter().copied().chain(self.columns.iter().map(|c| c.0.as_str()))) + "\n";
         for (words, numbers) in &self.rows {
-            let words = words.iter().map(|word| quoted(word));
+            let words = words.iter().map(|word| csv_cell(word));
             let cells: Vec<String> = words.chain(numbers.iter().map(|number| format!("{number:?}"))).collect();
             writeln!(csv, "{}", cells.join(",")).expect("text grows");
         }
@@ -72,10 +72,6 @@ pub struct TableSet {
     pub name: &'static str,
     /// The tables.
     pub tables: Vec<Table>,
-}
-
-fn quoted(word: &str) -> String {
-    if word.contains([',', '"', '\n']) { format!("\"{}\"", word.replace('"', "\"\"")) } else { word.to_owned() }
 }
 
 #[cfg(test)]

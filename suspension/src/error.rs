@@ -18,6 +18,9 @@ pub enum StartError {
     /// Lubrication between these radii.
     #[error("hydrodynamics.lubrication")]
     Lubrication(#[source] PairForceError),
+    /// Radii that differ too much for lubrication.
+    #[error("hydrodynamics.lubrication {0}")]
+    Radii(String),
     /// The repulsion.
     #[error(transparent)]
     Repulsion(#[from] BarrierError),

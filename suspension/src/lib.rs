@@ -48,6 +48,7 @@ mod implicit;
 mod initial;
 mod integrator;
 mod least_repulsion;
+mod lengths;
 mod memory;
 mod migration;
 mod mobility;

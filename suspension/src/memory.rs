@@ -71,6 +71,7 @@ pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> N
 pub fn remedy(model: &Model, radii: &Radii) -> String {
     let chosen = &model.hydrodynamics;
     let grid = if chosen.grid.is_some() { "a smaller hydrodynamics.grid" } else { "a larger hydrodynamics.tolerance" };
+    let far = if repels_far(model, radii) { "a shorter repulsion.screening_length, " } else { "" };
     let near = if chosen.lubrication { ", a smaller hydrodynamics.lubrication_cutoff" } else { "" };
     let samples = if model.statistics.is_some() { ", no [statistics]" } else { "" };
     let columns = readable_bytes(sampling::column_bytes(model).most);
@@ -80,10 +81,17 @@ pub fn remedy(model: &Model, radii: &Radii) -> String {
         String::new()
     };
     format!(
-        "the scene has {} spheres: take fewer of them (species.count, species.volume_fraction, or smaller box.edges), \
+        "the scene has {} spheres: take {far}fewer of them (species.count, species.volume_fraction, or smaller box.edges), \
          {grid}{near}{samples}{species}, or more machines with ranks on each",
         radii.count()
     )
+}
+
+/// Whether charged spheres repel each other farther than the box is wide: all their images take memory.
+fn repels_far(model: &Model, radii: &Radii) -> bool {
+    let is_screened = model.repulsion.is_some_and(|repulsion| repulsion.screening_length.is_some());
+    let reach = SurfaceForces::of(model).ok().and_then(|forces| forces.reach([radii.largest(); 2]));
+    is_screened && reach.is_some_and(|reach| reach > model.shortest_vector())
 }
 
 /// What placing the particles takes on a rank that is alone.

@@ -7,6 +7,7 @@ pub use drift::Drift;
 
 use crate::channel_flow::{FlowRefused, check_linear, check_pressure, poiseuille};
 use crate::hydrodynamics::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
+use crate::lengths::{check_box_of_noise, check_radius};
 use crate::overlaps::Overlaps;
 use crate::single_evaluation::SingleEvaluation;
 use crate::strain_rate::StrainRate;
@@ -43,6 +44,13 @@ pub struct MobilityParameters {
     pub costs: Costs,
 }
 
+impl MobilityParameters {
+    /// Refuses a box in which no random motions are drawn.
+    pub fn check_noise(&self) -> Result<(), MobilityError> {
+        check_box_of_noise(&self.cell).map_err(MobilityError::Box)
+    }
+}
+
 /// The mobility of spheres, planned once for any positions. Whatever is of each sphere is given, and found, in the order
 /// of the radii, on the first rank. All calls are collective.
 pub struct Mobility {
@@ -62,6 +70,12 @@ pub enum MobilityError {
     /// No plan.
     #[error("this case can't be evaluated")]
     Plan(#[source] PlanError),
+    /// A radius that can't be computed with.
+    #[error("radii has a sphere whose radius {0}")]
+    Radius(String),
+    /// A box in which no random motions are drawn.
+    #[error("box {0}")]
+    Box(String),
     /// Lubrication between these radii.
     #[error(transparent)]
     Lubrication(#[from] PairForceError),
@@ -125,6 +139,8 @@ mod column {
 impl Mobility {
     /// Plans the mobility, if there is memory for it; `besides` is what the first rank needs for the caller's lists.
     pub fn new(parameters: MobilityParameters, besides: Bytes, comm: &Comm) -> Result<Self, MobilityError> {
+        let cell = &parameters.cell;
+        parameters.radii.iter().try_for_each(|&radius| check_radius(radius, cell)).map_err(MobilityError::Radius)?;
         let problem = problem(&parameters);
         let plan = Plan::choose(&problem).map_err(MobilityError::Plan)?;
         let (lubrication, radii) = (parameters.lubrication, problem.radii.clone());
@@ -255,6 +271,7 @@ impl Mobility {
     /// Refuses draws for whose motions there is no memory, as they are and as
     /// the caller has them. Collective.
     fn check_draws(&self, draws: &std::ops::Range<u64>) -> Result<(), MobilityError> {
+        self.parameters.check_noise()?;
         let numbers = DRAWN_NUMBERS * draws.end.saturating_sub(draws.start) as f64 * self.parameters.radii.len() as f64;
         let (plan, radii, lubrication) = (&self.plan, self.problem.radii.clone(), self.parameters.lubrication);
         let (numbers, besides) = (NUMBERS, Bytes::keep(2.0 * 8.0 * numbers));

@@ -3,6 +3,7 @@
 use crate::error::StartError;
 use crate::gap::Gap;
 use crate::initial;
+use crate::lengths::check_lubricated;
 use crate::memory::{self, Ranks};
 use crate::model::{Flow, Model};
 use crate::moving_box::MovingBox;
@@ -107,6 +108,10 @@ impl Setup {
         (planned, mut particles): (Planned, Particles),
         (comm, step): (&Comm, u64),
     ) -> Result<Self, StartError> {
+        if model.hydrodynamics.lubrication {
+            let (smallest, largest) = (planned.radii.smallest(), planned.radii.largest());
+            check_lubricated(smallest, largest).map_err(StartError::Radii)?;
+        }
         let cell = open_box::of(model, &particles, (&planned.radii, comm));
         let fits = cell == model.cell || planned.plan.edges == cell.edges();
         let Planned { radii, plan } = if fits { planned } else { Planned::within(&cell, model, planned.radii, comm)? };

@@ -97,7 +97,6 @@ impl Model {
         check_contact("walls.restitution", "walls.friction", &p.wall_contact)?;
         not_negative("cell.speed", p.speed)?;
         not_negative("cell.gravity", p.gravity)?;
-        positive("grains.contact_time", p.contact_time)?;
         if let Some(around) = p.circumference {
             let wide = around.is_finite() && around > PI * p.width;
             require(wide, "cell.circumference", &around, "more than pi times the width: the inner wall has a radius")?;
@@ -107,6 +106,7 @@ impl Model {
             positive("top.mass_per_area", mass_per_area)?;
         }
         check_sizes(p)?;
+        positive("grains.contact_time", p.contact_time)?;
         Ok(Self { parameters, walled: true, mid_radius: 0.0 }.with(parameters))
     }
 
@@ -248,7 +248,6 @@ fn check_sizes(p: &Parameters) -> Result<(), ParameterError> {
         ("cell.width", p.width, 40),
         ("cell.circumference", p.circumference.unwrap_or(0.0), 40),
         ("grains.diameter", p.diameter, 40),
-        ("grains.contact_time", p.contact_time, 60),
         ("grains.friction", p.grain_contact.friction, 10),
         ("walls.friction", p.wall_contact.friction, 10),
         ("cell.speed", p.speed, 70),
@@ -256,6 +255,8 @@ fn check_sizes(p: &Parameters) -> Result<(), ParameterError> {
         ("grains.density", p.density, 140),
         ("top.mass_per_area", mass_per_area, 100),
         ("top.pressure", pressure, 140),
+        // Where a scene does not say it, it follows from the others.
+        ("grains.contact_time", p.contact_time, 60),
     ];
     sizes.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))
 }

@@ -4,6 +4,7 @@ use crate::frames::Sums;
 use crate::{FileError, claimed_size, text};
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Group};
+use simulation::csv_words;
 use std::path::Path;
 
 /// The time series of a run: all complete rows.
@@ -98,7 +99,7 @@ impl Observed {
         let dataset = claimed_size::dataset(group, "value")?;
         let names = |attribute: &str| -> hdf5::Result<Vec<String>> {
             let Ok(attribute) = group.attr(attribute) else { return Ok(Vec::new()) };
-            Ok(attribute.read_scalar::<VarLenUnicode>()?.split(',').map(str::to_owned).collect())
+            Ok(csv_words(&attribute.read_scalar::<VarLenUnicode>()?))
         };
         let name = group.name().rsplit('/').next().unwrap_or_default().to_owned();
         let (rows, columns) = (names("rows")?, names("columns")?);

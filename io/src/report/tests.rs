@@ -266,3 +266,16 @@ fn a_place_that_is_no_file_is_refused() {
     let error = write_report(folder.path(), folder.path()).unwrap_err().to_string();
     assert!(error.contains("it is no file"), "{error}");
 }
+
+#[test]
+fn names_with_commas_are_those_of_one_species() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), SCENE.replace("</script><b>", "silica, 2 um")).unwrap();
+    let mean = Quantity::vectors("mean_velocity", "length/time", &["silica, 2 um".into()]);
+    let mut series = Series::create(folder.path(), &provenance(), &[mean], 2).unwrap();
+    for step in 0..2 {
+        series.append((step, step as f64), &[vec![0.0, 0.0, -1.0]]).unwrap();
+    }
+    drop(series);
+    assert!(report(folder.path()).unwrap().contains("silica, 2 um"));
+}

@@ -1,7 +1,7 @@
 //! Scenes of grains in numbers, before they are run.
 
 use super::trial::sweep_steps;
-use super::{RunError, memory, start_positions};
+use super::{RunError, memory, start, start_positions};
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Comm, Number};
 use drivers::disks::Sweep;
@@ -21,7 +21,11 @@ pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunErr
             return Ok(suspension::outline(&scene.model, start_positions(scene, comm)?, asked, comm)?
                 .value("kind", kind.name()));
         }
-        Kind::GranularDisks(scene) => of_disks(scene),
+        Kind::GranularDisks(scene) => {
+            // A file that can't be read is found here as it is at the start of a run.
+            start::read(scene.start.as_deref(), comm)?;
+            of_disks(scene)
+        }
         Kind::ShearCell(scene) => with_cost(scene.experiment.outline(), cell_seconds(scene)),
         Kind::Continuum(scene) => continuum(scene),
     };

@@ -44,7 +44,8 @@ pub fn start_positions(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Gi
     read(scene.start.as_deref(), comm)
 }
 
-fn read(path: Option<&Path>, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
+/// What a file says of the start, on the first rank. Collective.
+pub(super) fn read(path: Option<&Path>, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
     let path = path.filter(|_| comm.is_first());
     Ok(comm.agree(path.map(read_positions).transpose())?)
 }

@@ -96,7 +96,8 @@ struct Written {
 }
 
 /// Tries the first steps of a scene, with fewer particles where it has many, for less than a second. Nothing where that
-/// is not possible, or would say nothing. Collective.
+/// is not possible, or would say nothing. A scene that can't start is an error, and one whose first steps fail is a
+/// [`RunError::Simulation`]. Collective.
 pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let Some(output) = scene.kind().output() else { return Ok(None) };
     let began = Instant::now();
@@ -116,7 +117,11 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
         if step >= last || is_enough || time > MOST_TIME.as_secs_f64() {
             break;
         }
-        simulation.advance(next(output, step).min(last)).map_err(RunError::Simulation)?;
+        match simulation.advance(next(output, step).min(last)) {
+            Ok(()) => {}
+            Err(_) if trying.particles > 1.0 => return Ok(None),
+            Err(error) => return Err(RunError::Simulation(error)),
+        }
         observe(simulation, output);
     }
     let tried = simulation.clock().step();
@@ -201,8 +206,10 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
     if part.particles > 2.0 * MOST_SPHERES || part.evaluation * EVALUATIONS > MOST_TIME.as_secs_f64() {
         return Ok(None);
     }
+    // A copy may not start where the scene does.
+    let Ok(simulation) = Observed::start(copy, None, comm) else { return Ok(None) };
     Ok(Some(Trying {
-        simulation: Box::new(Observed::start(copy, None, comm)?),
+        simulation: Box::new(simulation),
         costs: whole.evaluation / part.evaluation,
         particles: whole.particles / part.particles,
         field_points: whole.field_points,

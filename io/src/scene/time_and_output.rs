@@ -41,16 +41,24 @@ impl Time {
     pub(super) fn until(step: f64, steps: Option<u64>, duration: Option<f64>) -> Result<Self, Fault> {
         positive("time.step", step)?;
         let steps = match (steps, duration) {
-            (Some(steps), None) => steps,
+            (Some(steps), None) => return Self::of_steps(step, steps, "time.steps"),
             (None, Some(duration)) => steps_in(positive("time.duration", duration)?, step),
             (None, None) => return Err(Fault::new("time", "has neither steps nor duration; set one of them")),
             (Some(_), Some(_)) => return Err(Fault::new("time", "has both steps and duration; leave one of them out")),
         };
+        Self::of_steps(step, steps, "time.duration")
+    }
+
+    /// A run of so many steps, which follow from a key.
+    pub(super) fn of_steps(step: f64, steps: u64, key: &str) -> Result<Self, Fault> {
+        positive("time.step", step)?;
         let time = Self { step, steps };
         if steps > MOST_STEPS {
-            let message =
-                format!("are {:.3} up to the end of the run; there can be {MOST_STEPS}", Number(steps as f64));
-            return Err(Fault::new("time.steps", message + ": take a longer time.step, or end earlier"));
+            let message = format!(
+                "makes {:.3} steps up to the end of the run; there can be {MOST_STEPS}: take a longer time.step, or end earlier",
+                Number(steps as f64)
+            );
+            return Err(Fault::new(key, message));
         }
         if !time.end().is_finite() {
             let message = format!("is {}; {steps} steps of it are no finite time: take a shorter one", Number(step));

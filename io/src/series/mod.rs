@@ -6,7 +6,7 @@ use crate::atomic_file;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
 use crate::{FileError, Manifest, Provenance};
 use existing_rows::ExistingRows;
-use simulation::Quantity;
+use simulation::{Quantity, csv_line};
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
@@ -101,7 +101,7 @@ fn element(quantity: &Quantity) -> Element {
 fn header(quantities: &[Quantity]) -> String {
     let mut columns = vec!["step".to_owned(), "time".to_owned()];
     columns.extend(quantities.iter().flat_map(Quantity::columns));
-    columns.join(",") + "\n"
+    csv_line(columns.iter().map(String::as_str)) + "\n"
 }
 
 fn for_appending(path: &Path) -> Result<File, FileError> {
@@ -121,8 +121,8 @@ fn write_fixed(file: &hdf5::File, provenance: &Provenance, quantities: &[Quantit
     for quantity in quantities {
         let Some((rows, columns)) = &quantity.table else { continue };
         let group = file.group(&format!("observables/{}", quantity.name))?;
-        crate::text::write_attribute(&group, "rows", &rows.join(","))?;
-        crate::text::write_attribute(&group, "columns", &columns.join(","))?;
+        crate::text::write_attribute(&group, "rows", &csv_line(rows.iter().map(String::as_str)))?;
+        crate::text::write_attribute(&group, "columns", &csv_line(columns.iter().map(String::as_str)))?;
     }
     Ok(())
 }

@@ -28,5 +28,5 @@ mod tridiagonal;
 mod wall;
 
 pub use functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions, WallFunctions, named, named_mobility};
-pub use table::{TwoSphere, TwoSphereError};
+pub use table::{LARGEST_RATIO, TwoSphere, TwoSphereError};
 pub use wall::SphereWall;

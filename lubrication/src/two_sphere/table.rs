@@ -13,7 +13,7 @@ use super::mobility::mobility;
 use super::singular::{self, Singularity};
 
 /// Radii may differ by at most this factor.
-const LARGEST_RATIO: f64 = 20.0;
+pub const LARGEST_RATIO: f64 = 20.0;
 
 /// Two spheres whose radii have a given ratio: their exact resistance functions at any gap.
 ///

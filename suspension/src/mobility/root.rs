@@ -24,6 +24,7 @@ impl Mobility {
     /// are forces alone the last three numbers of each sphere count for nothing. By Lanczos's iteration on the whole mobility, each
     /// of whose applications is a solve, to the mobility's tolerance. Numbers are those of the first rank, which has the answer.
     pub fn root(&mut self, numbers: &[Numbers], transposed: bool) -> Result<(Vec<Numbers>, Drawn), MobilityError> {
+        self.parameters.check_noise()?;
         let driven = std::mem::take(&mut self.pressure_gradient);
         let found = self.root_at_rest(numbers, transposed);
         self.pressure_gradient = driven;

@@ -4,6 +4,7 @@ use super::spheres::check_species;
 use super::{
     Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps,
 };
+use crate::lengths::check_lubricated;
 use domain::{Boundaries, Number, ParameterError};
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
@@ -22,9 +23,10 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     p.start.check(p)?;
     check_boundaries(p)?;
     check_flow(p)?;
-    p.repulsion.as_ref().map_or(Ok(()), check_repulsion)?;
+    p.repulsion.as_ref().map_or(Ok(()), |repulsion| check_repulsion(repulsion, p))?;
     p.attraction.as_ref().map_or(Ok(()), |attraction| attraction.check(p))?;
     p.hydrodynamics.check(&p.user_axes())?;
+    check_ratio(p)?;
     p.contacts.as_ref().map_or(Ok(()), |contacts| contacts.check(p))?;
     bonds::check(p)?;
     traps::check(p)?;
@@ -227,7 +229,17 @@ fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError
     }
 }
 
-fn check_repulsion(repulsion: &Repulsion) -> Result<(), ParameterError> {
+/// Lubrication is known for radii that differ up to a factor.
+fn check_ratio(p: &Parameters) -> Result<(), ParameterError> {
+    let radii = || p.species.iter().map(|species| species.radius);
+    let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+    if !p.hydrodynamics.lubrication {
+        return Ok(());
+    }
+    check_lubricated(smallest, largest).map_err(|message| ParameterError::new("hydrodynamics.lubrication", message))
+}
+
+fn check_repulsion(repulsion: &Repulsion, p: &Parameters) -> Result<(), ParameterError> {
     let Repulsion { strength, radius_power, range, screening_length, calibrate } = *repulsion;
     if strength < 0.0 || !strength.is_finite() {
         let message = format!("is {}; the force at contact needs to be 0 or more", Number(strength));
@@ -240,6 +252,16 @@ fn check_repulsion(repulsion: &Repulsion) -> Result<(), ParameterError> {
     }
     if let Some(length) = screening_length {
         ParameterError::unless_positive("repulsion.screening_length", length)?;
+        let shortest = p.shortest_vector();
+        if length > shortest && p.cell.boundaries() != Boundaries::Open {
+            let message = format!(
+                "is {}; it needs to be at most the box's shortest edge, {}: spheres would repel many images of each other; take a \
+                 larger box, or a shorter length",
+                Number(length),
+                Number(shortest)
+            );
+            return Err(ParameterError::new("repulsion.screening_length", message));
+        }
         if range.is_some() {
             let message =
                 "is that of a barrier; a screened repulsion ends by repulsion.screening_length: leave one of them out";

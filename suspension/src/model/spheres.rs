@@ -1,6 +1,7 @@
 //! The spheres: their species and where they start.
 
 use super::Parameters;
+use crate::lengths::check_radius;
 use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector};
 
 /// The largest volume fraction that spheres may have together.
@@ -73,7 +74,7 @@ impl Species {
     pub(super) fn check(&self, index: usize, p: &Parameters, shortest: f64) -> Result<(), ParameterError> {
         let (cell, axes) = (&p.cell, p.user_axes());
         let key = |name: &str| format!("species[{index}].{name}");
-        ParameterError::unless_positive(&key("radius"), self.radius)?;
+        check_radius(self.radius, cell).map_err(|message| ParameterError::new(key("radius"), message))?;
         if 2.0 * self.radius >= shortest {
             let (radius, is_height) =
                 (Number(self.radius), cell.boundaries().walls() == 2 && cell.edges().z <= shortest);

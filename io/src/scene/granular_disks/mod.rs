@@ -153,7 +153,7 @@ fn time(raw: &Raw, parameters: &Parameters) -> Result<Time, Fault> {
         let message = format!("is {}; it needs to be above 0, in a flow that shears", Number(strain));
         return Err(Fault::new("time.strain", message));
     }
-    Time::until(step, Some(steps_in(strain / rate, step)), None)
+    Time::of_steps(step, steps_in(strain / rate, step), "time.strain")
 }
 
 fn sweep(raw: &raw::Sweep, scene: &Raw, (model, time): (&Model, &Time)) -> Result<Sweep, Fault> {

@@ -5,7 +5,7 @@ mod raw;
 use super::checks::{few_enough, rows};
 use super::error::Fault;
 use super::time_and_output::{Output, Time};
-use domain::Number;
+use domain::{Number, ParameterError};
 use drivers::shear_cell::{Collisions, Contact, Experiment, FrictionLaw, Model, Parameters, Sampling, Top};
 pub(super) use raw::Raw;
 use suspension::MAX_SPHERES;
@@ -113,6 +113,8 @@ fn collisions(raw: &Raw) -> Result<Collisions, Fault> {
     }
 }
 
+const WINDOW: &str = "measure.window";
+
 fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
     let usual = Sampling::default();
     let sampling = Sampling {
@@ -123,8 +125,14 @@ fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
     };
     rows("measure.layers", sampling.layers)?;
     rows("measure.pixels", sampling.pixels[0].saturating_mul(sampling.pixels[1]))?;
-    sampling.check(collisions)?;
-    let every = whole("time.step", raw.time.step, ("measure.window", sampling.window))?;
+    sampling.check(collisions).map_err(|error| match error {
+        // The window is a step where the scene says none.
+        ParameterError { key, message } if key == WINDOW && raw.measure.window.is_none() => {
+            Fault::new("time.step", message)
+        }
+        other => other.into(),
+    })?;
+    let every = whole("time.step", raw.time.step, (WINDOW, sampling.window))?;
     Ok(Sampling { every, ..sampling })
 }
 

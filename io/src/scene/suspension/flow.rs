@@ -145,6 +145,10 @@ fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol
         let message = "can't be with flow.control = \"stress\", where the rate is what the stress makes it; leave one of them out";
         return Err(Fault::new(key, message));
     }
+    if !stress.is_finite() {
+        return Err(Fault::new("flow.stress", format!("is {}; it needs to be a finite number", Number(stress))));
+    }
+    positive("fluid.viscosity", viscosity)?;
     let rate = if let Some(NumberOr::Number(rate)) = raw.rate { rate } else { stress / viscosity };
     Ok((rate, Protocol::Stress(stress)))
 }
@@ -152,7 +156,12 @@ fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol
 fn oscillating(raw: &raw::Oscillation) -> Result<(f64, Protocol), Fault> {
     let frequency = positive("flow.oscillation.frequency", raw.frequency)?;
     let amplitude = positive("flow.oscillation.amplitude", raw.amplitude)?;
-    Ok((amplitude * frequency, Protocol::Oscillation { frequency }))
+    let rate = amplitude * frequency;
+    if !rate.is_finite() {
+        let message = "has a largest rate, amplitude times frequency, beyond the range of numbers; take smaller ones";
+        return Err(Fault::new("flow.oscillation", message));
+    }
+    Ok((rate, Protocol::Oscillation { frequency }))
 }
 
 fn reversals(rate: f64, strains: &[f64], time_step: f64) -> Result<Vec<RateChange>, Fault> {

@@ -3,6 +3,7 @@
 mod attraction;
 mod cell;
 mod flow;
+mod names;
 mod raw;
 mod species;
 mod tethers;

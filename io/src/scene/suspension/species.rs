@@ -1,7 +1,7 @@
 //! The species of a scene.
 
 use super::super::checks::{few_enough, positive};
-use super::{Fault, raw};
+use super::{Fault, names, raw};
 use domain::{Number, Vector};
 use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
 
@@ -10,6 +10,7 @@ const CLASSES: usize = 4;
 
 /// The species in a box, or a ball, of a volume.
 pub(super) fn species(raw: &raw::Raw, volume: f64) -> Result<Vec<Species>, Fault> {
+    raw.species.iter().enumerate().try_for_each(|(index, one)| names::check(one.name.as_deref(), index))?;
     let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, volume)).collect();
     Ok(lists?.into_iter().flatten().collect())
 }

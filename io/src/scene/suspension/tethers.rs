@@ -1,6 +1,7 @@
 //! Bonds and traps of a scene.
 
 use super::raw;
+use crate::document::excerpt;
 use crate::scene::error::Fault;
 use domain::Vector;
 use suspension::{Bonds, Centres, Species, Trapped, Traps};
@@ -39,7 +40,7 @@ fn of_species(name: &str, index: usize, species: &[Species]) -> Result<Trapped, 
     let place = species.iter().position(|one| one.name == name);
     place.map(|place| Trapped::Species(place as u32)).ok_or_else(|| {
         let names: Vec<String> = species.iter().map(|one| format!("\"{}\"", one.name)).collect();
-        let message = format!("is \"{name}\"; the scene has {}", names.join(", "));
+        let message = format!("is \"{}\"; the scene has {}", excerpt(name), names.join(", "));
         Fault::new(format!("traps[{index}].species"), message)
     })
 }

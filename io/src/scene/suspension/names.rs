@@ -1,0 +1,59 @@
+//! Names of species, which stand in tables of results.
+
+use super::Fault;
+use crate::document::excerpt;
+
+/// Rows of tables about all spheres have this name.
+const RESERVED: &str = "all";
+/// Characters of a name.
+const LONGEST: usize = 100;
+/// A cell of a table that begins with one of these is a formula to programs that open tables.
+const FORMULAS: [char; 8] = ['=', '+', '-', '@', '\u{ff1d}', '\u{ff0b}', '\u{ff0d}', '\u{ff20}'];
+
+/// Refuses a name of a species with which a table would say something else, or could not be read.
+pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), Fault> {
+    let Some(name) = name else { return Ok(()) };
+    let shown = excerpt(name);
+    let message = if name.trim().is_empty() {
+        format!("is \"{shown}\"; a name needs at least one letter or digit, or leave it out")
+    } else if name.trim() != name {
+        format!("is \"{shown}\", with a blank at one of its ends; leave that out")
+    } else if name.chars().any(is_invisible) {
+        format!("is \"{shown}\", with a line break or another character that can't be seen; leave that out")
+    } else if name.starts_with(FORMULAS) {
+        format!("is \"{shown}\", which is a formula to programs that open tables; begin it with a letter or a digit")
+    } else if name.to_lowercase() == RESERVED {
+        format!("is \"{shown}\", which tables call all species together; take another one")
+    } else if name.chars().nth(LONGEST).is_some() {
+        format!("is \"{shown}\"; a name has at most {LONGEST} characters")
+    } else {
+        return Ok(());
+    };
+    Err(Fault::new(format!("species[{index}].name"), message))
+}
+
+/// Characters of control, ends of lines and paragraphs, marks of direction and joints of no width.
+fn is_invisible(character: char) -> bool {
+    character.is_control()
+        || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_break_tables_are_refused() {
+        for name in ["", " ", "\t", " a", "a ", "a\nb", "a\tb", "a\u{2028}b", "a\u{202e}b", "\u{feff}a", "all", "All"] {
+            assert!(check(Some(name), 0).is_err(), "{name:?}");
+        }
+        for formula in ["=cmd|'/C calc'!A0", "+1", "-1", "@SUM(1)", "\u{ff1d}1"] {
+            assert!(check(Some(formula), 0).is_err(), "{formula:?}");
+        }
+        assert!(check(Some(&"x".repeat(101)), 0).is_err());
+        for name in ["silica, 2 um", "\"round\"", "a;b", "1", "all of it", "Å", "x".repeat(100).as_str()] {
+            assert!(check(Some(name), 0).is_ok(), "{name:?}");
+        }
+        assert!(check(None, 0).is_ok());
+    }
+}

@@ -1,0 +1,158 @@
+"""`check` refuses what `run` refuses at its start, in the same words, and nothing else."""
+
+import csv
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+from program import PATIENCE, command, run
+
+SCENES = {
+    "spheres": """
+seed = 1
+[box]
+edges = [10.0, 10.0, 10.0]
+[fluid]
+viscosity = 1.0
+[[species]]
+name = "a"
+radius = 1.0
+count = 4
+force = [0.0, 0.0, -1.0]
+[[species]]
+name = "b"
+radius = 0.5
+count = 2
+[hydrodynamics]
+tolerance = 0.01
+[time]
+step = 0.01
+steps = 1
+""",
+    "disks": """
+kind = "granular-disks"
+[box]
+edges = [20.0, 20.0]
+[fluid]
+viscosity = 0.01
+[flow]
+kind = "shear"
+rate = 0.01
+[[species]]
+radius = 1.0
+share = 1.0
+[particles]
+area_fraction = 0.3
+[preparation]
+settled = 1.0
+mixed = 1.0
+[time]
+steps = 1
+""",
+    "cell": """
+kind = "shear-cell"
+collisions = "event-driven"
+[cell]
+length = 8.0
+height = 8.0
+width = 8.0
+speed = 1.0
+[grains]
+diameter = 1.0
+density = 1.0
+solid_fraction = 0.2
+restitution = 0.9
+[walls]
+restitution = 0.9
+[time]
+step = 0.1
+steps = 1
+""",
+}
+CHANGES = {
+    "spheres": [
+        [],
+        ["box.edges=[10.0, 10.0, 10.0, 99.0]"],
+        ["box.edges=[1.9, 10.0, 10.0]"],
+        ["species[1].radius=0.01"],
+        ["species[1].radius=0.01", "hydrodynamics.lubrication=true"],
+        ["species[1].radius=1e-300"],
+        ["species[0].count=190"],
+        ["species[0].name=all"],
+        ["species[0].name='x, y'"],
+        ["species[0].name='=1'"],
+        ["particles.initial=file", "particles.path=missing.csv"],
+        ["particles.initial=file", "particles.path=places.csv"],
+        ["particles.initial=positions", f"particles.positions={[[1.0, 1.0, 1.0 + i] for i in range(6)]}"],
+        ["particles.initial=lattice"],
+        ["repulsion.strength=1.0", "repulsion.screening_length=50.0"],
+        ["repulsion.strength=-1.0"],
+        ["hydrodynamics.grid=[2, 2, 2]"],
+        ["hydrodynamics.support=60"],
+        ["time.step=0"],
+        ["time.steps=0"],
+        ["flow.kind=shear", "flow.rate=1.0", "output.fields_every=1"],
+        ["box.boundaries=['periodic', 'periodic', 'walls']"],
+        ["fluid.thermal_energy=1.0"],
+    ],
+    "disks": [
+        [],
+        ["contact=[0.5]"],
+        ["particles.area_fraction=0.9"],
+        ["box.edges=[5.0, 5.0]"],
+        ["time.step=1e9"],
+    ],
+    "cell": [
+        [],
+        ["grains.solid_fraction=0.7"],
+        ["cell.gravity=inf"],
+        ["top.kind=free", "top.pressure=1.0", "top.mass_per_area=0"],
+    ],
+}
+
+
+class Check(unittest.TestCase):
+    def test_check_and_run_refuse_the_same_scenes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "places.csv").write_text("x,y,z\n" + "\n".join(f"{3 * i + 0.5},{2 * i},1" for i in range(6)) + "\n")
+            for kind, text in SCENES.items():
+                (folder / f"{kind}.toml").write_text(text)
+                for number, sets in enumerate(CHANGES[kind]):
+                    with self.subTest(kind=kind, sets=sets):
+                        self.compare(folder / f"{kind}.toml", sets, folder / f"{kind}{number}")
+
+    def compare(self, scene, sets, out):
+        words = [word for item in sets for word in ("--set", item)]
+        checked, ran = (
+            subprocess.run(command(line), capture_output=True, text=True, timeout=PATIENCE)
+            for line in (["check", scene, *words], ["run", scene, *words, "--out", out])
+        )
+        errors = [[line for line in said.stderr.splitlines() if line.startswith("error:")] for said in (checked, ran)]
+        self.assertEqual(checked.returncode, ran.returncode, f"{checked.stderr}\n{ran.stderr}")
+        self.assertEqual(*errors)
+
+    def test_a_scene_may_be_completed_on_the_command_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "part.toml"
+            scene.write_text(SCENES["spheres"].replace("viscosity = 1.0", ""))
+            self.assertIn("fluid.viscosity is missing", run(["check", scene], expect=1))
+            run(["check", scene, "--no-trial", "--set", "fluid.viscosity=1.0"])
+
+
+class Names(unittest.TestCase):
+    def test_a_name_with_a_comma_is_one_column(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "a.toml").write_text(SCENES["spheres"].replace('"a"', '"silica, 2 um"'))
+            run(["run", folder / "a.toml", "--out", folder / "out", "--set", "statistics.every=1"])
+            run(["report", folder / "out"])
+            with open(folder / "out" / "observables.csv") as file:
+                header, *rows = csv.reader(file)
+            self.assertIn("mean_velocity_x[silica, 2 um]", header)
+            self.assertEqual({len(row) for row in rows}, {len(header)})
+
+
+if __name__ == "__main__":
+    unittest.main()
