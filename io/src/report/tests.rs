@@ -272,7 +272,7 @@ fn names_with_commas_are_those_of_one_species() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.toml"), SCENE.replace("</script><b>", "silica, 2 um")).unwrap();
     let mean = Quantity::vectors("mean_velocity", "length/time", &["silica, 2 um".into()]);
-    let mut series = Series::create(folder.path(), &provenance(), &[mean], 2).unwrap();
+    let mut series = Series::create(&Manifest::none(folder.path()), &provenance(), &[mean], 2).unwrap();
     for step in 0..2 {
         series.append((step, step as f64), &[vec![0.0, 0.0, -1.0]]).unwrap();
     }

@@ -72,14 +72,14 @@ fn names_with_separators_are_cells_of_their_own() {
         Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
     let names = ["silica, 2 um".to_owned(), "a; \"b\"".to_owned()];
     let quantities = [Quantity::vectors("mean", "length/time", &names)];
-    let mut series = Series::create(folder.path(), &provenance, &quantities, 2).unwrap();
+    let mut series = Series::create(&Manifest::none(folder.path()), &provenance, &quantities, 2).unwrap();
     series.append((0, 0.0), &[vec![1.0; 6]]).unwrap();
     drop(series);
     let csv = std::fs::read_to_string(folder.path().join("observables.csv")).unwrap();
     let lines: Vec<Vec<String>> = csv.lines().map(simulation::csv_words).collect();
     assert_eq!((lines[0].len(), lines[1].len()), (8, 8));
     assert_eq!((lines[0][2].as_str(), lines[0][5].as_str()), ("mean_x[silica, 2 um]", "mean_x[a; \"b\"]"));
-    let series = Series::resume(folder.path(), &provenance, &quantities, (0, 2)).unwrap();
+    let series = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (0, 2)).unwrap();
     assert_eq!(series.last_step().unwrap(), Some(0));
     drop(series);
     assert_eq!(std::fs::read_to_string(folder.path().join("observables.csv")).unwrap(), csv);
