@@ -1,5 +1,7 @@
 """Arguments as arrays: any array-like of real numbers, in the shape that is asked for."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ._core import is_finite
@@ -93,9 +95,10 @@ def flag(name, value):
 
 def words(name, value, count):
     """`value` as a list of so many words."""
-    items = [value] if isinstance(value, str) else list(value)
+    is_list = isinstance(value, Iterable) and not isinstance(value, str)
+    items = list(value) if is_list else [value]
     if len(items) != count or not all(isinstance(item, str) for item in items):
-        raise InputError(f"{name} is {_shown(value)}; it needs to be {count} words")
+        raise InputError(f"{name} is {_shown(value)}; it needs to be {'a word' if count == 1 else f'{count} words'}")
     return [str(item) for item in items]
 
 

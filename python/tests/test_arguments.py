@@ -39,7 +39,7 @@ def mobility(**more):
         (FORCES.astype("datetime64[s]"), "has dates"),
         (FORCES.astype("timedelta64[s]"), "has time spans"),
         (FORCES.view(Measured), "has a unit"),
-        (np.full((2, 3), 2**53 + 1), "whole numbers beyond 2\\^53"),
+        (np.full((2, 3), 2**53 + 1), "has whole numbers beyond 2\\^53"),
         ([[0.0, 0.0, 0.0], [0.0, 0.0]], "is no array of numbers"),
         (FORCES.T, r"has the shape \(3, 2\); it needs to be \(2, 3\)"),
         (FORCES.ravel(), r"has the shape \(6,\); it needs to be \(2, 3\)"),
@@ -85,7 +85,7 @@ def test_real_numbers_of_any_kind_are_taken(kind):
         ({"box": ("12", "12", "12")}, "box has text"),
         ({"boundaries": ("periodic", "periodic", "periodic", "walls")}, "boundaries is .* needs to be 3 words"),
         ({"boundaries": (1, 2, 3)}, "boundaries is .* needs to be 3 words"),
-        ({"method": 3}, "method"),
+        ({"method": 3}, "method is 3; it needs to be a word"),
         ({"threads": True}, "threads is True"),
     ],
 )

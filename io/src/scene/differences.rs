@@ -1,6 +1,7 @@
 //! Differences between two scenes.
 
 use super::Scene;
+use crate::document::excerpt;
 use toml::{Table, Value};
 
 /// A key that two scenes have different values for.
@@ -15,7 +16,7 @@ pub struct Difference {
 impl std::fmt::Display for Difference {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [one, other] = self.values.each_ref().map(|value| value.as_deref().unwrap_or("absent"));
-        write!(f, "{} is {one} here and {other} there", self.key)
+        write!(f, "{} is {} here and {} there", self.key, excerpt(one), excerpt(other))
     }
 }
 
