@@ -103,7 +103,7 @@ fn refuse_another(scene: &Scene, kept: &Scene, folder: &Path) -> anyhow::Result<
     let calibrates = matches!(scene.kind(), Kind::Suspension(s) if s.model.repulsion.is_some_and(|r| r.calibrate));
     let may_differ = |key: &str| {
         ["time.steps", "time.duration", "time.strain", "output.folder"].contains(&key)
-            || [COSTS, STIFFNESS].iter().any(|added| key.starts_with(added) && !says(added))
+            || [COSTS, STIFFNESS, STRAIN].iter().any(|added| key.starts_with(added) && !says(added))
             || calibrates && ["repulsion.strength", "repulsion.calibrate"].contains(&key)
     };
     let differences = scene.differences(kept).into_iter().filter(|d| !may_differ(&d.key));
@@ -122,6 +122,8 @@ fn refuse_another(scene: &Scene, kept: &Scene, folder: &Path) -> anyhow::Result<
 const COSTS: &str = "hydrodynamics.costs";
 /// Another one: what the stiffness of contacts has settled at.
 const STIFFNESS: &str = "contacts.settled_stiffness";
+/// And another: the strain of the box that its particles come from.
+const STRAIN: &str = "box.strain";
 /// Differences that are named.
 const NAMED: usize = 5;
 

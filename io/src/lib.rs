@@ -59,12 +59,12 @@ pub use fields::{drop_fields_after, write_field};
 pub use frames::Damage;
 pub use manifest::{MANIFEST, Manifest, Obstacles};
 pub use missing_steps::MissingSteps;
-pub use positions::read_positions;
+pub use positions::{FileBox, StartFile, StartSource, TakenFrame};
 pub use provenance::Provenance;
 pub use report::{ReportError, write_report};
 pub use run::{
     ExistingRun, Listener, Recorder, RunError, RunFolder, Trial, WholeScene, check_memory, keep_costs, kept_costs,
-    on_this_machine, outline, provenance, resume, start, start_positions, trial, with_least_repulsion,
+    on_this_machine, outline, provenance, resume, start, start_positions, trial, with_least_repulsion, with_start_file,
 };
 pub use scene::{
     ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,

@@ -41,6 +41,7 @@ impl Run {
     pub fn start(scene: Scene, folder: Option<(&Path, ExistingRun)>, comm: &Comm) -> Result<Self, RunError> {
         let claim = |(path, former)| RunFolder::claim(path, comm, former);
         let folder = comm.agree(folder.map(claim).transpose().map_err(|cause| io::in_full(&cause)))?;
+        let (scene, _) = io::with_start_file(scene, comm)?;
         let (scene, _) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
         let simulation = io::start(&scene, comm, &mut |_| ())?;
         Ok(Self::of(simulation, scene, folder.map_or(Output::Nowhere, Output::Folder)))

@@ -14,7 +14,7 @@ mod open;
 mod sums;
 
 use crate::{FileError, atomic_file, atomic_hdf5};
-pub(crate) use element::{Added, Element, Values, group};
+pub(crate) use element::{Added, Element, Values, group, one_of};
 use hdf5::File;
 use open::Open;
 use std::path::{Path, PathBuf};
