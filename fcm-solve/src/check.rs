@@ -32,8 +32,10 @@ pub struct Args {
 
 /// Checks the scene and prints how it would be computed. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let scene = io::on_this_machine(read(&args.scene, &args.overrides, comm)?, comm)?;
+    let (scene, notes) = io::with_start_file(read(&args.scene, &args.overrides, comm)?, comm)?;
+    let scene = io::on_this_machine(scene, comm)?;
     let outline = io::outline(scene.kind(), asked(args, comm), comm)?;
+    let outline = notes.iter().fold(outline, |outline, note| outline.line("start", note));
     // Of ranks that are not present no time is known.
     let is_tried = !args.no_trial && args.ranks.is_none();
     let outline = if is_tried { tried(&scene, outline, comm)? } else { outline };

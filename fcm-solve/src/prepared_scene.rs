@@ -4,8 +4,13 @@ use crate::streams;
 use domain::{Comm, Number};
 use io::Scene;
 
-/// The scene with the costs of this machine, and with a calibrated repulsion if it asks for that. Collective.
+/// The scene with the strain of the box in the file that it starts from, the costs of this machine, and with a calibrated
+/// repulsion if it asks for that. Collective.
 pub fn prepared(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
+    let (scene, notes) = io::with_start_file(scene, comm)?;
+    for note in notes {
+        streams::log(format_args!("start      {note}"));
+    }
     let (scene, strength) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
     if let Some(strength) = strength.filter(|_| comm.is_first()) {
         let strength = Number(strength);

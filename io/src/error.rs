@@ -21,6 +21,14 @@ pub enum FileError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A file of a user's that a run can't start from.
+    #[error("can't start from {}: {reason}", path.display())]
+    Start {
+        /// The file.
+        path: PathBuf,
+        /// What was found, what is needed and what to do.
+        reason: String,
+    },
     /// The content is not what was written.
     #[error("{} is damaged: {reason}; restore it from a copy, or move it away", path.display())]
     Damaged {
@@ -38,6 +46,10 @@ impl FileError {
 
     pub(crate) fn read(path: &Path, error: &impl ToString) -> Self {
         Self::Read { path: path.to_owned(), reason: in_plain_words(&error.to_string()) }
+    }
+
+    pub(crate) fn start(path: &Path, error: &impl ToString) -> Self {
+        Self::Start { path: path.to_owned(), reason: in_plain_words(&error.to_string()) }
     }
 
     pub(crate) fn damaged(path: &Path, error: &impl ToString) -> Self {

@@ -37,7 +37,6 @@ mod provenance;
 mod report;
 mod run;
 mod scene;
-mod scene_history;
 mod series;
 mod tables;
 mod text;
@@ -51,7 +50,7 @@ pub use case::{
     OneOrAll, Terms, UnknownBoundary, UnknownMethod,
 };
 pub use causes::in_full;
-pub use checkpoint::{Checkpoints, Latest, SceneRecord};
+pub use checkpoint::Checkpoints;
 pub use contacts::{RecordedContacts, drop_contacts_after, write_contacts};
 pub use contents::{Contents, DatasetShape, FrameSpan};
 pub use error::FileError;
@@ -60,16 +59,16 @@ pub use fields::{drop_fields_after, write_field};
 pub use frames::Damage;
 pub use manifest::{MANIFEST, Manifest, Obstacles};
 pub use missing_steps::MissingSteps;
-pub use positions::read_positions;
+pub use positions::{FileBox, StartFile, StartSource, TakenFrame};
 pub use provenance::Provenance;
 pub use report::{ReportError, write_report};
 pub use run::{
-    ExistingRun, Listener, Recorder, Resumption, RunError, RunFolder, Trial, WholeScene, check_memory, keep_costs,
-    kept_costs, on_this_machine, outline, provenance, resume, start, start_positions, trial, with_least_repulsion,
+    ExistingRun, Listener, Recorder, RunError, RunFolder, Trial, WholeScene, check_memory, keep_costs, kept_costs,
+    on_this_machine, outline, provenance, resume, start, start_positions, trial, with_least_repulsion, with_start_file,
 };
 pub use scene::{
-    ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneChange, SceneError, ShearCellScene,
-    SuspensionScene, TEMPLATES, Template, Time, check_accepted, scene_schema, some_of,
+    ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,
+    TEMPLATES, Template, Time, scene_schema,
 };
 pub use series::Series;
 pub use tables::{read_rows, write_tables};

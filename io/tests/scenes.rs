@@ -2,7 +2,7 @@
 
 #![allow(clippy::float_cmp, reason = "numbers of a file are those of the scene")]
 
-use io::{Kind, Scene, SuspensionScene};
+use io::{Kind, Scene, StartSource, SuspensionScene};
 use simulation::Schedule;
 use std::path::{Path, PathBuf};
 use suspension::Start;
@@ -79,7 +79,11 @@ fn overrides_reach_the_scene_and_its_text() {
 fn paths_start_from_the_folder_of_the_scene() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
     for (overrides, path) in [(&[][..], "start.csv"), (&["particles.path=a/b.csv"], "a/b.csv")] {
-        assert_eq!(suspension(&good("from-file.toml", overrides)).start, Some(folder.join(path)));
+        let scene = good("from-file.toml", overrides);
+        let expected = Some(StartSource::last(folder.join(path)));
+        assert_eq!(suspension(&scene).start, expected);
+        let changed = scene.with("another seed", &["seed=3".to_owned()]).unwrap();
+        assert_eq!((&suspension(&changed).start, changed.kind().seed()), (&expected, 3));
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::own_loads::Raised;
 use crate::signals::Signals;
 use domain::Comm;
-use io::{ExistingRun, Recorder, Resumption, RunError, RunFolder, Scene};
+use io::{Checkpoints, ExistingRun, Recorder, RunError, RunFolder, Scene};
 use pyo3::prelude::*;
 use simulation::Simulation;
 use std::path::Path;
@@ -41,24 +41,26 @@ impl Run {
     pub fn start(scene: Scene, folder: Option<(&Path, ExistingRun)>, comm: &Comm) -> Result<Self, RunError> {
         let claim = |(path, former)| RunFolder::claim(path, comm, former);
         let folder = comm.agree(folder.map(claim).transpose().map_err(|cause| io::in_full(&cause)))?;
+        let (scene, _) = io::with_start_file(scene, comm)?;
         let (scene, _) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
         let simulation = io::start(&scene, comm, &mut |_| ())?;
         Ok(Self::of(simulation, scene, folder.map_or(Output::Nowhere, Output::Folder)))
     }
 
-    /// The run of a folder, from its last checkpoint; with what is to be said of damaged checkpoints and changed keys.
+    /// The run of a folder, from its last checkpoint; with what is to be said of checkpoints that are damaged.
     /// Collective.
-    pub fn resume(path: &Path, accepted: &[String], comm: &Comm) -> Result<(Self, Vec<String>), RunError> {
+    pub fn resume(path: &Path, comm: &Comm) -> Result<(Self, Vec<String>), RunError> {
         let folder = comm.agree(RunFolder::reopen(path, comm).map_err(|cause| io::in_full(&cause)))?;
         let read = if comm.is_first() { Scene::read(&folder.scene(), &[]).map(Some) } else { Ok(None) };
         let read = comm.agree(read)?;
         let name = folder.scene().display().to_string();
         let text = comm.broadcast_text(read.as_ref().map_or("", Scene::text));
         let scene = read.map_or_else(|| Scene::parse(&text, &name, &[]), Ok)?;
-        let mut resumption = Resumption::of(folder, scene, accepted, comm)?;
-        let notes = resumption.damaged().iter().chain(resumption.notes()).cloned().collect();
-        let mut simulation = resumption.simulation(comm)?;
-        let (recorder, scene) = resumption.record(&mut *simulation)?;
+        let (state, damaged) = Checkpoints::of(path).latest(comm)?;
+        let say = |error| format!("{error}; going on from the checkpoint before");
+        let notes = damaged.iter().map(say).collect();
+        let mut simulation = io::resume(&scene, Some(state), comm)?;
+        let recorder = Recorder::resume(folder, &scene, &mut *simulation)?;
         Ok((Self::of(simulation, scene, Output::Files(recorder)), notes))
     }
 

@@ -123,7 +123,7 @@ pub fn largest_strain(model: &Model) -> f64 {
         return extension.extremes().strain;
     }
     let shears = matches!(model.flow, Flow::Shear { lees_edwards: true, .. });
-    if shears { 0.5 * edges.x / edges.y } else { 0.0 }
+    if shears { 0.5 * edges.x / edges.y } else { model.cell.strain().abs() }
 }
 
 /// What the scene says of the plan.

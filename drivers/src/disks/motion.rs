@@ -191,6 +191,7 @@ mod tests {
             viscosity: 1.0 / (6.0 * PI),
             profile: Flow::Poiseuille { peak: 2.0 }.profile(10.0),
             gear: Gear::FiveValue,
+            start_strain: 0.0,
             dt: 1.0,
             steps: None,
         };

@@ -27,6 +27,8 @@ pub struct Preparation {
 pub struct Parameters {
     /// Periods along the flow (x) and the gradient (y).
     pub edges: [f64; 2],
+    /// Strain of the lattice of images at the start, of disks that come from a sheared box.
+    pub strain: f64,
     /// Fraction of the area that disks cover.
     pub area_fraction: f64,
     /// The distribution of radii.
@@ -61,6 +63,7 @@ impl Default for Parameters {
             Preparation { restitution: 0.1, settled: 20.0, mixed: 100.0, gear: Gear::FourValue, time_step: 0.15 };
         Self {
             edges: [100.0; 2],
+            strain: 0.0,
             area_fraction: 0.6,
             sizes: Sizes::bidisperse(4.0, 0.05),
             length_unit: LengthUnit::Mean,
@@ -100,6 +103,7 @@ impl Model {
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
+        require(p.strain.is_finite(), "box.strain", &p.strain, "a finite number")?;
         let covers = p.area_fraction > 0.0 && p.area_fraction <= 0.84;
         require(
             covers,
@@ -256,6 +260,7 @@ impl Model {
             viscosity: 0.0,
             profile: Flow::Still.profile(height),
             gear: p.preparation.gear,
+            start_strain: 0.0,
             dt: p.preparation.time_step,
             steps,
         };
@@ -268,6 +273,7 @@ impl Model {
                 viscosity: p.viscosity,
                 profile: p.flow.profile(height),
                 gear: p.gear,
+                start_strain: p.strain,
                 dt: p.time_step,
                 steps: None,
             },

@@ -209,7 +209,7 @@ impl Disks {
 
 /// Two disks at one point exert no force on each other.
 fn check_places(model: &Model, particles: &Particles) -> Result<(), ParameterError> {
-    let cell = model.cell(0.0);
+    let cell = model.cell(model.parameters().strain);
     let mut places: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();
     places.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     match places.windows(2).find(|pair| pair[0] == pair[1]) {

@@ -34,6 +34,8 @@ pub(super) struct Law {
     pub(super) viscosity: f64,
     pub(super) profile: Profile,
     pub(super) gear: Gear,
+    /// Strain of the lattice before the first step.
+    pub(super) start_strain: f64,
     pub(super) dt: f64,
     /// How long the stage lasts; the last has no end.
     pub(super) steps: Option<u64>,
@@ -58,6 +60,11 @@ impl Law {
 
     /// Strain of the lattice after `step` steps.
     pub(super) fn strain(&self, step: u64) -> f64 {
-        self.profile.lattice_rate * self.dt * step as f64
+        self.start_strain + self.strain_in(step)
+    }
+
+    /// What a number of steps adds to it.
+    pub(super) fn strain_in(&self, steps: u64) -> f64 {
+        self.profile.lattice_rate * self.dt * steps as f64
     }
 }

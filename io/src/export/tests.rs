@@ -49,8 +49,8 @@ fn extended_xyz_has_all_digits() {
          0 0.1 2.0 3.0 0.5 0 0.0 0.0 0.0\n1 5.0 1.5 4.0 1e-5 1 1.0 0.0 0.0\n"
     );
     assert_eq!(String::from_utf8(content).unwrap(), expected);
-    let placed = crate::read_positions(&folder.path().join("out.xyz")).unwrap();
-    assert_eq!((placed.radii, placed.species), (Some(vec![0.5, 1e-5]), Some(vec![0, 1])), "a run can start from it");
+    let placed = crate::StartSource::last(folder.path().join("out.xyz")).read().unwrap();
+    assert_eq!((placed.radii, placed.frame.count), (Some(vec![0.5, 1e-5]), 2), "a run can start from it");
 }
 
 #[test]

@@ -206,7 +206,7 @@ impl Stored {
 }
 
 /// A frame of a dataset of so many dimensions, as a block of length 1.
-pub(super) fn one_of(frame: usize, dimensions: usize) -> Selection {
+pub(crate) fn one_of(frame: usize, dimensions: usize) -> Selection {
     let all = SliceOrIndex::Unlimited { start: 0, step: 1, block: 1 };
     let mut slices = vec![all; dimensions];
     slices[0] = SliceOrIndex::SliceCount { start: frame, step: 1, count: 1, block: 1 };

@@ -14,7 +14,7 @@ mod open;
 mod sums;
 
 use crate::{FileError, atomic_file, atomic_hdf5};
-pub(crate) use element::{Added, Element, Values, group};
+pub(crate) use element::{Added, Element, Values, group, one_of};
 use hdf5::File;
 use open::Open;
 use std::path::{Path, PathBuf};
@@ -111,11 +111,6 @@ impl Frames {
     /// The same with values that may come block by block.
     pub(crate) fn append_blocks(&mut self, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
         self.attempt(|open| open.append(clock, values, None))
-    }
-
-    /// Writes something else into the file.
-    pub(crate) fn write(&mut self, write: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
-        self.attempt(|open| write(open.file()))
     }
 
     /// Waits until all frames so far are on the disk.

@@ -1,50 +1,148 @@
-//! Reading positions from files.
+//! Positions to start from, as files of this program and of others have them.
 
+mod file_box;
+mod fit;
+mod frame;
 mod hdf5_file;
-mod table;
+mod order;
+mod run_folder;
+mod species;
+mod text;
 
 use crate::FileError;
-use domain::GivenPositions;
-use std::path::Path;
+use domain::{Number, Vector};
+pub use file_box::FileBox;
+pub(crate) use fit::{Fitted, disks, spheres, strain_for_disks, strain_for_spheres};
+use species::Kinds;
+use std::fmt::{Display, Formatter};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
-/// Reads positions: a CSV file with the columns `x`, `y`, `z` and perhaps `radius` and `species`; extended XYZ with
-/// `pos` and perhaps `radius` and `species` among its properties; HDF5 with `positions` and perhaps `radii` and
-/// `species`, or in the H5MD format; or the last frame of a former run, by its folder.
-pub fn read_positions(path: &Path) -> Result<GivenPositions, FileError> {
-    if path.is_dir() {
-        return read_positions(&path.join("trajectory.h5"));
-    }
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    let read_text = || std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e));
-    let damaged = |reason: String| FileError::damaged(path, &reason);
-    let mut placed = match extension.as_str() {
-        "csv" => table::csv(&read_text()?).map_err(damaged),
-        "xyz" | "extxyz" => table::extended_xyz(&read_text()?).map_err(damaged),
-        "h5" | "hdf5" => hdf5_file::read(path),
-        _ => Err(FileError::read(path, &"positions are read from .csv, .xyz, .extxyz, .h5, .hdf5 or a run's folder")),
-    }?;
-    check(&placed).map_err(damaged)?;
-    placed.name = path.display().to_string();
-    Ok(placed)
+/// A file or a run's folder to start from, and which of its frames and groups of particles.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StartSource {
+    /// The file or the folder.
+    pub path: PathBuf,
+    /// The frame, from 0, or from the end if it is negative; the last where there is none.
+    pub frame: Option<i64>,
+    /// The group of particles of an H5MD file; the only one where there is none.
+    pub group: Option<String>,
 }
 
-/// Every particle needs a position, and a radius and a species if the file has these.
-fn check(placed: &GivenPositions) -> Result<(), String> {
-    let count = placed.positions.len();
-    let lists = [("radii", placed.radii.as_ref().map(Vec::len)), ("species", placed.species.as_ref().map(Vec::len))];
+/// What a file says of the particles in one of its frames. All lists have an entry for each particle.
+#[derive(Debug, Clone, Default)]
+pub struct StartFile {
+    /// Positions, in or outside the box.
+    pub positions: Vec<Vector>,
+    /// Lattice vectors to add to each position.
+    images: Option<Vec<[i32; 3]>>,
+    /// Radii.
+    pub radii: Option<Vec<f64>>,
+    species: Option<Kinds>,
+    /// Numbers by which particles are told apart, in any order.
+    ids: Option<Vec<u64>>,
+    /// The box.
+    pub cell: Option<FileBox>,
+    /// The frame.
+    pub frame: TakenFrame,
+}
+
+/// The frame that was read.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct TakenFrame {
+    /// Its place among the frames, from 0.
+    pub number: usize,
+    /// Frames of the file.
+    pub count: usize,
+    /// Its step, if the file says it.
+    pub step: Option<i64>,
+    /// Its time, if the file says it.
+    pub time: Option<f64>,
+}
+
+impl StartSource {
+    /// The last frame of a file or of a run's folder.
+    pub fn last(path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into(), frame: None, group: None }
+    }
+
+    /// Reads CSV with a line of names; XYZ, plain or extended; dumps of LAMMPS; HDF5 with a dataset `positions`, or in the
+    /// H5MD format; or a frame of a former run, by its folder.
+    pub fn read(&self) -> Result<StartFile, FileError> {
+        let read = self.read_any()?;
+        check(&read).map_err(|reason| FileError::start(&self.path, &reason))?;
+        Ok(read)
+    }
+
+    fn read_any(&self) -> Result<StartFile, FileError> {
+        let path = &self.path;
+        let unfit = |reason: String| FileError::start(path, &reason);
+        if path.is_dir() {
+            return run_folder::read(self);
+        }
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        let is_hdf5 = matches!(extension.as_str(), "h5" | "hdf5" | "h5md");
+        if !is_hdf5 && self.group.is_some() {
+            return Err(unfit("particles.group goes with H5MD files only; leave it out".to_owned()));
+        }
+        match extension.as_str() {
+            _ if is_hdf5 => hdf5_file::read(self),
+            "csv" | "tsv" => text::csv(&self.text()?, self.frame).map_err(unfit),
+            "xyz" | "extxyz" => text::xyz(&self.text()?, self.frame).map_err(unfit),
+            _ if begins_as_dump(path).map_err(|e| FileError::read(path, &e))? => {
+                text::lammps(&self.text()?, self.frame).map_err(unfit)
+            }
+            _ => Err(unfit(OTHER.to_owned())),
+        }
+    }
+
+    /// The text of the file: UTF-8, or UTF-16 with a mark of the order of its bytes.
+    fn text(&self) -> Result<String, FileError> {
+        let bytes = std::fs::read(&self.path).map_err(|e| FileError::read(&self.path, &e))?;
+        text::decoded(bytes).map_err(|reason| FileError::start(&self.path, &reason))
+    }
+}
+
+const OTHER: &str = "its name has another ending than .csv, .tsv, .xyz, .extxyz, .h5, .hdf5 or .h5md, and it does not \
+                     begin with ITEM: as dumps of LAMMPS do; name such a file, or the folder of a run";
+
+fn begins_as_dump(path: &Path) -> std::io::Result<bool> {
+    let mut start = Vec::new();
+    File::open(path)?.take(5).read_to_end(&mut start)?;
+    Ok(start == b"ITEM:")
+}
+
+/// Every particle needs a position, and a radius, a species and an id if any has these.
+fn check(file: &StartFile) -> Result<(), String> {
+    let count = file.positions.len();
+    let lists = [
+        ("radii", file.radii.as_ref().map(Vec::len)),
+        ("species", file.species.as_ref().map(Kinds::len)),
+        ("ids", file.ids.as_ref().map(Vec::len)),
+        ("images", file.images.as_ref().map(Vec::len)),
+    ];
     if let Some((name, Some(found))) = lists.into_iter().find(|(_, found)| found.is_some_and(|n| n != count)) {
         return Err(format!("it has {count} positions, but {found} {name}; it needs one for each"));
     }
     if count == 0 {
         return Err("it has no positions".to_owned());
     }
-    if let Some(row) = placed.positions.iter().position(|p| !p.is_finite()) {
-        return Err(format!("position {row} is {}; it needs finite numbers", placed.positions[row]));
+    if let Some(row) = file.positions.iter().position(|p| !p.is_finite()) {
+        return Err(format!("position {row} is {}; it needs finite numbers", file.positions[row]));
     }
-    let radii = placed.radii.as_deref().unwrap_or_default();
+    let radii = file.radii.as_deref().unwrap_or_default();
     match radii.iter().position(|&r| !(r > 0.0 && r.is_finite())) {
         Some(row) => Err(format!("radius {row} is {}; it needs to be a finite number above 0", radii[row])),
         None => Ok(()),
+    }
+}
+
+impl Display for TakenFrame {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "frame {} (of {}, from 0)", self.number, self.count)?;
+        self.step.map_or(Ok(()), |step| write!(f, ", step {step}"))?;
+        self.time.map_or(Ok(()), |time| write!(f, ", time {:.6}", Number(time)))
     }
 }
 

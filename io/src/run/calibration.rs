@@ -15,5 +15,5 @@ pub fn with_least_repulsion(scene: Scene, comm: &Comm) -> Result<(Scene, Option<
     let places = start_positions(checked, comm)?;
     let Some(strength) = least_repulsion(&checked.model, places.as_ref(), comm)? else { return Ok((scene, None)) };
     let overrides = [format!("repulsion.strength={strength:e}"), "repulsion.calibrate=false".to_owned()];
-    Ok((Scene::parse(scene.text(), "the scene with its repulsion", &overrides)?, Some(strength)))
+    Ok((scene.with("its repulsion", &overrides)?, Some(strength)))
 }

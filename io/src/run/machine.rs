@@ -67,5 +67,5 @@ pub fn on_this_machine(scene: Scene, comm: &Comm) -> Result<Scene, RunError> {
     let Costs { stencils, transforms, pairs } = costs;
     let key =
         format!("hydrodynamics.costs={{ stencils = {stencils:.3}, transforms = {transforms:.3}, pairs = {pairs:.3} }}");
-    Ok(Scene::parse(scene.text(), "the scene with the costs of this machine", &[key])?)
+    Ok(scene.with("the costs of this machine", &[key])?)
 }

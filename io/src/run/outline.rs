@@ -23,7 +23,7 @@ pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunErr
         }
         Kind::GranularDisks(scene) => {
             // A file that can't be read is found here as it is at the start of a run.
-            start::read(scene.start.as_deref(), comm)?;
+            start::disk_positions(scene, comm)?;
             of_disks(scene)
         }
         Kind::ShearCell(scene) => with_cost(scene.experiment.outline(), cell_seconds(scene)),
@@ -34,8 +34,9 @@ pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunErr
 
 fn of_disks(scene: &GranularDisksScene) -> Outline {
     let mut outline = drivers::disks::outline(&scene.model, scene.time.steps);
-    if let Some(path) = &scene.start {
-        outline = outline.line("start", format_args!("from {}, whose disks take the place of these", path.display()));
+    if let Some(start) = &scene.start {
+        outline =
+            outline.line("start", format_args!("from {}, whose disks take the place of these", start.path.display()));
     }
     if let Some(sweep) = &scene.sweep {
         outline = outline.line("sweep", cases(sweep)).value("runs", sweep.cases().len());

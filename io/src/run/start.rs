@@ -2,12 +2,13 @@
 
 use super::RunError;
 use super::memory::check_memory;
-use crate::{GranularDisksScene, Kind, Scene, SuspensionScene, read_positions};
+use super::start_file;
+use crate::positions::Fitted;
+use crate::{FileError, GranularDisksScene, Kind, Scene, SuspensionScene};
 use domain::{Comm, GivenPositions};
 use drivers::disks::{Course, DiskRun};
 use drivers::shear_cell::CellRun;
 use simulation::{Simulation, State};
-use std::path::Path;
 use suspension::Observed;
 
 /// The simulation of a scene at its start. `tell` is called now and then with the part of the preparation that is done.
@@ -17,7 +18,7 @@ pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Bo
     Ok(match scene.kind() {
         Kind::Suspension(scene) => Box::new(Observed::start(&scene.model, start_positions(scene, comm)?, comm)?),
         Kind::GranularDisks(scene) => {
-            let placed = read(scene.start.as_deref(), comm)?;
+            let placed = disk_positions(scene, comm)?;
             Box::new(DiskRun::start(&scene.model, course(scene), placed.as_ref(), (comm, tell))?)
         }
         Kind::ShearCell(scene) => Box::new(CellRun::start(&scene.experiment, comm, tell)?),
@@ -41,13 +42,20 @@ pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dy
 
 /// The positions of a scene's spheres at the start, if they are read from a file; on the first rank. Collective.
 pub fn start_positions(scene: &SuspensionScene, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
-    read(scene.start.as_deref(), comm)
+    on_first(comm, || start_file::of_spheres(scene))
 }
 
-/// What a file says of the start, on the first rank. Collective.
-pub(super) fn read(path: Option<&Path>, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
-    let path = path.filter(|_| comm.is_first());
-    Ok(comm.agree(path.map(read_positions).transpose())?)
+/// The places of a scene's disks at the start, likewise. Collective.
+pub(super) fn disk_positions(scene: &GranularDisksScene, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
+    on_first(comm, || start_file::of_disks(scene))
+}
+
+fn on_first(
+    comm: &Comm,
+    read: impl FnOnce() -> Result<Option<Fitted>, FileError>,
+) -> Result<Option<GivenPositions>, RunError> {
+    let read = if comm.is_first() { read() } else { Ok(None) };
+    Ok(comm.agree(read)?.map(|fitted| fitted.given))
 }
 
 fn course(scene: &GranularDisksScene) -> Course {

@@ -1,32 +1,28 @@
 //! Scenes: the files that say what to compute.
 
-mod changes;
 mod checks;
 mod differences;
 mod error;
 mod granular_disks;
-mod kept_paths;
 mod overrides;
 mod schema;
 mod shear_cell;
 mod shear_cell_continuum;
+mod start_box;
 mod suspension;
 mod template;
 mod time_and_output;
 
 pub use self::suspension::SuspensionScene;
 use crate::document::{Node, excerpt, known};
-pub(crate) use changes::{Rule, is_none, rule};
-pub use changes::{SceneChange, check_accepted, some_of};
 pub use differences::Difference;
-pub(crate) use differences::differences_of;
 pub use error::SceneError;
 use error::{Explain, Fault};
 pub use granular_disks::GranularDisksScene;
 pub use schema::scene_schema;
 pub use shear_cell::ShearCellScene;
 pub use shear_cell_continuum::ContinuumScene;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 pub use template::{TEMPLATES, Template};
 pub use time_and_output::{Output, Time};
 
@@ -35,6 +31,7 @@ pub use time_and_output::{Output, Time};
 #[derive(Debug)]
 pub struct Scene {
     text: String,
+    folder: PathBuf,
     kind: Kind,
 }
 
@@ -67,16 +64,31 @@ impl Scene {
 
     /// Checks the text of a scene. `name` is the file's, for messages and as the place that paths start from.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+        Self::parse_in(Path::new(name).parent().unwrap_or(Path::new("")), text, name, overrides)
+    }
+
+    /// The same scene with keys that are set for a purpose, for messages; its paths are still relative to the folder that it
+    /// is from.
+    pub fn with(&self, purpose: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        Self::parse_in(&self.folder, &self.text, &format!("the scene with {purpose}"), overrides)
+    }
+
+    fn parse_in(folder: &Path, text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         let explain = Explain { text, written: None, name, overrides: &[] };
         let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
         let explain = Explain { written: Some(&written), overrides, ..explain };
-        if overrides.is_empty() {
-            return Reading { document: &written, folder, explain }.scene(text);
+        let set = |text: &str, keys: &[String]| {
+            let text = overrides::apply(text, keys).map_err(|message| SceneError::Override { message })?;
+            let document = Node::of_toml(&text).map_err(|error| explain.syntax(&error))?;
+            Ok((text, document))
+        };
+        let mut changed = if overrides.is_empty() { None } else { Some(set(text, overrides)?) };
+        let document = changed.as_ref().map_or(&written, |(_, document)| document);
+        if let Some(edges) = start_box::missing_edges(document, folder).map_err(|fault| explain.fault(&fault))? {
+            changed = Some(set(changed.as_ref().map_or(text, |(text, _)| text), &[edges])?);
         }
-        let text = overrides::apply(text, overrides).map_err(|message| SceneError::Override { message })?;
-        let document = Node::of_toml(&text).map_err(|error| explain.syntax(&error))?;
-        Reading { document: &document, folder, explain }.scene(&text)
+        let (text, document) = changed.as_ref().map_or((text, &written), |(text, document)| (text.as_str(), document));
+        Reading { document, folder, explain }.scene(text)
     }
 
     /// The scene as TOML, with the overrides in it: what to keep with the results.
@@ -112,8 +124,7 @@ impl Reading<'_> {
                 return Err(self.explain.fault(&Fault::new("kind", message)));
             }
         };
-        let text = kept_paths::with_absolute_paths(text, self.folder).unwrap_or_else(|| text.to_owned());
-        Ok(Scene { text, kind })
+        Ok(Scene { text: text.to_owned(), folder: self.folder.to_owned(), kind })
     }
 
     /// The file's keys, then what they mean.

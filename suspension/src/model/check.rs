@@ -22,6 +22,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     ParameterError::unless_finite_vector("gravity.acceleration", p.user_axes().vector(p.gravity))?;
     p.start.check(p)?;
     check_boundaries(p)?;
+    check_strain(p)?;
     check_flow(p)?;
     p.repulsion.as_ref().map_or(Ok(()), |repulsion| check_repulsion(repulsion, p))?;
     p.attraction.as_ref().map_or(Ok(()), |attraction| attraction.check(p))?;
@@ -123,6 +124,20 @@ fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
         }
         None => Ok(()),
     }
+}
+
+/// Only a box that repeats along all axes starts with a strain, and one that shears with the flow if there is one.
+fn check_strain(p: &Parameters) -> Result<(), ParameterError> {
+    let strain = if p.cell.axes().is_none() { p.cell.strain() } else { 0.0 };
+    let is_possible = matches!(p.flow, Flow::None | Flow::Shear { lees_edwards: true, .. });
+    if strain == 0.0 || is_possible {
+        return Ok(());
+    }
+    let message = format!(
+        "is {}, but a box with a strain stays as it is without a flow, or shears with it; this one can't",
+        Number(strain)
+    );
+    Err(ParameterError::new("box.strain", message))
 }
 
 /// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which

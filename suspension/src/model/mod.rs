@@ -42,7 +42,7 @@ pub use traps::{Centres, Trapped, Traps};
 pub struct Parameters {
     /// Where random numbers start.
     pub seed: u64,
-    /// The box, not sheared yet; in an extension that of [`Extension::cell`], unless the fluid is open.
+    /// The box, at the strain with which it starts; in an extension that of [`Extension::cell`], unless the fluid is open.
     pub cell: PeriodicBox,
     /// From the axes of whoever gave the parameters, and looks at the run, to those of the box, in which all vectors here are; see
     /// [`Parameters::turned`].

@@ -89,7 +89,7 @@ pub(super) struct List {
 impl List {
     /// The positions of images at a step.
     fn images(&self, law: &Law, step: u64) -> Images {
-        let strain = self.strain + law.strain(step - self.born);
+        let strain = self.strain + law.strain_in(step - self.born);
         Images { edges: self.edges, strain, rate: law.profile.lattice_rate }
     }
 

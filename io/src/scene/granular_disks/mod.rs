@@ -5,11 +5,12 @@ mod raw;
 use super::checks::rows;
 use super::error::Fault;
 use super::time_and_output::{MOST_STEPS, Output, Time, steps_in};
+use crate::StartSource;
 use domain::Number;
 use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species, Sweep};
 pub(super) use raw::Raw;
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A checked scene of granular disks; only [`Scene`](super::Scene) makes one.
 #[derive(Debug)]
@@ -20,7 +21,9 @@ pub struct GranularDisksScene {
     /// The disks, what moves them and their seed. Those of a file bring sizes of their own.
     pub model: Model,
     /// The file that the disks' places come from; at random where there is none.
-    pub start: Option<PathBuf>,
+    pub start: Option<StartSource>,
+    /// The strain of the box at the start, if the scene says it; by default it is that of the file's.
+    pub strain: Option<f64>,
     /// Strips over the height in the profile.
     pub profile_strips: usize,
     /// The runs to make instead of a single one.
@@ -52,7 +55,8 @@ impl GranularDisksScene {
         Ok(Self {
             title: raw.title.clone().unwrap_or_default(),
             sweep: raw.sweep.as_ref().map(|sweep| self::sweep(sweep, raw, (&model, &time))).transpose()?,
-            start: raw.particles.path.as_ref().map(|path| folder.join(path)),
+            start: start(&raw.particles, folder)?,
+            strain: strain(raw)?,
             model,
             profile_strips,
             time,
@@ -61,10 +65,35 @@ impl GranularDisksScene {
     }
 }
 
+/// The file that disks come from.
+fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, Fault> {
+    for (name, is_set) in [("frame", raw.frame.is_some()), ("group", raw.group.is_some())] {
+        if is_set && raw.path.is_none() {
+            let message = "goes with particles.path only; leave it out, or name a file";
+            return Err(Fault::new(format!("particles.{name}"), message));
+        }
+    }
+    let source = |path| StartSource { path: folder.join(path), frame: raw.frame, group: raw.group.clone() };
+    Ok(raw.path.as_ref().map(source))
+}
+
+/// The strain of the box that the scene says.
+fn strain(raw: &Raw) -> Result<Option<f64>, Fault> {
+    match raw.cell.strain {
+        Some(_) if raw.particles.path.is_none() => {
+            let message =
+                "is that of a box that disks of a file were in; name that file by particles.path, or leave it out";
+            Err(Fault::new("box.strain", message))
+        }
+        strain => Ok(strain),
+    }
+}
+
 fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
     let usual = Parameters::default();
     Ok(Parameters {
         edges: raw.cell.edges,
+        strain: raw.cell.strain.unwrap_or(usual.strain),
         area_fraction: area_fraction(raw)?,
         sizes: sizes(raw)?,
         length_unit: raw.particles.length_unit.map_or(usual.length_unit, Into::into),

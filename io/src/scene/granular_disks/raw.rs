@@ -48,6 +48,8 @@ pub(in crate::scene) struct Raw {
 pub(super) struct Box {
     /// Edges along the flow (x) and the gradient (y).
     pub(super) edges: [f64; 2],
+    /// Strain of the box at the start, of disks that come from a sheared box; that of the file's box by default.
+    pub(super) strain: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -98,6 +100,10 @@ pub(super) struct Particles {
     pub(super) mass_exponent: Option<i32>,
     /// Disks from a file, instead of `area_fraction`.
     pub(super) path: Option<PathBuf>,
+    /// Which frame of the file: its number, from 0, or from the end if negative; the last by default.
+    pub(super) frame: Option<i64>,
+    /// Which group of particles of an H5MD file; the only one by default.
+    pub(super) group: Option<String>,
 }
 
 #[derive(Deserialize, JsonSchema)]

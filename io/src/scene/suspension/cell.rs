@@ -5,7 +5,7 @@ use super::{Fault, flow};
 use crate::CaseBoundary;
 use crate::case::boundaries_of;
 use crate::scene::checks::positive;
-use domain::{Boundaries, PeriodicBox, Turn, Vector};
+use domain::{Boundaries, Number, PeriodicBox, Turn, Vector};
 
 /// Radii of the largest sphere around those that a scene says nothing of the places of.
 const SOMEWHERE: f64 = 10.0;
@@ -18,16 +18,43 @@ pub fn cell(raw: &Raw) -> Result<(PeriodicBox, Turn), Fault> {
     let extension = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind));
     match (extension, boundaries) {
         (None, _) | (Some(_), Boundaries::Open) => {}
-        (Some(extension), Boundaries::Periodic) => return Ok((extension.cell(edges)?, turn)),
+        (Some(extension), Boundaries::Periodic) => {
+            if raw.cell.strain.is_some() {
+                let message = "is set, but the box of an extension starts as that flow needs it; leave it out";
+                return Err(Fault::new("box.strain", message));
+            }
+            return Ok((extension.cell(edges)?, turn));
+        }
         (Some(_), _) => {
             let message = "has walls or an open axis, but an extension needs a box that repeats along all axes, or fluid that is \
                            open along all; leave it out";
             return Err(Fault::new("box.boundaries", message));
         }
     }
-    let cell = PeriodicBox::new(edges).map_err(|e| Fault::new("box.edges", e.to_string()))?;
+    let strain = strain(raw, boundaries)?;
+    let cell = PeriodicBox::sheared(edges, strain).map_err(|e| Fault::new("box.edges", e.to_string()))?;
     let cell = cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))?;
     Ok((cell, turn))
+}
+
+/// The largest strain that a box may start with, as the largest of a run.
+const MAX_STRAIN: f64 = 1e9;
+
+/// The strain of the box at the start.
+fn strain(raw: &Raw, boundaries: Boundaries) -> Result<f64, Fault> {
+    let Some(strain) = raw.cell.strain else { return Ok(0.0) };
+    let refused = |message: &str| Err(Fault::new("box.strain", message));
+    if !matches!(raw.particles.initial, raw::Initial::File | raw::Initial::Positions) {
+        return refused("goes with particles.initial = \"file\" or \"positions\" only; leave it out or change that");
+    }
+    if boundaries != Boundaries::Periodic {
+        return refused("is set, but only a box that repeats along all axes is sheared; leave it out");
+    }
+    let is_possible = strain.abs() <= MAX_STRAIN;
+    if !is_possible {
+        return refused(&format!("is {}; it needs to be a number from -{MAX_STRAIN} to {MAX_STRAIN}", Number(strain)));
+    }
+    Ok(strain)
 }
 
 fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
@@ -46,8 +73,8 @@ fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
         }
         None if boundaries == Boundaries::Open && !starts_in_box => Ok(around(raw)),
         None => {
-            let message =
-                "are missing; only spheres in open fluid that start as a cloud, at positions or from a file need none";
+            let message = "are missing; only spheres in open fluid that start as a cloud, at positions or from a file need none, \
+                           and spheres from a file that has a box";
             Err(Fault::new("box.edges", message))
         }
     }

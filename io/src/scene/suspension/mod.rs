@@ -10,12 +10,13 @@ mod tethers;
 
 use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
+use crate::StartSource;
 use crate::document::NumberOr;
 use domain::{Boundaries, PeriodicBox, Turn, Vector};
 pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use suspension::{
     Adaptive, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start,
     StatisticsWanted,
@@ -30,7 +31,9 @@ pub struct SuspensionScene {
     /// The suspension.
     pub model: Model,
     /// The file or former run that says where the spheres are at first, if the model has them brought.
-    pub start: Option<PathBuf>,
+    pub start: Option<StartSource>,
+    /// The strain of the box at the start, if the scene says it; by default it is that of the file's.
+    pub strain: Option<f64>,
     /// Time step and number of steps.
     pub time: Time,
     /// What is written, where and when.
@@ -46,7 +49,7 @@ impl SuspensionScene {
         check_contacts(&raw)?;
         let output = output(raw.output, time.steps);
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
-        let (start, path) = start(&raw.particles)?;
+        let (start, source) = start(&raw.particles, folder)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
         let shears = cell.boundaries() == Boundaries::Periodic;
         let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step), shears)?;
@@ -78,7 +81,8 @@ impl SuspensionScene {
         Ok(Self {
             title: raw.title.unwrap_or_default(),
             model: Model::new(if gap_is_given { parameters } else { parameters.apart_by_roughness() })?,
-            start: path.map(|path| folder.join(path)),
+            start: source,
+            strain: raw.cell.strain,
             time,
             output,
         })
@@ -103,7 +107,7 @@ fn room(raw: &Raw, cell: &PeriodicBox) -> f64 {
 }
 
 /// Where the spheres start, and the file that says so.
-fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
+fn start(raw: &raw::Particles, folder: &Path) -> Result<(Start, Option<StartSource>), Fault> {
     use raw::Initial::{Cloud, File, Lattice, Positions, Random};
     let of_gap = if raw.initial == Cloud { Cloud } else { Random };
     let belongs = [
@@ -111,6 +115,8 @@ fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
         ("radius", raw.radius.is_some(), Cloud, "cloud"),
         ("lattice", raw.lattice.is_some(), Lattice, "lattice"),
         ("path", raw.path.is_some(), File, "file"),
+        ("frame", raw.frame.is_some(), File, "file"),
+        ("group", raw.group.is_some(), File, "file"),
         ("positions", raw.positions.is_some(), Positions, "positions"),
     ];
     for (name, is_set, initial, with) in belongs {
@@ -129,8 +135,9 @@ fn start(raw: &raw::Particles) -> Result<(Start, Option<PathBuf>), Fault> {
         }
         Lattice => Ok((Start::Lattice(raw.lattice.map_or(self::Lattice::SimpleCubic, Into::into)), None)),
         File => {
-            let path = raw.path.clone().ok_or_else(|| missing("path", "name a file or the folder of a former run"))?;
-            Ok((Start::Given, Some(path)))
+            let path = raw.path.as_ref().ok_or_else(|| missing("path", "name a file or the folder of a former run"))?;
+            let source = StartSource { path: folder.join(path), frame: raw.frame, group: raw.group.clone() };
+            Ok((Start::Given, Some(source)))
         }
         Positions => {
             let list = raw.positions.as_ref().ok_or_else(|| missing("positions", "list [x, y, z] for every sphere"))?;

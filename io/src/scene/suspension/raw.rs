@@ -60,6 +60,8 @@ pub(super) struct Box {
     /// Edges along x, y and z; between walls their distance. In open fluid, in which the box follows the spheres, where they start
     /// if they are at random or on a lattice in it, else none.
     pub(super) edges: Option<[f64; 3]>,
+    /// Strain of the box at the start, of spheres that come from a sheared box; that of the file's box by default.
+    pub(super) strain: Option<f64>,
     /// What each axis is: "periodic", which is the default, along all or along two of them; then the third may have "walls", two, at
     /// 0 and at the edge, a "wall", at 0 with open fluid above it, or be "open"; or all are "open".
     pub(super) boundaries: Option<[Boundary; 3]>,
@@ -145,8 +147,12 @@ pub(super) struct Particles {
     pub(super) minimum_gap: Option<f64>,
     /// Which lattice, for "lattice".
     pub(super) lattice: Option<Lattice>,
-    /// A .csv, .xyz or .h5 file, or the folder of a former run, for "file".
+    /// A .csv, .xyz or .h5 file, a dump of LAMMPS, or the folder of a former run, for "file".
     pub(super) path: Option<PathBuf>,
+    /// Which frame of the file: its number, from 0, or from the end if negative; the last by default.
+    pub(super) frame: Option<i64>,
+    /// Which group of particles of an H5MD file; the only one by default.
+    pub(super) group: Option<String>,
     /// Centres, species by species, for "positions".
     pub(super) positions: Option<Vec<[f64; 3]>>,
 }

@@ -1,0 +1,22 @@
+//! Positions in HDF5.
+
+mod array;
+mod element;
+mod flat;
+mod h5md;
+
+use super::{StartFile, StartSource};
+use crate::FileError;
+use hdf5::File;
+
+/// The positions of a file, in the H5MD format if it has a group `particles`.
+pub(super) fn read(source: &StartSource) -> Result<StartFile, FileError> {
+    let path = &source.path;
+    if !path.exists() {
+        return Err(FileError::read(path, &"there is no such file"));
+    }
+    let unfit = |reason: String| FileError::start(path, &reason);
+    let file = File::open(path).map_err(|e| unfit(format!("it is no whole HDF5 file: {e}")))?;
+    let read = if file.group("particles").is_ok() { h5md::read(&file, source) } else { flat::read(&file, source) };
+    read.map_err(unfit)
+}

@@ -1,0 +1,72 @@
+//! The file that a run starts from, and what is taken from it.
+
+use super::RunError;
+use crate::positions::{self, Fitted};
+use crate::{FileError, GranularDisksScene, Kind, Scene, StartFile, StartSource, SuspensionScene};
+use domain::{Comm, GivenPositions};
+
+/// The scene with the strain of the box in the file that it starts from, where the scene says none; and what was read, in
+/// lines for the user, on the first rank. Collective.
+pub fn with_start_file(scene: Scene, comm: &Comm) -> Result<(Scene, Vec<String>), RunError> {
+    let source = match scene.kind() {
+        Kind::Suspension(checked) => checked.start.as_ref(),
+        Kind::GranularDisks(checked) => checked.start.as_ref(),
+        _ => None,
+    };
+    let Some(source) = source else { return Ok((scene, Vec::new())) };
+    let read = if comm.is_first() { taken_strain(&scene, source).map(Some) } else { Ok(None) };
+    let mut strain: Vec<f64> = comm.agree(read)?.flatten().into_iter().collect();
+    comm.broadcast(&mut strain);
+    let scene = match strain[..] {
+        [strain] => scene.with("the strain of the box that it starts from", &[format!("box.strain={strain:?}")])?,
+        _ => scene,
+    };
+    let notes = if comm.is_first() { notes(&scene).map(Some) } else { Ok(None) };
+    Ok((scene, comm.agree(notes)?.unwrap_or_default()))
+}
+
+/// The strain to set, if the scene says none and the file's box has one.
+fn taken_strain(scene: &Scene, source: &StartSource) -> Result<Option<f64>, FileError> {
+    let file = source.read()?;
+    let found = match scene.kind() {
+        Kind::Suspension(scene) if scene.strain.is_none() => positions::strain_for_spheres(&file, &scene.model),
+        Kind::GranularDisks(scene) if scene.strain.is_none() => {
+            positions::strain_for_disks(&file, scene.model.parameters())
+        }
+        _ => return Ok(None),
+    };
+    let strain = found.map_err(|reason| FileError::start(&source.path, &reason))?;
+    Ok((strain != 0.0).then_some(strain))
+}
+
+/// What is to be said of the file.
+fn notes(scene: &Scene) -> Result<Vec<String>, FileError> {
+    Ok(match scene.kind() {
+        Kind::Suspension(scene) => of_spheres(scene)?.map(|fitted| fitted.notes),
+        Kind::GranularDisks(scene) => of_disks(scene)?.map(|fitted| fitted.notes),
+        _ => None,
+    }
+    .unwrap_or_default())
+}
+
+/// The spheres of the file, if the scene starts from one.
+pub(super) fn of_spheres(scene: &SuspensionScene) -> Result<Option<Fitted>, FileError> {
+    scene.start.as_ref().map(|source| fitted(source, |file| positions::spheres(file, &scene.model))).transpose()
+}
+
+/// The disks of the file, if the scene starts from one.
+pub(super) fn of_disks(scene: &GranularDisksScene) -> Result<Option<Fitted>, FileError> {
+    let parameters = scene.model.parameters();
+    scene.start.as_ref().map(|source| fitted(source, |file| positions::disks(file, parameters))).transpose()
+}
+
+fn fitted(source: &StartSource, fit: impl FnOnce(StartFile) -> Result<Fitted, String>) -> Result<Fitted, FileError> {
+    let file = source.read()?;
+    let (count, frame) = (file.positions.len(), file.frame);
+    let Fitted { given, notes } = fit(file).map_err(|reason| FileError::start(&source.path, &reason))?;
+    let name = source.path.display().to_string();
+    let has_frames = frame.count > 1 || frame.step.is_some() || frame.time.is_some();
+    let frame = if has_frames { format!(", {frame}") } else { String::new() };
+    let first = format!("{count} particles of {name}{frame}");
+    Ok(Fitted { given: GivenPositions { name, ..given }, notes: [first].into_iter().chain(notes).collect() })
+}

@@ -1,0 +1,42 @@
+//! The box of the file that spheres start from, where a scene leaves the box out.
+
+use super::error::Fault;
+use crate::StartSource;
+use crate::document::{Node, Value};
+use std::path::Path;
+
+/// `box.edges` of the file that a suspension starts from, as a key to set, if the scene has none and the file has some. The
+/// strain of the box is taken when the scene is run.
+pub(super) fn missing_edges(document: &Node, folder: &Path) -> Result<Option<String>, Fault> {
+    let text_at =
+        |section: &str, key: &str| document.get(section).and_then(|section| section.get(key)).and_then(Node::text);
+    let has_box = document.get("box").is_some_and(|cell| cell.get("edges").is_some());
+    let is_suspension = document.get("kind").is_none_or(|kind| kind.text() == Some("suspension"));
+    let is_stretched = text_at("flow", "kind").is_some_and(|kind| kind.ends_with("extension"));
+    if has_box || !is_suspension || is_stretched || is_open(document) || text_at("particles", "initial") != Some("file")
+    {
+        return Ok(None);
+    }
+    let Some(path) = text_at("particles", "path") else { return Ok(None) };
+    let group = text_at("particles", "group").map(str::to_owned);
+    let source = StartSource { path: folder.join(path), frame: frame(document), group };
+    let file = source.read().map_err(|error| Fault::new("box.edges", format!("are missing, and {error}")))?;
+    Ok(file.cell.map(|cell| {
+        let [x, y, z] = cell.edges().to_array();
+        format!("box.edges=[{x:?}, {y:?}, {z:?}]")
+    }))
+}
+
+/// Whether the fluid is open along all axes, where there is no box.
+fn is_open(document: &Node) -> bool {
+    let boundaries = document.get("box").and_then(|cell| cell.get("boundaries"));
+    let Some(Value::List(axes)) = boundaries.map(|list| &list.value) else { return false };
+    axes.iter().all(|axis| axis.text() == Some("open"))
+}
+
+/// The frame, where it is a number; other values are refused where all keys are read.
+fn frame(document: &Node) -> Option<i64> {
+    let Value::Whole(number) = document.get("particles")?.get("frame")?.value else { return None };
+    let size = i64::try_from(number.size).ok()?;
+    Some(if number.is_negative { -size } else { size })
+}
