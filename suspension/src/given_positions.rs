@@ -5,7 +5,7 @@ use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::driven::{DRIVEN, DRIVEN_NUMBERS};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::pressure_flow::CURVATURE;
-use crate::substeps::{AGES, AHEAD};
+use crate::substeps::{AGES, AHEAD, OLDEST_AGE};
 use crate::warm_start::WarmStart;
 use domain::Particles;
 
@@ -28,9 +28,9 @@ pub fn check(particles: &Particles, species: usize, coupled: bool) -> Result<(),
 /// The columns of a run, and how many numbers of each a particle has.
 fn widths(coupled: bool) -> Vec<(String, usize)> {
     let velocities = VELOCITY_COLUMNS.map(|name| (name.to_owned(), 3));
-    let others =
-        [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (AGES, 2), (AHEAD, 1), (DRIVEN, DRIVEN_NUMBERS), (CURVATURE, 1)]
-            .map(|(name, width)| (name.to_owned(), width));
+    let of_steps = [(AGES, 2), (OLDEST_AGE, 1), (AHEAD, 1)];
+    let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (DRIVEN, DRIVEN_NUMBERS), (CURVATURE, 1)].into_iter();
+    let others = others.chain(of_steps).map(|(name, width)| (name.to_owned(), width));
     let applied = APPLIED.map(|name| (name.to_owned(), 3));
     velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(coupled).kept()).collect()
 }

@@ -58,6 +58,7 @@ mod near;
 mod observe;
 mod observed;
 mod open_box;
+mod orders;
 mod outline;
 mod overlaps;
 mod plan;

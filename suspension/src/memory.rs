@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::adaptive;
 use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::contacts::{CONTACT_NUMBERS, SETTLING_NUMBERS, most_contacts};
@@ -190,7 +191,7 @@ impl Share<'_> {
     fn numbers(&self) -> usize {
         let velocities = 3 * match self.model.integrator {
             Integrator::AdamsBashforth { order } => AdamsBashforth::of_order(order).velocity_columns(),
-            Integrator::Adaptive(_) => 1 + PAST_OF_ANY_LENGTH,
+            Integrator::Adaptive(_) => 1 + adaptive::PAST_VELOCITIES,
             // The mean one and that which is expected too.
             Integrator::Implicit(_) => 1 + PAST_OF_ANY_LENGTH + 2,
             Integrator::Brownian(_) => 2,

@@ -3,6 +3,7 @@
 use crate::deformation::Deformation;
 use crate::moving_box::MovingBox;
 use crate::near::Near;
+use crate::orders::Estimate;
 use bytemuck::{Pod, Zeroable};
 use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
 use rayon::prelude::*;
@@ -76,24 +77,46 @@ impl<const N: usize> RelativeMotion<N> {
     /// weights `lower`. Losses are over gaps of at least `least[0]` mean radii and errors over those of at least
     /// `least[1]`, where smaller ones count as so large; those of spheres that overlap do not count at all if that is
     /// zero. Collective.
-    pub fn after(&self, [weights, lower]: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
+    pub fn after(&self, both: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
+        let judge = |[after, lower]: [f64; 2]| (after, Estimate { error: (after - lower).abs(), roughness: 0.0 });
+        self.changes(both, judge, least, comm)
+    }
+
+    /// The same with the weights of orders, from the highest one on, of which the second one moves the spheres, and with the error that
+    /// [`Estimate`] has. Collective.
+    pub fn after_orders(&self, orders: [[f64; N]; 4], least: [f64; 2], comm: &Comm) -> Change {
+        let judge = |gaps: [f64; 4]| {
+            (gaps[1], Estimate::of(std::array::from_fn(|order| (gaps[order] - gaps[order + 1]).abs())))
+        };
+        self.changes(orders, judge, least, comm)
+    }
+
+    /// What happens to gaps, by the gap afterwards and its error, which `judge` says by the gaps after displacements with each of the
+    /// weights. Collective.
+    fn changes<const M: usize>(
+        &self,
+        weights: [[f64; N]; M],
+        judge: impl Fn([f64; M]) -> (f64, Estimate) + Sync,
+        least: [f64; 2],
+        comm: &Comm,
+    ) -> Change {
         let carry = self.carry;
         let of_pairs = |pairs: &[MovingPair<N>]| {
             let mut change = Change::NONE;
             for pair in pairs {
-                let after = |weights| pair.gap_after(weights, carry);
-                change.note(pair.gap(), [weights, lower].map(after), least.map(|least| least * pair.mean_radius()));
+                let after = judge(weights.map(|weights| pair.gap_after(weights, carry)));
+                change.note(pair.gap(), after, least.map(|least| least * pair.mean_radius()));
             }
             change
         };
         let mut change = self.pairs.par_chunks(BATCH).map(of_pairs).reduce(|| Change::NONE, Change::worse);
         for sphere in &self.at_walls {
-            let after = |weights| sphere.gap_after(weights);
-            change.note(sphere.gap(), [weights, lower].map(after), least.map(|least| least * sphere.radius));
+            let after = judge(weights.map(|weights| sphere.gap_after(weights)));
+            change.note(sphere.gap(), after, least.map(|least| least * sphere.radius));
         }
-        let mut least = [change.gap, -change.loss, -change.error];
+        let mut least = [change.gap, -change.loss, -change.error, -change.roughness];
         comm.min(&mut least);
-        Change { gap: least[0], loss: -least[1], error: -least[2] }
+        Change { gap: least[0], loss: -least[1], error: -least[2], roughness: -least[3] }
     }
 
     /// Displacements, besides `sum of weights[k] * velocity k`, that leave every pair with a gap of `closest` mean
@@ -140,24 +163,32 @@ pub struct Change {
     pub loss: f64,
     /// The largest error of a gap, over the gap.
     pub error: f64,
+    /// The largest difference of a gap by an order that is not known to be better, over the gap.
+    pub roughness: f64,
 }
 
 impl Change {
     /// Where there are no gaps.
-    const NONE: Self = Self { gap: f64::INFINITY, loss: 0.0, error: 0.0 };
+    const NONE: Self = Self { gap: f64::INFINITY, loss: 0.0, error: 0.0, roughness: 0.0 };
 
     /// The worst of both.
     fn worse(self, other: Self) -> Self {
-        Self { gap: self.gap.min(other.gap), loss: self.loss.max(other.loss), error: self.error.max(other.error) }
+        Self {
+            gap: self.gap.min(other.gap),
+            loss: self.loss.max(other.loss),
+            error: self.error.max(other.error),
+            roughness: self.roughness.max(other.roughness),
+        }
     }
 
-    /// Notes a gap before and after, by two sets of weights, over those that it counts as at least.
-    fn note(&mut self, gap: f64, [after, other]: [f64; 2], least: [f64; 2]) {
+    /// Notes a gap before and after, and its error, over those that it counts as at least.
+    fn note(&mut self, gap: f64, (after, estimate): (f64, Estimate), least: [f64; 2]) {
         self.gap = self.gap.min(gap);
         let sizes = least.map(|least| gap.max(least));
         if sizes[0] > 0.0 {
             self.loss = self.loss.max((gap - after) / sizes[0]);
-            self.error = self.error.max((after - other).abs() / sizes[1]);
+            self.error = self.error.max(estimate.error / sizes[1]);
+            self.roughness = self.roughness.max(estimate.roughness / sizes[1]);
         }
     }
 }

@@ -7,6 +7,10 @@ use domain::{Comm, Particles, Vector};
 /// The column that says how old the past velocities are, and the past solutions: 0 where there is none.
 pub const AGES: &str = "past ages";
 
+/// The column that says how old the third past velocities are: 0 where there are none. Methods that use no more than two have no such
+/// column.
+pub const OLDEST_AGE: &str = "oldest past age";
+
 /// The column that says how long the next substep may be, as far as errors go.
 pub const AHEAD: &str = "next substep";
 
@@ -53,19 +57,27 @@ pub fn largest_displacement<const N: usize>(
 
 /// How old the velocities that substeps go on from, and the solutions that were remembered, are: 0 first. Collective.
 pub fn ages(particles: &mut Particles, comm: &Comm) -> Vec<f64> {
+    let oldest = particles.columns.iter().find(|column| column.name == OLDEST_AGE);
+    let oldest = oldest.and_then(|column| column.values.first()).copied().unwrap_or_default();
     let column = particles.column(AGES, 2).values.get(..2).map_or([0.0; 2], |ages| [ages[0], ages[1]]);
-    let mut known = column;
+    let mut known = [column[0], column[1], oldest];
     comm.max(&mut known);
     std::iter::once(0.0).chain(known.into_iter().take_while(|&age| age > 0.0)).collect()
 }
 
 /// Forgets that there were substeps.
 pub fn forget(particles: &mut Particles) {
-    particles.columns.retain(|column| ![AGES, AHEAD].contains(&column.name.as_str()));
+    particles.columns.retain(|column| ![AGES, OLDEST_AGE, AHEAD].contains(&column.name.as_str()));
 }
 
 /// Notes that a substep has passed.
 pub fn grow_older(particles: &mut Particles, ages: &[f64], step: f64) {
     let next = [step, ages.get(1).map_or(0.0, |age| age + step)];
     particles.column(AGES, 2).values.chunks_exact_mut(2).for_each(|pair| pair.copy_from_slice(&next));
+}
+
+/// The same of the third past velocities, after [`grow_older`].
+pub fn grow_oldest(particles: &mut Particles, ages: &[f64], step: f64) {
+    let next = ages.get(2).map_or(0.0, |age| age + step);
+    particles.column(OLDEST_AGE, 1).values.fill(next);
 }

@@ -1,0 +1,135 @@
+//! Orders of the Adams-Bashforth method with steps of any length: their weights, and which of them suits a motion.
+
+use crate::columns::VELOCITY;
+use crate::extrapolation::integral;
+use crate::integrator::PAST;
+use domain::{Comm, Particles, Vector};
+use rayon::prelude::*;
+
+/// Velocities that a step may use.
+pub const USED: [&str; 4] = [VELOCITY, PAST[0], PAST[1], PAST[2]];
+
+/// The highest order that is stable for any step that gaps and errors allow.
+const STABLE: usize = 3;
+
+/// By order, from that above the stable one downwards, the weights of the velocities in [`USED`].
+pub type Weights = [[f64; USED.len()]; 4];
+
+/// The weights for a step: those of the stable order, that above it if `ages`, those of the velocities, are enough for it, and the
+/// two below.
+pub fn weights(ages: &[f64], step: f64) -> Weights {
+    let stable = ages.len().min(STABLE);
+    let orders = [ages.len().min(STABLE + 1), stable, stable - 1, stable.saturating_sub(2)];
+    orders.map(|order| {
+        let times: Vec<f64> = ages[..order].iter().map(|age| -age).collect();
+        let known = integral(&times, step);
+        std::array::from_fn(|k| known.get(k).copied().unwrap_or_default())
+    })
+}
+
+/// How a displacement, a gap or the worst of many depends on the order.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Estimate {
+    /// The error of a step.
+    pub error: f64,
+    /// The difference that the highest order makes where it is not known to be better.
+    pub roughness: f64,
+}
+
+impl Estimate {
+    /// A motion that decays or oscillates at a rate `k` in steps `h` differs from order to order by
+    /// `1/2 (exp(k h) - 1)`, `5/12 (exp(k h) - 1)^2` and `3/8 (exp(k h) - 1)^3` of what it moves in a step. The highest order is stable up
+    /// to `k h = 3/10`: these ratios of the last difference to those before say that it is.
+    const SMOOTH: [f64; 2] = [0.25, 0.06];
+
+    /// By the differences of each order, from the highest one on, from the next.
+    ///
+    /// The error is that of the stable order, and where the motion is smooth at least a quarter of the next order's difference: the former
+    /// alone passes through zero where a pair that turns is nearest.
+    pub fn of([highest, stable, lower]: [f64; 3]) -> Self {
+        if highest <= (Self::SMOOTH[0] * stable).max(Self::SMOOTH[1] * lower) {
+            Self { error: stable.max(0.25 * highest), roughness: 0.0 }
+        } else {
+            Self { error: stable, roughness: highest }
+        }
+    }
+
+    /// The worst of both; what is no number is the worst.
+    pub fn worse(self, other: Self) -> Self {
+        let larger = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) };
+        Self { error: larger(self.error, other.error), roughness: larger(self.roughness, other.roughness) }
+    }
+
+    /// Both times a factor.
+    pub fn scaled(self, factor: f64) -> Self {
+        Self { error: self.error * factor, roughness: self.roughness * factor }
+    }
+}
+
+/// The worst of all displacements over the radius. Collective.
+pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Comm) -> Estimate {
+    for name in USED {
+        particles.vectors(name);
+    }
+    let find = |name| particles.columns.iter().find(|column| column.name == name).expect("made above");
+    let velocities: [&[Vector]; USED.len()] = USED.map(|name| bytemuck::cast_slice(&find(name).values));
+    let between: [[f64; USED.len()]; 3] =
+        std::array::from_fn(|order| std::array::from_fn(|k| weights[order][k] - weights[order + 1][k]));
+    let of = |(i, radius): (usize, &f64)| {
+        let length = |weights: [f64; USED.len()]| {
+            (0..USED.len()).map(|k| velocities[k][i] * weights[k]).sum::<Vector>().length() / radius
+        };
+        Estimate::of(between.map(length))
+    };
+    let worst = particles.radii.par_iter().enumerate().map(of).reduce(Estimate::default, Estimate::worse);
+    let mut largest = [worst.error, worst.roughness];
+    comm.max(&mut largest);
+    Estimate { error: largest[0], roughness: largest[1] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Differences of the orders for a motion whose velocity was `past(k)` at `k` steps ago.
+    fn estimate(past: impl Fn(f64) -> f64) -> Estimate {
+        let weights = weights(&[0.0, 1.0, 2.0, 3.0], 1.0);
+        let moved = weights.map(|weights| (0..4).map(|k| weights[k] * past(k as f64)).sum::<f64>());
+        Estimate::of(std::array::from_fn(|order| (moved[order] - moved[order + 1]).abs()))
+    }
+
+    #[test]
+    fn the_highest_order_suits_decay_for_which_it_is_stable() {
+        for rate in [0.01, 0.1, 0.2] {
+            assert_eq!(estimate(|k| (rate * k).exp()).roughness, 0.0, "rate {rate}");
+        }
+        for rate in [0.3_f64, 0.5, 2.0] {
+            assert!(estimate(|k| (rate * k).exp()).roughness > 0.0, "rate {rate}");
+        }
+        assert!(estimate(|k| (-1.0_f64).powf(k)).roughness > 1.0);
+    }
+
+    #[test]
+    fn the_error_does_not_vanish_with_the_difference_of_one_order() {
+        // A cubic whose second difference is zero at the last three steps.
+        let found = estimate(|k| 1.0 + k + 0.01 * k * (k - 1.0) * (k - 2.0));
+        assert!(found.error > 0.005 && found.roughness == 0.0, "{found:?}");
+    }
+
+    #[test]
+    fn a_short_past_has_the_orders_that_it_can_have() {
+        let known = [weights(&[0.0], 0.1), weights(&[0.0, 0.1], 0.1), weights(&[0.0, 0.1, 0.2], 0.1)];
+        let first = [0.1, 0.0, 0.0, 0.0];
+        assert_eq!(known[0], [first, first, [0.0; 4], [0.0; 4]]);
+        assert_eq!(known[1][0], known[1][1]);
+        assert_eq!(known[1][2], first);
+        assert_eq!(known[2][0], known[2][1]);
+        assert_ne!(known[2][1], known[2][2]);
+    }
+
+    #[test]
+    fn what_is_no_number_is_the_worst() {
+        let worst = Estimate::default().worse(Estimate { error: f64::NAN, roughness: 0.0 });
+        assert_eq!(worst.error, f64::INFINITY);
+    }
+}
