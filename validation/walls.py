@@ -182,7 +182,7 @@ def main():
         *between,
         "",
         f"With lubrication one wall is met within {with_lubrication:.1%}, and velocities between two, up to a radius of {WIDEST:g} of half their distance, within {widest:.1%}:",
-        f"{'within' if is_exact else 'not within'} the {ALLOWED:.0%} that is allowed. At {WIDEST_ACROSS:g} the velocity across them is off by {across:.1%}, at 0.8 by 6%.",
+        f"{'within' if is_exact else 'not within'} the {ALLOWED:.0%} that is allowed. At {WIDEST_ACROSS:g} the velocity across them is off by {across:.1%}.",
         "",
         "A wall that goes away, \\\\(6 \\pi \\mu a U / F\\\\) of a sphere three radii above the other wall, across it:",
         "",
