@@ -81,7 +81,8 @@ impl FileBox {
         Vector::new(a.x, b.y, c.z)
     }
 
-    /// The strain of the box, after it was compared to that of a scene: edges need to be equal where both boxes have them.
+    /// The strain of the box, after it was compared to that of a scene: edges need to be equal where both boxes have
+    /// them.
     pub(super) fn strain_in(&self, scene: &SceneBox) -> Result<f64, String> {
         let differs = || format!("its box is {self}, but that of the scene is {scene}");
         match &scene.shape {

@@ -17,7 +17,8 @@ pub(crate) struct Fitted {
     pub(crate) notes: Vec<String>,
 }
 
-/// The strain of the box in a file, where the scene's box is the same but for that; 0 where the file says nothing of it.
+/// The strain of the box in a file, where the scene's box is the same but for that; 0 where the file says nothing of
+/// it.
 pub(crate) fn strain_for_spheres(file: &StartFile, model: &Model) -> Result<f64, String> {
     file.cell.as_ref().map_or(Ok(0.0), |cell| cell.strain_in(&box_of_model(model)))
 }
@@ -125,8 +126,8 @@ fn add_images(file: &mut StartFile, scene: &SceneBox) {
     }
 }
 
-/// The species of all spheres, by their names or numbers, or by their radii if the file has only these and each species has its
-/// own; nothing if they follow from the order of rows.
+/// The species of all spheres, by their names or numbers, or by their radii if the file has only these and each
+/// species has its own; nothing if they follow from the order of rows.
 fn species(file: &mut StartFile, all: &[Species], notes: &mut Vec<String>) -> Result<Option<Vec<u32>>, String> {
     let found = match file.species.take() {
         Some(kinds) => {

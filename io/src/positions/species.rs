@@ -28,7 +28,8 @@ pub(super) struct Names {
 /// The name that other programs give to particles of no species.
 const NOTHING: &str = "X";
 
-/// Species of a scene's spheres, one for each, if the file says them; and how they were found, where that needs to be said.
+/// Species of a scene's spheres, one for each, if the file says them; and how they were found, where that needs to be
+/// said.
 pub(super) type Assigned = (Option<Vec<u32>>, Option<String>);
 
 impl Kinds {

@@ -37,8 +37,8 @@ pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, Strin
     })
 }
 
-/// Species of a run of this program, whose scene in the file names them. Those of other programs are numbered from 1 where none
-/// is 0: the first species would have no particle otherwise.
+/// Species of a run of this program, whose scene in the file names them. Those of other programs are numbered from 1
+/// where none is 0: the first species would have no particle otherwise.
 fn with_names(kinds: Kinds, file: &File) -> Kinds {
     let text = Provenance::read(file).map(|provenance| provenance.scene).unwrap_or_default();
     match (kinds, Scene::parse(&text, "the scene of the run", &[]).ok()) {

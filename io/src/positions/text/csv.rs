@@ -6,8 +6,8 @@ use super::number::Numbers;
 use crate::document::excerpt;
 use crate::positions::{StartFile, TakenFrame, frame};
 
-/// Values under a line of names; lines that start with # are skipped. Commas, semicolons, tabs or blanks separate cells: what makes
-/// the names x, y and z columns.
+/// Values under a line of names; lines that start with # are skipped. Commas, semicolons, tabs or blanks separate
+/// cells: whichever makes the names x, y and z columns.
 pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<StartFile, String> {
     frame::pick(asked, 1)?;
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
