@@ -221,12 +221,14 @@ impl System for Coupled<'_> {
         self.matrix.as_mut().is_some_and(ParticleMatrix::sharpen)
     }
 
-    /// That of single spheres' motions under the loads that a preconditioned residual adds, and of the moments: motions that
-    /// no pair resists to follow from the others in the end. The energy norm would see stiff pairs above all, which resist
-    /// to what hardly moves them.
+    /// Square of the single-sphere motions under the loads that a preconditioned residual adds, and of its moments. Motions that
+    /// no pair resists follow from the others in [`Coupled::finish`]; the energy norm would weigh stiff pairs above all, which
+    /// resist what hardly moves them. Loads of stiff and of soft pairs count separately: their sum vanishes in whole directions
+    /// of a symmetric arrangement, since each step leaves a residual orthogonal to the last direction. Separately they vanish
+    /// only at the solution.
     fn error(&self, _: &Residual, z: &Unknowns) -> f64 {
         let (stiff, soft) = (&z.stiff.loads.0, &z.soft.loads.0);
-        let squared = |i: usize, k: usize| (stiff[i].0[k] + soft[i].0[k]).powi(2) / self.single[i].0[k];
+        let squared = |i: usize, k: usize| (stiff[i].0[k].powi(2) + soft[i].0[k].powi(2)) / self.single[i].0[k];
         sum(stiff.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(z)
     }
 
