@@ -1,6 +1,7 @@
 //! Grids of boxes that do not repeat along all axes.
 
 use crate::envelope::{Common, Envelope};
+use crate::leeway::RIGID_SHARE;
 use crate::plan::Plan;
 use crate::problem::{Method, Multipoles, Problem};
 use crate::wall_cut::{AtWalls, WallCut};
@@ -60,11 +61,6 @@ fn allowed(boundaries: Boundaries, edge: f64, radius: f64) -> [f64; 2] {
     [below, edge - above]
 }
 
-/// Shares of the tolerance that walls may have with rigid spheres, whose stresslets come out worse than gradients, and with given
-/// loads.
-const RIGID_SHARE: f64 = 0.25;
-const GIVEN_SHARE: f64 = 0.3;
-
 /// What a plan has at walls.
 pub(crate) struct GridAtWalls {
     pub boundaries: Boundaries,
@@ -105,11 +101,6 @@ impl GridAtWalls {
 }
 
 impl Problem {
-    /// The share of the tolerance that walls may have.
-    pub(crate) fn allowed_at_walls(&self) -> f64 {
-        self.tolerance * if self.rigid { RIGID_SHARE } else { GIVEN_SHARE }
-    }
-
     /// Lengths that a grid has to have: the edges where the box repeats. Between walls there is room for whole windows of
     /// `window` along an axis, and the copies of a sphere are beyond the cutoff of any other; in open space the grid is as long
     /// again as what is on it.

@@ -9,12 +9,13 @@
 //! `F / (6 pi mu a)`, is `1 - 2.8373 a/L + 4.19 (a/L)^3` (Hasimoto 1959):
 //! ```
 //! use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
-//! use fcm::{Costs, Fixed, Hydrodynamics, Loads, Multipoles, Plan, Problem};
+//! use fcm::{Costs, Fixed, Hydrodynamics, Loading, Loads, Multipoles, Plan, Problem};
 //!
 //! let (radius, edge, viscosity) = (1.0, 32.0, 1.0);
 //! let plan = Plan::choose(&Problem {
 //!     edges: Vector::splat(edge),
 //!     boundaries: Boundaries::Periodic,
+//!     volume: edge.powi(3),
 //!     contraction: 1.0,
 //!     largest_strain: 0.0,
 //!     largest_tilts: [0.0; 2],
@@ -22,6 +23,8 @@
 //!     viscosity,
 //!     multipoles: Multipoles::Dipole,
 //!     rigid: true,
+//!     lubricated: false,
+//!     loading: Loading::Uniform,
 //!     tolerance: 1e-4,
 //!     threads: 1,
 //!     ranks: 1,
@@ -57,6 +60,7 @@ mod gaussian;
 mod hydrodynamics;
 mod interpolate;
 mod kernel;
+mod leeway;
 mod loads;
 mod memory;
 mod mobility;
@@ -91,7 +95,7 @@ pub use memory::Footprint;
 pub use mobility::{Evaluation, Flow, Mobility};
 pub use noise::{Drawn, Stream, root_times};
 pub use plan::{Plan, PlanError};
-pub use problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
+pub use problem::{Fixed, Loading, Method, MethodName, Multipoles, Precision, Problem};
 pub use raster::Raster;
 pub use stencil::Support;
 pub use work::{Seconds, Work};

@@ -2,7 +2,7 @@
 
 use crate::costs::Costs;
 use crate::envelope::{Common, Envelope};
-use crate::problem::{Fixed, Method, MethodName, Multipoles, Precision, Problem};
+use crate::problem::{Fixed, Loading, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::window::Window;
 use domain::{Boundaries, Number, PeriodicBox, Turn, Units, Vector};
@@ -137,6 +137,7 @@ impl Plan {
         let problem = Problem {
             edges: self.edges,
             boundaries: self.boundaries,
+            volume: self.edges.element_product(),
             contraction: self.contraction,
             largest_strain: strain.abs(),
             largest_tilts: [0.0; 2],
@@ -144,6 +145,8 @@ impl Plan {
             viscosity: self.viscosity,
             multipoles: self.multipoles,
             rigid: false,
+            lubricated: false,
+            loading: Loading::Varied,
             tolerance: self.tolerance.clamp(1e-6, 1e-2),
             threads: 1,
             ranks: 1,

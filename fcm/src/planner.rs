@@ -6,24 +6,13 @@ use crate::cost;
 use crate::envelope::{Common, Envelope};
 use crate::gaussian::STEP;
 use crate::plan::Plan;
-use crate::problem::{Method, MethodName, Multipoles, Precision, Problem};
+use crate::problem::{Method, MethodName, Precision, Problem};
 use crate::stencil::Support;
 use crate::wall_cut::ENOUGH;
 use crate::window::Window;
 use domain::{Boundaries, Vector};
 use solver::Grid;
 use std::f64::consts::PI;
-
-/// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
-/// below the tolerance: 1.3 times below in the worst of them, about six times in a typical one.
-const MONOPOLE_LEEWAY: f64 = 0.8;
-const GIVEN_LEEWAY: f64 = 0.5;
-const RIGID_LEEWAY: f64 = 0.22;
-
-/// At walls and in layers, of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than those of
-/// a flow.
-const RIGID_LEEWAY_WALLS: f64 = 0.15;
-const RIGID_LEEWAY_LAYER: f64 = 0.04;
 
 /// How much finer grids are at walls: on finer ones windows err less, and images reach less far.
 const FINER_AT_WALLS: [f64; 7] = [1.0, 1.1, 1.2, 1.35, 1.6, 2.0, 2.5];
@@ -71,7 +60,7 @@ impl Problem {
         self.radii.iter().map(|r| r.0).fold(f64::INFINITY, f64::min)
     }
 
-    fn particles(&self) -> usize {
+    pub(crate) fn particles(&self) -> usize {
         self.radii.iter().map(|r| r.1).sum()
     }
 
@@ -114,27 +103,13 @@ impl Problem {
 
     fn precisions(&self) -> impl Iterator<Item = Precision> {
         // Iterations that go on below what the grid rounds off would follow its noise.
-        let finest = self.fixed.iteration_tolerance.map_or(self.tolerance, |left| self.tolerance.min(4.0 * left));
+        let needed = self.tolerance / self.hindrance();
+        let finest = self.fixed.iteration_tolerance.map_or(needed, |left| needed.min(4.0 * left));
         let single = finest >= accuracy::FINEST_SINGLE || self.fixed.precision.is_some();
         let enough = move |precision: &Precision| single || *precision == Precision::Double;
         let fixed = self.fixed.precision;
         let all = [Precision::Single, Precision::Double].into_iter();
         all.filter(enough).filter(move |&precision| fixed.is_none_or(|fixed| fixed == precision))
-    }
-
-    /// The tolerance over the error that its hardest part may have. The bounds are those of gradients; with forces
-    /// alone, velocities come out better. The stresslets of rigid spheres answer to rates of strain that may be small
-    /// beside the loads' own, and come out worse.
-    fn leeway(&self) -> f64 {
-        match (self.multipoles, self.rigid) {
-            (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
-            (Multipoles::Dipole, false) => GIVEN_LEEWAY,
-            (Multipoles::Dipole, true) if matches!(self.boundaries, Boundaries::Periodic | Boundaries::Open) => {
-                RIGID_LEEWAY
-            }
-            (Multipoles::Dipole, true) if self.boundaries == Boundaries::OpenAlongZ => RIGID_LEEWAY_LAYER,
-            (Multipoles::Dipole, true) => RIGID_LEEWAY_WALLS,
-        }
     }
 
     fn direct(&self) -> Vec<Candidate> {
@@ -341,7 +316,7 @@ impl Problem {
             viscosity: self.viscosity,
             multipoles: self.multipoles,
             tolerance: self.tolerance,
-            iteration_tolerance: self.fixed.iteration_tolerance.unwrap_or(0.25 * self.tolerance),
+            iteration_tolerance: self.iteration_tolerance(),
             method,
             precision,
             grid,

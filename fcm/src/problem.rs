@@ -63,6 +63,8 @@ pub struct Problem {
     pub edges: Vector,
     /// What lies at its faces.
     pub boundaries: Boundaries,
+    /// Volume of the box; that of a stretched one does not change.
+    pub volume: f64,
     /// The part of each of these edges that will be left at least: 1 where they do not change.
     pub contraction: f64,
     /// Largest strain of the box that will be met.
@@ -77,6 +79,10 @@ pub struct Problem {
     pub multipoles: Multipoles,
     /// Whether stresslets are solved for, which makes more of an error than given ones do.
     pub rigid: bool,
+    /// Whether near pairs of rigid particles feel lubrication besides, which decides most of their motions where they are dense.
+    pub lubricated: bool,
+    /// Loads that are expected.
+    pub loading: Loading,
     /// Relative error asked for.
     pub tolerance: f64,
     /// Threads in all.
@@ -87,6 +93,17 @@ pub struct Problem {
     pub costs: Costs,
     /// What the user fixed.
     pub fixed: Fixed,
+}
+
+/// Loads on the particles, as far as they decide how small the answer may be beside the motions of single spheres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loading {
+    /// Loads that differ from particle to particle, or a flow alone.
+    Varied,
+    /// Weights or other equal forces, which dense suspensions hinder.
+    Uniform,
+    /// The same on particles that may stand in a lattice, whose errors add up.
+    UniformOnLattice,
 }
 
 impl Problem {

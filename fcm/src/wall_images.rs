@@ -249,13 +249,14 @@ impl WallImages {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{Fixed, Multipoles, Problem};
+    use crate::problem::{Fixed, Loading, Multipoles, Problem};
     use domain::{Boundaries, PeriodicBox};
 
     fn plan(boundaries: Boundaries, tolerance: f64) -> Plan {
         let problem = Problem {
             edges: Vector::new(12.0, 14.0, 9.0),
             boundaries,
+            volume: 12.0 * 14.0 * 9.0,
             contraction: 1.0,
             largest_strain: 0.0,
             largest_tilts: [0.0; 2],
@@ -263,6 +264,8 @@ mod tests {
             viscosity: 2.0,
             multipoles: Multipoles::Dipole,
             rigid: true,
+            lubricated: false,
+            loading: Loading::Varied,
             tolerance,
             threads: 1,
             ranks: 1,

@@ -15,8 +15,8 @@ use domain::{
     Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn, Vector,
 };
 use fcm::{
-    Costs, Drawn, Evaluation, Fixed, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, PlanError, Problem,
-    SolveError, Stream, check_inside,
+    Costs, Drawn, Evaluation, Fixed, Loading, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, PlanError,
+    Problem, SolveError, Stream, check_inside,
 };
 use lubrication::{PairForceError, Range};
 use solver::BackgroundFlow;
@@ -402,6 +402,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
     Problem {
         edges: parameters.cell.edges(),
         boundaries: parameters.cell.boundaries(),
+        volume: parameters.cell.edges().element_product(),
         contraction: 1.0,
         largest_strain: parameters.cell.strain().abs(),
         largest_tilts: Problem::tilts_of(&parameters.cell),
@@ -409,6 +410,8 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         viscosity: parameters.viscosity,
         multipoles: parameters.multipoles,
         rigid: parameters.rigid,
+        lubricated: parameters.lubrication.is_some(),
+        loading: Loading::UniformOnLattice,
         tolerance: parameters.tolerance,
         threads: 1,
         ranks: 1,

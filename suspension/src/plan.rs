@@ -2,7 +2,7 @@
 
 use crate::model::{Evaluation, Flow, Model, Multipoles, Start};
 use domain::{Comm, Particles, PeriodicBox, Vector};
-use fcm::{Costs, Fixed, MethodName, Plan, PlanError, Problem};
+use fcm::{Costs, Fixed, Loading, MethodName, Plan, PlanError, Problem};
 
 /// The radii that occur, smallest first, and how many particles have each.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,6 +89,7 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
     Problem {
         edges,
         boundaries: model.cell.boundaries(),
+        volume: cell.edges().element_product(),
         contraction,
         largest_strain: largest_strain(model),
         largest_tilts: model.stretched_box().map_or([0.0; 2], |extension| extension.extremes().tilts),
@@ -99,11 +100,24 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
             Multipoles::Dipole => fcm::Multipoles::Dipole,
         },
         rigid: true,
+        lubricated: model.hydrodynamics.lubrication,
+        loading: loading(model),
         tolerance: model.hydrodynamics.tolerance,
         threads: 1,
         ranks: 1,
         costs: costs.unwrap_or_default(),
         fixed: fixed(model),
+    }
+}
+
+/// Loads of a scene: weights and forces of species are equal on many spheres, which stand in a lattice at most where they do not
+/// start at random.
+fn loading(model: &Model) -> Loading {
+    let is_forced = model.species.iter().any(|s| s.force_on(s.radius, model.gravity) != Vector::ZERO);
+    match model.start {
+        _ if !is_forced => Loading::Varied,
+        Start::Random { .. } | Start::Cloud { .. } => Loading::Uniform,
+        Start::Lattice(_) | Start::Positions(_) | Start::Given => Loading::UniformOnLattice,
     }
 }
 

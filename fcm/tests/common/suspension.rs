@@ -1,7 +1,7 @@
 //! Particles in a box, what acts on them, and how the library moves them.
 
 use domain::{Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector, random_packing};
-use fcm::{Costs, Evaluation, Fixed, Loads, Mobility, Motion, Multipoles, Plan, Problem};
+use fcm::{Costs, Evaluation, Fixed, Loading, Loads, Mobility, Motion, Multipoles, Plan, Problem};
 
 /// Particles in a box.
 #[derive(Debug, Clone)]
@@ -44,6 +44,7 @@ impl Suspension {
         Problem {
             edges: self.cell.edges(),
             boundaries: self.cell.boundaries(),
+            volume: self.cell.edges().element_product(),
             contraction: 1.0,
             largest_strain: self.cell.strain().abs(),
             largest_tilts: Problem::tilts_of(&self.cell),
@@ -51,6 +52,8 @@ impl Suspension {
             viscosity: self.viscosity,
             multipoles: Multipoles::Dipole,
             rigid: false,
+            lubricated: false,
+            loading: Loading::Varied,
             tolerance,
             threads: 1,
             ranks: 1,

@@ -5,7 +5,8 @@ use super::spheres::{Kind, Spheres, loads};
 use crate::single_evaluation::SingleEvaluation;
 use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{
-    Costs, Evaluation, Fixed, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem, Seconds,
+    Costs, Evaluation, Fixed, Loading, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem,
+    Seconds,
 };
 use serde::Serialize;
 use std::time::Instant;
@@ -96,6 +97,7 @@ impl Task {
         let problem = Problem {
             boundaries: spheres.cell.boundaries(),
             edges: spheres.cell.edges(),
+            volume: spheres.cell.edges().element_product(),
             contraction: 1.0,
             largest_strain: 0.0,
             largest_tilts: [0.0; 2],
@@ -103,6 +105,8 @@ impl Task {
             viscosity: 1.0,
             multipoles: if self.kind == Kind::Forces { Multipoles::Monopole } else { Multipoles::Dipole },
             rigid: false,
+            lubricated: false,
+            loading: Loading::Varied,
             tolerance: self.tolerance,
             threads: rayon::current_num_threads(),
             ranks: comm.size(),

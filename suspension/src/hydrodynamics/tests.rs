@@ -9,7 +9,7 @@ mod walls;
 use super::*;
 use crate::strain_rate::StrainRate;
 use domain::random_packing;
-use fcm::{Costs, Evaluation, Fixed, Multipoles, Precision, Problem};
+use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Precision, Problem};
 use lubrication::PairMotion;
 
 /// Rigid spheres in a periodic cube, with a grid in f64: in f32 it would make noise of 1e-7.
@@ -17,6 +17,7 @@ fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Prob
     Problem {
         edges: Vector::splat(edge),
         boundaries: domain::Boundaries::Periodic,
+        volume: edge.powi(3),
         contraction: 1.0,
         largest_strain: 0.0,
         largest_tilts: [0.0; 2],
@@ -24,6 +25,8 @@ fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Prob
         viscosity: 1.0,
         multipoles: Multipoles::Dipole,
         rigid: true,
+        lubricated: true,
+        loading: Loading::Varied,
         tolerance,
         threads: 1,
         ranks: 1,

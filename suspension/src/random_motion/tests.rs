@@ -1,7 +1,7 @@
 use super::*;
 use crate::hydrodynamics::ShortRange;
 use domain::{Boundaries, Comm, Partition};
-use fcm::{Costs, Evaluation, Fixed, Multipoles, Plan, Problem};
+use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Plan, Problem};
 use lubrication::Range;
 
 /// Three spheres near each other in a box of side 14, sheared by 0.2, at a viscosity of 1.
@@ -71,6 +71,7 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>)
     let problem = Problem {
         edges: cell.edges(),
         boundaries: cell.boundaries(),
+        volume: cell.edges().element_product(),
         contraction: 1.0,
         largest_strain: cell.strain().abs(),
         largest_tilts: [0.0; 2],
@@ -78,6 +79,8 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>)
         viscosity: 1.0,
         multipoles: Multipoles::Dipole,
         rigid: true,
+        lubricated: lubrication.is_some(),
+        loading: Loading::Varied,
         tolerance,
         threads: 1,
         ranks: 1,

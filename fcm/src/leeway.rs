@@ -1,0 +1,113 @@
+//! Shares of the tolerance: of the hardest part of an evaluation, of walls, and of the iteration.
+//!
+//! Errors of an evaluation are relative to what the loads would do to single spheres. Answers may be much smaller: weights
+//! move dense suspensions and lattices by a tenth to a seventieth of that. Shares are measured over random cases of every kind
+//! (`scripts/validate tolerance`).
+
+use crate::problem::{Loading, Multipoles, Problem};
+use domain::Boundaries;
+use std::f64::consts::PI;
+
+/// So that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200 come out
+/// below the tolerance: 1.3 times below in the worst of them, about six times in a typical one.
+const MONOPOLE_LEEWAY: f64 = 0.8;
+const GIVEN_LEEWAY: f64 = 0.5;
+const RIGID_LEEWAY: f64 = 0.22;
+
+/// At walls and in layers, of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than those of
+/// a flow.
+const RIGID_LEEWAY_WALLS: f64 = 0.15;
+const RIGID_LEEWAY_LAYER: f64 = 0.04;
+
+/// Shares of the tolerance that walls may have with rigid spheres, whose velocities in a flow along walls are small beside the
+/// rate of strain, and with given loads.
+pub(crate) const RIGID_SHARE: f64 = 0.025;
+const GIVEN_SHARE: f64 = 0.3;
+
+/// Share of the tolerance that the iteration for stresslets and lubrication may leave.
+const ITERATION_SHARE: f64 = 0.25;
+
+/// Ratio of radii above which stresslets are those of the large spheres, whose share of the iteration's norm is small, and the
+/// factor by which the iteration goes on.
+const WIDE_RATIO: f64 = 3.0;
+const WIDE_FACTOR: f64 = 2.5;
+
+/// A quantity by volume fraction, linear in its logarithm between entries and constant beyond them.
+type Table = [(f64, f64)];
+
+/// Factors by which errors of the evaluation and of the iteration exceed, in dense disordered suspensions, those up to 45%; and
+/// of the evaluation where lubrication decides the motions that differ between neighbours.
+const DENSE: &Table = &[(0.45, 1.0), (0.5, 2.5), (0.56, 5.0), (0.62, 8.0)];
+const DENSE_ITERATION: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 4.0)];
+const DENSE_LUBRICATED: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 3.0)];
+
+/// Factors for the evaluation in lattices under equal forces, of rigid spheres and of others: errors of all neighbours have one
+/// sign.
+const LATTICE: &Table = &[(0.25, 1.0), (0.28, 3.0), (0.36, 4.0), (0.52, 6.0), (0.6, 40.0), (0.7, 60.0)];
+const LATTICE_GIVEN: &Table = &[(0.12, 1.0), (0.2, 6.0), (0.3, 12.0), (0.5, 15.0), (0.7, 30.0)];
+
+/// Spheres in a box up to which the periodic images of a disordered suspension count as a lattice.
+const FEW: usize = 64;
+
+impl Problem {
+    /// The tolerance over the error that its hardest part may have. The bounds are those of gradients; with forces
+    /// alone, velocities come out better. The stresslets of rigid spheres answer to rates of strain that may be small
+    /// beside the loads' own, and come out worse.
+    pub(crate) fn leeway(&self) -> f64 {
+        let usual = match (self.multipoles, self.rigid) {
+            (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
+            (Multipoles::Dipole, false) => GIVEN_LEEWAY,
+            (Multipoles::Dipole, true) if matches!(self.boundaries, Boundaries::Periodic | Boundaries::Open) => {
+                RIGID_LEEWAY
+            }
+            (Multipoles::Dipole, true) if self.boundaries == Boundaries::OpenAlongZ => RIGID_LEEWAY_LAYER,
+            (Multipoles::Dipole, true) => RIGID_LEEWAY_WALLS,
+        };
+        usual / self.hindrance()
+    }
+
+    /// The factor by which errors, relative to the answer, exceed those of dilute and moderately dense suspensions.
+    pub(crate) fn hindrance(&self) -> f64 {
+        let fraction = self.volume_fraction();
+        let is_eased = self.lubricated && self.loading == Loading::Varied;
+        let disordered = at(if is_eased { DENSE_LUBRICATED } else { DENSE }, fraction);
+        let as_lattice = match self.loading {
+            Loading::Varied => false,
+            Loading::Uniform => self.particles() <= FEW,
+            Loading::UniformOnLattice => true,
+        };
+        let of_lattice = if self.rigid { LATTICE } else { LATTICE_GIVEN };
+        if as_lattice { disordered.max(at(of_lattice, fraction)) } else { disordered }
+    }
+
+    /// The relative error that the iteration for stresslets and lubrication may leave.
+    pub(crate) fn iteration_tolerance(&self) -> f64 {
+        let wide = if self.largest_radius() > WIDE_RATIO * self.smallest_radius() { WIDE_FACTOR } else { 1.0 };
+        let dense = if self.lubricated { 1.0 } else { at(DENSE_ITERATION, self.volume_fraction()) };
+        let usual = ITERATION_SHARE * self.tolerance / (wide * dense);
+        self.fixed.iteration_tolerance.unwrap_or(usual)
+    }
+
+    /// The share of the tolerance that walls may have.
+    pub(crate) fn allowed_at_walls(&self) -> f64 {
+        self.tolerance * if self.rigid { RIGID_SHARE } else { GIVEN_SHARE }
+    }
+
+    /// The volume of the particles over that of the box.
+    fn volume_fraction(&self) -> f64 {
+        let volumes = self.radii.iter().map(|&(radius, count)| 4.0 / 3.0 * PI * radius.powi(3) * count as f64);
+        volumes.sum::<f64>() / self.volume
+    }
+}
+
+/// The value of a table at a volume fraction.
+fn at(table: &Table, fraction: f64) -> f64 {
+    let after = table.partition_point(|&(phi, _)| phi <= fraction);
+    match (after.checked_sub(1).map(|before| table[before]), table.get(after)) {
+        (Some((phi, value)), Some(&(next_phi, next))) => {
+            value * (next / value).powf((fraction - phi) / (next_phi - phi))
+        }
+        (Some((_, value)), None) | (None, Some(&(_, value))) => value,
+        (None, None) => 1.0,
+    }
+}
