@@ -1,7 +1,6 @@
 //! Grids of boxes that do not repeat along all axes.
 
 use crate::envelope::{Common, Envelope};
-use crate::leeway::RIGID_SHARE;
 use crate::plan::Plan;
 use crate::problem::{Method, Multipoles, Problem};
 use crate::wall_cut::{AtWalls, WallCut};
@@ -67,7 +66,8 @@ pub(crate) struct GridAtWalls {
     /// The smallest radius and the largest.
     pub radii: [f64; 2],
     pub multipoles: Multipoles,
-    pub tolerance: f64,
+    /// The relative error that the cut may have.
+    pub allowed: f64,
     pub width: f64,
     pub cutoff: f64,
     pub spacing: f64,
@@ -94,7 +94,7 @@ impl GridAtWalls {
             own: 0.5 * rests.fold(0.0, f64::max) / self.spacing.powi(2),
             cutoff: self.cutoff / smallest,
             height: if self.boundaries.walls() == 2 { self.height / smallest } else { f64::INFINITY },
-            allowed: RIGID_SHARE * self.tolerance,
+            allowed: self.allowed,
         });
         (cut.scaled(smallest), error)
     }
@@ -127,7 +127,7 @@ impl Plan {
             boundaries: self.boundaries,
             radii: [smallest, largest],
             multipoles: self.multipoles,
-            tolerance: self.tolerance,
+            allowed: self.allowed_of_wall_cut,
             width,
             cutoff,
             spacing: self.spacing().max_element(),

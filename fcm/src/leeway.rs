@@ -20,9 +20,11 @@ const RIGID_LEEWAY_WALLS: f64 = 0.15;
 const RIGID_LEEWAY_LAYER: f64 = 0.04;
 
 /// Shares of the tolerance that walls may have with rigid spheres, whose velocities in a flow along walls are small beside the
-/// rate of strain, and with given loads.
-pub(crate) const RIGID_SHARE: f64 = 0.025;
+/// rate of strain, with rigid spheres that weights drive, and with given loads; and that of the cut of wavenumbers with the latter.
+const FLOW_SHARE: f64 = 0.025;
+const WEIGHT_SHARE: f64 = 0.08;
 const GIVEN_SHARE: f64 = 0.3;
+const GIVEN_CUT_SHARE: f64 = 0.25;
 
 /// Share of the tolerance that the iteration for stresslets and lubrication may leave.
 const ITERATION_SHARE: f64 = 0.25;
@@ -88,9 +90,19 @@ impl Problem {
         self.fixed.iteration_tolerance.unwrap_or(usual)
     }
 
-    /// The share of the tolerance that walls may have.
+    /// The relative error that walls may have.
     pub(crate) fn allowed_at_walls(&self) -> f64 {
-        self.tolerance * if self.rigid { RIGID_SHARE } else { GIVEN_SHARE }
+        if self.rigid { self.allowed_of_wall_cut() } else { GIVEN_SHARE * self.tolerance }
+    }
+
+    /// The same of the cut between wavenumbers on the grid and between spheres.
+    pub(crate) fn allowed_of_wall_cut(&self) -> f64 {
+        let share = match (self.rigid, self.loading) {
+            (false, _) => GIVEN_CUT_SHARE,
+            (true, Loading::Uniform) => WEIGHT_SHARE,
+            (true, Loading::Varied | Loading::UniformOnLattice) => FLOW_SHARE,
+        };
+        share * self.tolerance
     }
 
     /// The volume of the particles over that of the box.
