@@ -14,8 +14,8 @@ from support.program import mobility
 CASES, SEED = 500, 7
 TOLERANCES, EXACT = (1e-2, 1e-3, 1e-4, 1e-6), 1e-9
 KINDS = ("velocities", "angular_velocities", "stresslets")
-# Parts of the motion of single spheres below which a velocity, an angular velocity or a stresslet counts as if it were as large.
-LEAST = {"velocities": 0.01, "angular_velocities": 0.1, "stresslets": 0.1}
+# Part of what single spheres would do below which a quantity counts as if it were as large; and the part for velocities under forces.
+LEAST, LEAST_UNDER_FORCES = 0.1, 0.01
 # Boxes and how often they are drawn.
 BOXES = {
     "periodic": 0.16, "long": 0.08, "sheared": 0.14, "lattice": 0.16, "primitive cell": 0.04, "dense": 0.12,
@@ -119,15 +119,20 @@ def sample(index):
 
 
 def scales(case):
-    """The norm of what single spheres of a case would do, by kind, times what of it is the least that counts."""
+    """By kind, the least norm that counts: of parts of what single spheres of a case would do."""
     radii = case["radii"]
     lengths = {key: np.linalg.norm(case[key], axis=1) for key in ("forces", "torques", "stresslets") if key in case}
     gradient = np.array(case.get("background", {}).get("velocity_gradient", np.zeros((3, 3))))
-    speeds = radii * np.linalg.norm((gradient + gradient.T) / 2)
-    speeds = speeds + lengths.get("forces", 0) / (6 * np.pi * radii) + lengths.get("torques", 0) / (8 * np.pi * radii**2)
-    speeds = speeds + lengths.get("stresslets", 0) / (20 / 3 * np.pi * radii**2)
-    of = {"velocities": speeds, "angular_velocities": speeds / radii, "stresslets": 20 / 3 * np.pi * radii**2 * speeds}
-    return {kind: LEAST[kind] * np.linalg.norm(of[kind]) for kind in KINDS}
+    driven = lengths.get("forces", 0) / (6 * np.pi * radii)
+    other = radii * np.linalg.norm((gradient + gradient.T) / 2) + lengths.get("torques", 0) / (8 * np.pi * radii**2)
+    other = other + lengths.get("stresslets", 0) / (20 / 3 * np.pi * radii**2)
+    speeds = LEAST * (driven + other)
+    of = {
+        "velocities": LEAST_UNDER_FORCES * driven + LEAST * other,
+        "angular_velocities": speeds / radii,
+        "stresslets": 20 / 3 * np.pi * radii**2 * speeds,
+    }
+    return {kind: np.linalg.norm(values) for kind, values in of.items()}
 
 
 def ratios(case):

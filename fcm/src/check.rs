@@ -90,9 +90,9 @@ impl Problem {
         if let Some(&(radius, _)) = self.radii.iter().find(|(a, _)| !(a.is_finite() && *a > 0.0)) {
             return Err(PlanError::Radius(radius));
         }
-        let (edge, radius) = (self.edges.min_element(), self.largest_radius());
-        if edge <= 2.0 * radius {
-            return Err(PlanError::TooLarge { radius, edge, needed: 2.0 * radius });
+        let (shortest, radius) = (self.shortest_vector, self.largest_radius());
+        if shortest <= 2.0 * radius {
+            return Err(PlanError::TooLarge { radius, shortest, needed: 2.0 * radius });
         }
         if !(self.viscosity > 0.0 && self.viscosity.is_finite()) {
             return Err(PlanError::Viscosity(self.viscosity));

@@ -16,6 +16,7 @@
 //!     edges: Vector::splat(edge),
 //!     boundaries: Boundaries::Periodic,
 //!     volume: edge.powi(3),
+//!     shortest_vector: edge,
 //!     contraction: 1.0,
 //!     largest_strain: 0.0,
 //!     largest_tilts: [0.0; 2],

@@ -18,15 +18,15 @@ pub enum PlanError {
     Radius(f64),
     /// A particle that meets itself.
     #[error(
-        "a particle of radius {} does not fit the box, whose shortest edge is {}; it needs more than {}",
-        Number(*radius), Number(*edge), Number(*needed)
+        "a particle of radius {} does not fit the box, whose shortest lattice vector is {} long; it needs more than {}",
+        Number(*radius), Number(*shortest), Number(*needed)
     )]
     TooLarge {
         /// The radius.
         radius: f64,
-        /// The box's shortest edge.
-        edge: f64,
-        /// The least edge for that radius.
+        /// Length of the box's shortest lattice vector.
+        shortest: f64,
+        /// The least length for that radius.
         needed: f64,
     },
     /// A viscosity that is none.
@@ -140,6 +140,7 @@ impl Plan {
             edges: self.edges,
             boundaries: self.boundaries,
             volume: self.edges.element_product(),
+            shortest_vector: self.edges.min_element() * self.contraction,
             contraction: self.contraction,
             largest_strain: strain.abs(),
             largest_tilts: [0.0; 2],

@@ -65,6 +65,8 @@ pub struct Problem {
     pub boundaries: Boundaries,
     /// Volume of the box; that of a stretched one does not change.
     pub volume: f64,
+    /// Length of the shortest lattice vector that will be met, across which no sphere meets itself.
+    pub shortest_vector: f64,
     /// The part of each of these edges that will be left at least: 1 where they do not change.
     pub contraction: f64,
     /// Largest strain of the box that will be met.
@@ -98,8 +100,10 @@ pub struct Problem {
 /// Loads on the particles, as far as they decide how small the answer may be beside the motions of single spheres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loading {
-    /// Loads that differ from particle to particle, or a flow alone.
+    /// Loads that differ from particle to particle.
     Varied,
+    /// A background flow, in which motions relative to it may be small beside its rate of strain.
+    Flow,
     /// Weights or other equal forces, which dense suspensions hinder.
     Uniform,
     /// The same on particles that may stand in a lattice, whose errors add up.
@@ -107,6 +111,18 @@ pub enum Loading {
 }
 
 impl Problem {
+    /// The [`Self::shortest_vector`] of a box that does not move: along each combination of the second and the third lattice
+    /// vector, with the multiple of the first that is nearest to it.
+    pub fn shortest_vector_of(cell: &PeriodicBox) -> f64 {
+        let length = |j: i32, k: i32| {
+            let across = cell.lattice([0, j, k]);
+            let along = if j == 0 && k == 0 { 1 } else { -(across.x / cell.edges().x).round() as i32 };
+            cell.lattice([along, j, k]).length()
+        };
+        let combinations = (-2..=2).flat_map(|j| (0..=2).map(move |k| (j, k)));
+        combinations.map(|(j, k)| length(j, k)).fold(f64::INFINITY, f64::min)
+    }
+
     /// The [`Self::largest_tilts`] of a box that does not move.
     pub fn tilts_of(cell: &PeriodicBox) -> [f64; 2] {
         if cell.is_upright() { [0.0; 2] } else { cell.tilts().map(f64::abs) }

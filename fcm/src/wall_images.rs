@@ -257,6 +257,7 @@ mod tests {
             edges: Vector::new(12.0, 14.0, 9.0),
             boundaries,
             volume: 12.0 * 14.0 * 9.0,
+            shortest_vector: 9.0,
             contraction: 1.0,
             largest_strain: 0.0,
             largest_tilts: [0.0; 2],

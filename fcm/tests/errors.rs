@@ -34,14 +34,15 @@ fn radii_that_are_none() {
 #[test]
 fn particles_larger_than_the_box() {
     for edges in [Vector::new(8.0, 3.0, 8.0), Vector::new(8.0, 8.0, 2.5)] {
-        let (edge, edges_of) = (edges.min_element(), Problem { edges, ..problem() });
+        let shortest_vector = edges.min_element();
+        let edges_of = Problem { edges, shortest_vector, ..problem() };
         let message = refusal(&edges_of);
         let expected = format!(
-            "a particle of radius 1.5 does not fit the box, whose shortest edge is {edge}; it needs more than 3"
+            "a particle of radius 1.5 does not fit the box, whose shortest lattice vector is {shortest_vector} long; it needs more than 3"
         );
         assert_eq!(message, expected);
     }
-    assert!(Plan::choose(&Problem { edges: Vector::splat(3.01), ..problem() }).is_ok());
+    assert!(Plan::choose(&Problem { edges: Vector::splat(3.01), shortest_vector: 3.01, ..problem() }).is_ok());
 }
 
 #[test]

@@ -403,6 +403,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         edges: parameters.cell.edges(),
         boundaries: parameters.cell.boundaries(),
         volume: parameters.cell.edges().element_product(),
+        shortest_vector: Problem::shortest_vector_of(&parameters.cell),
         contraction: 1.0,
         largest_strain: parameters.cell.strain().abs(),
         largest_tilts: Problem::tilts_of(&parameters.cell),

@@ -90,6 +90,7 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
         edges,
         boundaries: model.cell.boundaries(),
         volume: cell.edges().element_product(),
+        shortest_vector: model.shortest_vector(),
         contraction,
         largest_strain: largest_strain(model),
         largest_tilts: model.stretched_box().map_or([0.0; 2], |extension| extension.extremes().tilts),
@@ -115,7 +116,8 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
 fn loading(model: &Model) -> Loading {
     let is_forced = model.species.iter().any(|s| s.force_on(s.radius, model.gravity) != Vector::ZERO);
     match model.start {
-        _ if !is_forced => Loading::Varied,
+        _ if !is_forced && matches!(model.flow, Flow::None) => Loading::Varied,
+        _ if !is_forced => Loading::Flow,
         Start::Random { .. } | Start::Cloud { .. } => Loading::Uniform,
         Start::Lattice(_) | Start::Positions(_) | Start::Given => Loading::UniformOnLattice,
     }

@@ -45,6 +45,7 @@ impl Suspension {
             edges: self.cell.edges(),
             boundaries: self.cell.boundaries(),
             volume: self.cell.edges().element_product(),
+            shortest_vector: Problem::shortest_vector_of(&self.cell),
             contraction: 1.0,
             largest_strain: self.cell.strain().abs(),
             largest_tilts: Problem::tilts_of(&self.cell),

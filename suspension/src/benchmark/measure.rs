@@ -98,6 +98,7 @@ impl Task {
             boundaries: spheres.cell.boundaries(),
             edges: spheres.cell.edges(),
             volume: spheres.cell.edges().element_product(),
+            shortest_vector: Problem::shortest_vector_of(&spheres.cell),
             contraction: 1.0,
             largest_strain: 0.0,
             largest_tilts: [0.0; 2],

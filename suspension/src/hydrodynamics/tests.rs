@@ -18,6 +18,7 @@ fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Prob
         edges: Vector::splat(edge),
         boundaries: domain::Boundaries::Periodic,
         volume: edge.powi(3),
+        shortest_vector: edge,
         contraction: 1.0,
         largest_strain: 0.0,
         largest_tilts: [0.0; 2],

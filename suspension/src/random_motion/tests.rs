@@ -72,6 +72,7 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>)
         edges: cell.edges(),
         boundaries: cell.boundaries(),
         volume: cell.edges().element_product(),
+        shortest_vector: Problem::shortest_vector_of(cell),
         contraction: 1.0,
         largest_strain: cell.strain().abs(),
         largest_tilts: [0.0; 2],
