@@ -90,7 +90,9 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
         edges,
         boundaries: model.cell.boundaries(),
         volume: cell.edges().element_product(),
-        shortest_vector: model.shortest_vector(),
+        shortest_vector: model
+            .stretched_box()
+            .map_or_else(|| cell.edges().min_element(), |extension| extension.shortest_vector(cell)),
         contraction,
         largest_strain: largest_strain(model),
         largest_tilts: model.stretched_box().map_or([0.0; 2], |extension| extension.extremes().tilts),
@@ -111,13 +113,13 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
     }
 }
 
-/// Loads of a scene: weights and forces of species are equal on many spheres, which stand in a lattice at most where they do not
-/// start at random.
+/// Loads of a scene: those of a flow, if there is one; else weights and forces of species, equal on many spheres, which stand in a
+/// lattice at most where they do not start at random.
 fn loading(model: &Model) -> Loading {
     let is_forced = model.species.iter().any(|s| s.force_on(s.radius, model.gravity) != Vector::ZERO);
     match model.start {
-        _ if !is_forced && matches!(model.flow, Flow::None) => Loading::Varied,
-        _ if !is_forced => Loading::Flow,
+        _ if !matches!(model.flow, Flow::None) => Loading::Flow,
+        _ if !is_forced => Loading::Varied,
         Start::Random { .. } | Start::Cloud { .. } => Loading::Uniform,
         Start::Lattice(_) | Start::Positions(_) | Start::Given => Loading::UniformOnLattice,
     }

@@ -14,7 +14,9 @@ const HEIGHT: f64 = 9.0;
 fn between_walls(unit: f64) -> (Plan, Particles) {
     let edges = Vector::new(10.0, 9.0, HEIGHT) * unit;
     let radii = [1.0, 1.4, 1.4].map(|a| a * unit);
-    let problem = Problem { edges, boundaries: Boundaries::Walls, ..problem(unit, &radii, (1e-3, 1e-9)) };
+    let (volume, shortest_vector) = (edges.element_product(), edges.min_element());
+    let usual = problem(unit, &radii, (1e-3, 1e-9));
+    let problem = Problem { edges, volume, shortest_vector, boundaries: Boundaries::Walls, ..usual };
     let places = [Vector::new(3.0, 3.0, 1.02), Vector::new(5.2, 3.4, 1.9), Vector::new(5.0, 5.0, HEIGHT - 1.45)];
     (Plan::choose(&problem).unwrap(), placed(&places.map(|place| place * unit), &radii))
 }

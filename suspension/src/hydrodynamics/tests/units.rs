@@ -19,6 +19,8 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
     };
     let plan = Plan::choose(&Problem {
         edges: cell.edges(),
+        volume: cell.edges().element_product(),
+        shortest_vector: cell.edges().min_element(),
         boundaries: cell.boundaries(),
         largest_strain: 0.5,
         viscosity,
