@@ -98,7 +98,7 @@ pub struct Plan {
     /// Relative error left in the stresslets.
     pub iteration_tolerance: f64,
     /// Relative error that the cut between wavenumbers of walls on the grid and between spheres may have.
-    pub(crate) allowed_of_wall_cut: f64,
+    pub allowed_of_wall_cut: f64,
     /// Direct or split, with the split's width and cutoff.
     pub method: Method,
     /// Precision of the grid.
