@@ -1,5 +1,6 @@
 //! `fcm-solve check`: the plan, memory and cost of a scene.
 
+use crate::part_progress::PartProgress;
 use crate::scene_file::read;
 use crate::streams::{self, json};
 use domain::Comm;
@@ -34,7 +35,9 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let (scene, notes) = io::with_start_file(read(&args.scene, &args.overrides, comm)?, comm)?;
     let scene = io::on_this_machine(scene, comm)?;
+    let placing = PartProgress::start(comm, "the particles are placed");
     let outline = io::outline(scene.kind(), asked(args, comm), comm)?;
+    drop(placing);
     let outline = notes.iter().fold(outline, |outline, note| outline.line("start", note));
     // Of ranks that are not present no time is known.
     let is_tried = !args.no_trial && args.ranks.is_none();

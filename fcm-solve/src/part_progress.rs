@@ -4,10 +4,14 @@ use crate::streams;
 use domain::Comm;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 /// Time between two lines where there is no terminal.
 const PAUSE: Duration = Duration::from_secs(5);
+
+/// How long work is silent before it is named.
+const SILENCE: Duration = Duration::from_secs(1);
 
 /// A bar on a terminal, which is removed at the end; elsewhere a line now and then. Only the first rank shows it.
 pub struct PartProgress {
@@ -17,7 +21,7 @@ pub struct PartProgress {
 
 enum Display {
     Bar(ProgressBar),
-    Lines { said: Instant },
+    Lines { said: Instant, naming: Option<Naming> },
     Nothing,
 }
 
@@ -27,7 +31,7 @@ impl PartProgress {
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
             (false, _) => Display::Nothing,
             (true, true) => Display::Bar(bar(what)),
-            (true, false) => Display::Lines { said: Instant::now() },
+            (true, false) => Display::Lines { said: Instant::now(), naming: Naming::start(what) },
         };
         Self { display, what }
     }
@@ -35,9 +39,12 @@ impl PartProgress {
     /// Shows which part is done, from 0 to 1.
     pub fn show(&mut self, part: f64) {
         let percent = (100.0 * part.clamp(0.0, 1.0)) as u64;
+        if let Display::Lines { naming, .. } = &mut self.display {
+            *naming = None;
+        }
         match &mut self.display {
             Display::Bar(bar) => bar.set_position(percent),
-            Display::Lines { said } if said.elapsed() >= PAUSE => {
+            Display::Lines { said, .. } if said.elapsed() >= PAUSE => {
                 streams::log(format_args!("{}: {percent}%", self.what));
                 *said = Instant::now();
             }
@@ -65,5 +72,28 @@ impl Drop for PartProgress {
 
 fn bar(what: &'static str) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:30} {percent}%, {msg}").expect("a good template");
-    ProgressBar::new(100).with_style(style).with_message(what)
+    let bar = ProgressBar::new(100).with_style(style).with_message(what);
+    bar.enable_steady_tick(SILENCE);
+    bar
+}
+
+/// Names work of which no part is known to be done for longer than a second, and how long it has taken, less and less often.
+struct Naming {
+    /// Its end ends the thread.
+    _end: Sender<()>,
+}
+
+impl Naming {
+    /// Names work from now on; where there can be no thread it is not named.
+    fn start(what: &'static str) -> Option<Self> {
+        let (end, ended) = channel::<()>();
+        let (began, mut pause) = (Instant::now(), SILENCE);
+        let name = move || {
+            while ended.recv_timeout(pause) == Err(RecvTimeoutError::Timeout) {
+                streams::log(format_args!("{what}: {} s so far", began.elapsed().as_secs()));
+                pause *= 3;
+            }
+        };
+        std::thread::Builder::new().spawn(name).ok().map(|_| Self { _end: end })
+    }
 }

@@ -4,6 +4,7 @@ use crate::integrator::AdamsBashforth;
 use crate::model::{Flow, Integrator, Model};
 use crate::plan::{Radii, problem};
 use crate::steadiness;
+use crate::step_lengths;
 use crate::tethers::BOND_NUMBERS;
 use domain::{Boundaries, Number};
 use fcm::Plan;
@@ -21,7 +22,7 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
         burden(model, radii),
         model.statistics.and_then(|wanted| wanted.caution(model.time_step, model.steps)),
     ];
-    all.into_iter().flatten().collect()
+    all.into_iter().flatten().chain(step_lengths::cautions(model, radii)).collect()
 }
 
 /// What makes the plan of a scene hopeless, if it is.

@@ -72,6 +72,7 @@ mod setup;
 mod single_evaluation;
 mod steadiness;
 mod step_error;
+mod step_lengths;
 mod strain_rate;
 mod stress;
 mod stretching;

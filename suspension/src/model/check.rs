@@ -3,6 +3,7 @@
 use super::spheres::check_species;
 use super::{
     Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps,
+    travel,
 };
 use crate::lengths::check_lubricated;
 use domain::{Boundaries, Number, ParameterError};
@@ -32,6 +33,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     bonds::check(p)?;
     traps::check(p)?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
+    travel::check(p)?;
     p.integrator.check(p.contacts.is_some())
 }
 

@@ -14,6 +14,7 @@ mod sizes;
 mod spheres;
 mod statistics;
 mod traps;
+mod travel;
 mod turned;
 
 use crate::tethers::BOND_NUMBERS;

@@ -134,7 +134,7 @@ mod tests {
             (0.8, 1, 0.1, 7),
         ] {
             let wanted = Statistics { samples: Schedule::every(every), from, ..Statistics::ALL };
-            let is_taken = |k: &u64| k % every == 0 && *k as f64 * step >= from;
+            let is_taken = |k: &u64| k.is_multiple_of(every) && *k as f64 * step >= from;
             assert_eq!(
                 wanted.samples_until(step, steps),
                 (0..=steps).filter(is_taken).count() as u64,
