@@ -115,8 +115,8 @@ mod tests {
         cautions(&model, &Radii::of_model(&model).unwrap())
     }
 
-    fn screened(length: f64) -> Option<Repulsion> {
-        Some(Repulsion { screening_length: Some(length), ..Repulsion::new(1e-3) })
+    fn screened(length: f64) -> Repulsion {
+        Repulsion { screening_length: Some(length), ..Repulsion::new(1e-3) }
     }
 
     /// A sphere of radius 1 diffuses by `sqrt(2 kT dt / (6 pi mu))` along an axis.
@@ -126,7 +126,7 @@ mod tests {
             // 0.03
             let thermal_energy = Some(3.0 * PI * 0.0009);
             let integrator = Integrator::Brownian(crate::model::BrownianScheme::default());
-            let all = said(Parameters { thermal_energy, integrator, repulsion: screened(length), ..usual(1.0) });
+            let all = said(Parameters { thermal_energy, integrator, repulsion: Some(screened(length)), ..usual(1.0) });
             let is_said =
                 all.iter().any(|s| s.contains("diffuse by 0.03 in a step, and repulsion.screening_length is"));
             assert_eq!(is_said, warned, "{all:?}");
@@ -139,7 +139,7 @@ mod tests {
         let fixed = Integrator::AdamsBashforth { order: 2 };
         let implicit = Integrator::Implicit(crate::model::Adaptive::UNLIMITED);
         for (integrator, length, warned) in [(fixed, 0.021, false), (fixed, 0.019, true), (implicit, 0.019, false)] {
-            let all = said(Parameters { flow, integrator, repulsion: screened(length), ..usual(0.01) });
+            let all = said(Parameters { flow, integrator, repulsion: Some(screened(length)), ..usual(0.01) });
             assert_eq!(all.iter().any(|s| s.contains("neighbours by 0.01 against each other")), warned, "{all:?}");
         }
     }
