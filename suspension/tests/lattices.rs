@@ -76,7 +76,7 @@ enum Load {
 
 /// The answer that a load drives directly.
 fn driven(load: Load, motions: &Motions) -> Vec<f64> {
-    let of_vectors = |list: &[Vector]| list.iter().flat_map(|v| v.to_array()).collect();
+    let of_vectors = |list: &[Vector]| list.iter().flat_map(Vector::to_array).collect();
     match load {
         Load::Force | Load::Opposed => of_vectors(&motions.motion.velocities),
         Load::Torque => of_vectors(&motions.motion.angular_velocities),
