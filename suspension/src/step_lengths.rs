@@ -137,7 +137,7 @@ mod tests {
     fn a_flow_beyond_the_repulsion_is_warned_of_in_fixed_steps() {
         let flow = Flow::Shear { rate: -0.5, lees_edwards: true };
         let fixed = Integrator::AdamsBashforth { order: 2 };
-        let implicit = Integrator::Implicit(crate::model::Adaptive::UNLIMITED);
+        let implicit = Integrator::Implicit(crate::model::Adaptive::default());
         for (integrator, length, warned) in [(fixed, 0.021, false), (fixed, 0.019, true), (implicit, 0.019, false)] {
             let all = said(Parameters { flow, integrator, repulsion: Some(screened(length)), ..usual(0.01) });
             assert_eq!(all.iter().any(|s| s.contains("neighbours by 0.01 against each other")), warned, "{all:?}");
@@ -155,7 +155,7 @@ mod tests {
             let all = said(Parameters { integrator: Integrator::AdamsBashforth { order: 2 }, ..pulled(travel) });
             assert_eq!(all.iter().any(|s| s.contains("more than its radius")), warned, "{travel}: {all:?}");
         }
-        let divided = Integrator::Implicit(crate::model::Adaptive::UNLIMITED);
+        let divided = Integrator::Implicit(crate::model::Adaptive::default());
         for (travel, warned) in [(8.9, false), (9.1, true)] {
             let all = said(Parameters { integrator: divided, ..pulled(travel) });
             assert_eq!(all.iter().any(|s| s.contains("more than the shortest edge")), warned, "{travel}: {all:?}");
