@@ -23,6 +23,41 @@ pub fn keep_memory() {
     }
 }
 
+/// Has a file that would become longer than the limit (`ulimit -f`) be an error of the write, in place of the end of the
+/// program without a word.
+pub fn survive_long_files() {
+    // SAFETY: a signal that is ignored calls nothing.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+    }
+}
+
+/// Stack that the program may need: parsers of deep texts and kernels with blocks of values take some of it.
+const STACK: usize = 8 << 20;
+
+/// Calls a function on a stack that is large enough: in a thread of its own where that of the process is limited to less
+/// (`ulimit -s`).
+pub fn with_stack(work: fn() -> ExitCode) -> ExitCode {
+    if stack_limit().is_none_or(|limit| limit >= STACK) {
+        return work();
+    }
+    let thread = std::thread::Builder::new().name("program".to_owned()).stack_size(STACK);
+    match thread.spawn(work) {
+        Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+        Err(error) => {
+            failed(true, &format_args!("the stack is limited (ulimit -s), and no thread can be started: {error}"))
+        }
+    }
+}
+
+/// Bytes that the stack of the process may take; nothing if there is no limit.
+fn stack_limit() -> Option<usize> {
+    let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    // SAFETY: the call writes one limit to where it is told.
+    let is_known = unsafe { libc::getrlimit(libc::RLIMIT_STACK, &raw mut limit) } == 0;
+    (is_known && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur as usize)
+}
+
 /// Says why the ranks could not be reached; once, where the launcher tells which process this is.
 pub fn refused(error: &CommError) -> ExitCode {
     failed(Launcher::of_this_process().is_first(), error)
@@ -45,6 +80,9 @@ pub fn in_one_line(message: &str) -> String {
 
 /// Prints help, or a mistake in the command line, once.
 pub fn explain(comm: &Comm, message: &clap::Error) -> ExitCode {
+    if comm.is_first() && !message.use_stderr() && streams::is_output_closed() {
+        return failed(true, &format_args!("can't write what was asked for: the standard output is closed"));
+    }
     match if comm.is_first() { message.print() } else { Ok(()) } {
         // Nobody listens to a closed pipe, as in `fcm-solve --help | head`.
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {

@@ -42,6 +42,11 @@ fn main() -> ExitCode {
     walltime::starts_now();
     launch::leave_files_unlocked();
     launch::keep_memory();
+    launch::survive_long_files();
+    launch::with_stack(carry_out)
+}
+
+fn carry_out() -> ExitCode {
     let args = Args::read();
     let is_alone = args.as_ref().is_ok_and(|args| args.alone);
     let comm = match if is_alone { Ok(Comm::alone()) } else { Comm::world() } {

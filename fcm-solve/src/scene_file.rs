@@ -17,8 +17,5 @@ fn read_here(path: &Path, overrides: &[String]) -> Result<Scene, SceneError> {
     if path != Path::new("-") {
         return Scene::read(path, overrides);
     }
-    let name = "standard input";
-    let text = std::io::read_to_string(std::io::stdin());
-    let text = text.map_err(|reason| SceneError::Unreadable { name: name.to_owned(), reason })?;
-    Scene::parse(&text, name, overrides)
+    Scene::read_from(std::io::stdin(), "standard input", overrides)
 }

@@ -1,11 +1,12 @@
 //! Standard output, for results, and standard error, for the log. Nothing here panics if a stream fails.
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use domain::Comm;
 use serde_json::Value;
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
 
@@ -22,9 +23,30 @@ pub fn print(comm: &Comm, text: &str) -> anyhow::Result<()> {
 
 /// The same for one rank alone.
 pub fn print_here(text: &str) -> anyhow::Result<()> {
+    ensure!(!is_output_closed(), "can't write to the standard output: it is closed");
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("can't write to the standard output")
 }
+
+/// Whether the program was started without a standard output (`>&-`).
+pub fn is_output_closed() -> bool {
+    IS_CLOSED.load(Ordering::Relaxed)
+}
+
+static IS_CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// Looks for the standard output before the program begins: the runtime of the language puts `/dev/null` in its place,
+/// where results would be lost without an error.
+extern "C" fn look_for_output() {
+    // SAFETY: the call asks for the flags of a descriptor, which need not be open.
+    let is_closed = unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_GETFD) } == -1;
+    IS_CLOSED.store(is_closed, Ordering::Relaxed);
+}
+
+#[used]
+// SAFETY: the section has pointers to functions that are called before `main`; this one needs nothing of the runtime.
+#[cfg_attr(target_os = "linux", unsafe(link_section = ".init_array"))]
+static BEFORE_MAIN: extern "C" fn() = look_for_output;
 
 /// A value as JSON for reading, with the end of its last line.
 pub fn json(value: &Value) -> String {

@@ -1,6 +1,6 @@
 //! Atomic replacement of HDF5 files.
 
-use crate::{FileError, atomic_file};
+use crate::{FileError, atomic_file, stored_inside};
 use hdf5::{File, FileBuilder, OpenMode};
 use std::path::Path;
 
@@ -19,6 +19,7 @@ pub(crate) fn change(path: &Path, edit: impl FnOnce(&File) -> hdf5::Result<()>) 
     atomic_file::put(path, |_, temporary| {
         std::fs::copy(path, temporary).map_err(|e| hdf5::Error::from(e.to_string()))?;
         let file = at_once().open_as(temporary, OpenMode::ReadWrite)?;
+        stored_inside::check(&file)?;
         edit(&file).and_then(|()| file.flush()).inspect_err(|_| leave_open(&file))?;
         file.close()
     })

@@ -1,7 +1,7 @@
 //! The contents of a result file, as `fcm-solve info` shows them.
 
 use crate::frames::Sums;
-use crate::{FileError, Provenance, claimed_size, text, verified};
+use crate::{FileError, Provenance, claimed_size, stored_inside, text, verified};
 use domain::Number;
 use hdf5::{Dataset, File, Group};
 use serde::Serialize;
@@ -57,7 +57,7 @@ impl Contents {
         if !starts_as_hdf5(path).map_err(|e| FileError::read(path, &e))? {
             return Err(FileError::read(path, &"it is no HDF5 file; results have names such as trajectory.h5"));
         }
-        let file = File::open(path).map_err(|e| FileError::damaged(path, &e))?;
+        let file = stored_inside::open(path).map_err(|e| FileError::damaged(path, &e))?;
         if !file.link_exists("parameters") {
             return Err(FileError::read(
                 path,

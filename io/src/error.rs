@@ -13,6 +13,18 @@ pub enum FileError {
         /// The system's words.
         reason: String,
     },
+    /// A file has lost its name or its content while it was written.
+    #[error(
+        "{} {what} while the run was writing to it; what is gone of it is missing, and the run goes on from its last checkpoint \
+         by resume",
+        path.display()
+    )]
+    Lost {
+        /// The file.
+        path: PathBuf,
+        /// What has become of it.
+        what: String,
+    },
     /// Reading failed.
     #[error("can't read {}: {reason}", path.display())]
     Read {

@@ -38,11 +38,13 @@ mod report;
 mod run;
 mod scene;
 mod series;
+mod stored_inside;
 mod tables;
 mod text;
 mod trajectory;
 mod trajectory_reader;
 mod verified;
+mod watched_file;
 
 pub use atomic_file::replace as replace_file;
 pub use case::{

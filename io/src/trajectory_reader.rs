@@ -2,10 +2,10 @@
 
 use crate::frames::Sums;
 use crate::missing_steps::{MissingSteps, Period};
-use crate::{FileError, Provenance, Scene, checksum, claimed_size};
+use crate::{FileError, Provenance, Scene, checksum, claimed_size, stored_inside};
 use domain::{BoxError, Column, Particles, PeriodicBox, Vector};
 use hdf5::types::FixedAscii;
-use hdf5::{File, Group, H5Type, Hyperslab};
+use hdf5::{Group, H5Type, Hyperslab};
 use simulation::{Frame, Schedule};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ impl TrajectoryReader {
     }
 
     fn try_open(path: &Path) -> hdf5::Result<Self> {
-        let file = File::open(path)?;
+        let file = stored_inside::open(path)?;
         let group = file.group("particles/all")?;
         let ids: Vec<u64> = checksum::read(&group.dataset("id")?)?;
         let count = ids.len();
@@ -214,6 +214,7 @@ fn numbers(particles: &Particles) -> Result<(), String> {
 mod tests {
     use super::*;
     use crate::{Provenance, Trajectory};
+    use hdf5::File;
 
     /// A trajectory of one frame of one particle, after it was changed; what is said of its frame.
     fn changed(change: impl FnOnce(&File) -> hdf5::Result<()>) -> String {

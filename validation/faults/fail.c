@@ -8,7 +8,7 @@
    FAULT_AT      the n-th such call fails; 0, the default, lets all pass and lists them in the log
    FAULT_ERROR   the number of the error (errno)
    FAULT_HOW     `once`; `stays`: and so does whatever needs room from then on; `short`: the write ends at a
-                 page of memory and the next one fails */
+                 page of memory and the next one fails; `always`: every such call fails */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -29,7 +29,7 @@
 
 static const char *folder, *call;
 static long at;
-static int error_number, stays, is_short, log_file = -1;
+static int error_number, stays, is_short, always, log_file = -1;
 static atomic_long count;
 static atomic_int full, cut;
 
@@ -49,6 +49,7 @@ __attribute__((constructor)) static void start(void) {
     error_number = atoi(word("FAULT_ERROR", "5"));
     stays = strcmp(how, "stays") == 0;
     is_short = strcmp(how, "short") == 0;
+    always = strcmp(how, "always") == 0;
     if (path) log_file = (int)syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
 }
 
@@ -67,6 +68,7 @@ static int is_below(const char *path) {
 static int fails(const char *name, const char *path, int needs_room) {
     if (!is_below(path)) return 0;
     if (full && needs_room) return 1;
+    if (always) return strcmp(name, call) == 0;
     if (at == 0) note(name, path);
     if (at == 0 || strcmp(name, call) != 0) return 0;
     if (cut) { cut = 0; return 1; }

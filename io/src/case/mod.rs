@@ -13,10 +13,9 @@ pub use boundaries::{BoundariesError, CaseBoundary, UnknownBoundary};
 pub use bounded_box::{CaseBox, CaseBoxError};
 pub use method::{CaseMethod, UnknownMethod};
 
-use crate::FileError;
 use crate::document::{Alternative, Misfit, Node, NumberOr, bounded};
+use crate::{FileError, stored_inside};
 use domain::{PeriodicBox, Turn};
-use hdf5::File;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -154,7 +153,7 @@ impl Case {
             let text = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
             return Self::parse(&text, path);
         }
-        let file = File::open(path).map_err(|e| FileError::read(path, &e))?;
+        let file = stored_inside::open(path).map_err(|e| FileError::read(path, &e))?;
         let document = hdf5_input::contents(&file, true).map_err(|e| FileError::read(path, &e))?;
         Self::of_document(&document, path, &|misfit| hdf5_input::in_words(misfit, &file))
     }

@@ -1,4 +1,5 @@
 use super::*;
+use hdf5::File;
 use hdf5::types::{FixedAscii, VarLenUnicode};
 
 fn read(text: &str) -> Result<Case, String> {

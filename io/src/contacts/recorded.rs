@@ -1,7 +1,7 @@
 //! Reading contacts.
 
 use super::files;
-use crate::{FileError, checksum};
+use crate::{FileError, checksum, stored_inside};
 use domain::Vector;
 use hdf5::File;
 use simulation::{ContactForce, ContactForces, ContactState};
@@ -39,7 +39,7 @@ impl RecordedContacts {
 }
 
 fn read<T>(path: &Path, what: impl FnOnce(&File) -> hdf5::Result<T>) -> Result<T, FileError> {
-    File::open(path).and_then(|file| what(&file)).map_err(|e| FileError::damaged(path, &e))
+    stored_inside::open(path).and_then(|file| what(&file)).map_err(|e| FileError::damaged(path, &e))
 }
 
 fn clock(file: &File) -> hdf5::Result<(u64, f64)> {

@@ -3,7 +3,7 @@
 
 use super::lattice::{self, Lattice};
 use super::repeated::GROUP;
-use hdf5::File;
+use crate::stored_inside;
 use std::path::Path;
 
 /// What the XDMF file says of a field.
@@ -34,7 +34,7 @@ enum Meshes {
 impl Frame {
     /// Reads a field's file.
     pub(super) fn read(path: &Path) -> hdf5::Result<Self> {
-        let file = File::open(path)?;
+        let file = stored_inside::open(path)?;
         let (edges, shape) = (file.attr("edges")?.read_raw::<f64>()?, file.dataset("velocity")?.shape());
         let (&[x, y, z], &[nz, ny, nx, 3]) = (&edges[..], &shape[..]) else {
             return Err(format!("it has {} edges, and `velocity` is of the shape {shape:?}", edges.len()).into());

@@ -13,6 +13,7 @@ mod element;
 mod open;
 mod sums;
 
+use crate::watched_file::WatchedFile;
 use crate::{FileError, atomic_file, atomic_hdf5};
 pub(crate) use element::{Added, Element, Values, group, one_of};
 use hdf5::File;
@@ -28,7 +29,7 @@ pub(crate) struct Frames {
     /// Nothing after a failed write: what was in the file by then stays as it is.
     open: Option<Open>,
     /// Another handle of the file, which knows of all that fails later on.
-    file: std::fs::File,
+    file: WatchedFile,
     damage: Vec<Damage>,
 }
 
@@ -51,26 +52,29 @@ impl Frames {
 
     /// The same under the name of a temporary file.
     fn prepare(path: &Path, kind: &Kind) -> Result<Self, FileError> {
-        let temporary = atomic_file::temporary(path);
-        let file = std::fs::File::create(&temporary).map_err(|e| FileError::write(path, &e))?;
-        let open = Open::create(&temporary, kind).map_err(|e| FileError::write(path, &e))?;
+        let failed = |e: std::io::Error| FileError::write(path, &e);
+        let file = atomic_file::create_temporary(path).map_err(failed)?;
+        let open = Open::create(&atomic_file::temporary(path), kind).map_err(|e| FileError::write(path, &e))?;
+        let file = WatchedFile::new(path, file).map_err(failed)?;
         Ok(Self { path: path.to_owned(), open: Some(open), file, damage: Vec::new() })
     }
 
     fn place(self) -> Result<Self, FileError> {
-        atomic_file::place(&self.file, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
+        atomic_file::place(self.file.file(), &self.path).map_err(|e| FileError::write(&self.path, &e))?;
         Ok(self)
     }
 
     /// Opens a file of a former run, drops the frames after step `last`, and makes room for all frames to come.
     pub(crate) fn resume(path: &Path, kind: &Kind, last: u64) -> Result<Self, FileError> {
         let damaged = |e: &hdf5::Error| FileError::damaged(path, e);
-        let file = std::fs::File::open(path).map_err(|e| FileError::read(path, &e))?;
+        let file = std::fs::File::options().read(true).write(true).open(path);
+        let file = file.and_then(|file| WatchedFile::new(path, file)).map_err(|e| FileError::read(path, &e))?;
         let open = Open::existing(path, kind.elements).map_err(|e| damaged(&e))?;
         let (keep, damage) = open.kept(last).map_err(|e| damaged(&e))?;
         let mut old = Self { path: path.to_owned(), open: Some(open), file, damage };
         if old.look(|open| Ok(open.capacity()))? >= kind.capacity as usize {
             old.attempt(|open| open.truncate(keep))?;
+            old.file.note_length()?;
             return Ok(old);
         }
         old.copied(kind, keep).inspect_err(|_| atomic_file::remove_temporary(path))
@@ -110,12 +114,15 @@ impl Frames {
 
     /// The same with values that may come block by block.
     pub(crate) fn append_blocks(&mut self, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
-        self.attempt(|open| open.append(clock, values, None))
+        self.file.check().inspect_err(|_| self.abandon())?;
+        self.attempt(|open| open.append(clock, values, None))?;
+        self.file.note_length()
     }
 
     /// Waits until all frames so far are on the disk.
     pub(crate) fn sync(&self) -> Result<(), FileError> {
-        self.file.sync_all().map_err(|e| FileError::write(&self.path, &e))
+        self.file.check()?;
+        atomic_file::sync(self.file.file()).map_err(|e| FileError::write(&self.path, &e))
     }
 
     fn open(&self) -> Result<&Open, FileError> {
@@ -132,9 +139,16 @@ impl Frames {
             Ok(value) => return Ok(value),
             Err(error) => error,
         };
-        atomic_hdf5::leave_open(open.file());
-        std::mem::forget(self.open.take());
+        self.abandon();
         Err(FileError::write(&self.path, &error))
+    }
+
+    /// Leaves the file as it is.
+    fn abandon(&mut self) {
+        if let Some(open) = self.open.take() {
+            atomic_hdf5::leave_open(open.file());
+            std::mem::forget(open);
+        }
     }
 }
 

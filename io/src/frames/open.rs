@@ -2,7 +2,7 @@
 
 use super::element::{Stored, group, reserve, write_number};
 use super::{Added, Damage, Element, Kind, Sums, Values};
-use crate::{atomic_hdf5, claimed_size, text};
+use crate::{atomic_hdf5, claimed_size, stored_inside, text};
 use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
 use std::path::Path;
@@ -49,6 +49,7 @@ impl Open {
     /// Opens a file of a former run.
     pub(super) fn existing(path: &Path, elements: &[Element]) -> hdf5::Result<Self> {
         let file = for_writing(path)?;
+        stored_inside::check(&file)?;
         let first = file.group(&elements[0].path)?;
         let (steps, times) = (first.dataset("step")?, first.dataset("time")?);
         let stored = elements.iter().map(|element| Stored::open(&file, element)).collect::<hdf5::Result<_>>()?;

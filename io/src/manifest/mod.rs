@@ -11,6 +11,7 @@ mod older;
 #[cfg(test)]
 mod tests;
 
+use crate::watched_file::WatchedFile;
 use crate::{FileError, atomic_file, checksum};
 use entry::{Entries, Entry};
 pub(crate) use names::{SCENE, is_checkpoint, is_numbered};
@@ -37,7 +38,7 @@ pub struct Manifest {
 struct Listed {
     entries: Entries,
     /// The manifest, once this process has written to it.
-    file: Option<File>,
+    file: Option<WatchedFile>,
     /// Whether the file has these entries; a manifest of files of an older version is not written until it is needed.
     is_written: bool,
 }
@@ -263,22 +264,25 @@ impl Listed {
             self.entries.writers.insert(mark);
             atomic_file::replace(&path, self.entries.text().as_bytes())?;
             self.is_written = true;
-            self.file = Some(OpenOptions::new().append(true).open(&path).map_err(failed)?);
+            let file = OpenOptions::new().append(true).open(&path);
+            self.file = Some(file.and_then(|file| WatchedFile::new(&path, file)).map_err(failed)?);
             return Ok(());
         }
-        self.file = Some(whole_lines(&path).map_err(failed)?);
+        self.file = Some(whole_lines(&path).and_then(|file| WatchedFile::new(&path, file)).map_err(failed)?);
         if self.entries.writers.insert(mark.clone()) { self.add(folder, &Entry::Writer(mark)) } else { Ok(()) }
     }
 
     /// Adds a line, which is on the disk when this returns.
     fn add(&mut self, folder: &Path, entry: &Entry) -> Result<(), FileError> {
         let Some(file) = &mut self.file else { return Ok(()) };
-        let written = file.write_all(entry.line().as_bytes()).and_then(|()| match entry {
+        file.check()?;
+        let written = file.file().write_all(entry.line().as_bytes()).and_then(|()| match entry {
             // Names of files that are gone do no harm.
             Entry::Removed(_) => Ok(()),
-            _ => atomic_file::sync(file),
+            _ => atomic_file::sync(file.file()),
         });
-        written.map_err(|e| FileError::write(&folder.join(MANIFEST), &e))
+        written.map_err(|e| FileError::write(&folder.join(MANIFEST), &e))?;
+        file.note_length()
     }
 }
 

@@ -2,8 +2,7 @@
 
 use super::entry::Entries;
 use super::{SCENE, found, is_checkpoint};
-use crate::{FileError, report, text};
-use hdf5::File;
+use crate::{FileError, report, stored_inside, text};
 use hdf5::types::VarLenUnicode;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -78,7 +77,7 @@ pub(super) fn looks_like_ours(path: &Path) -> bool {
 /// Whether an HDF5 file has the parameters that this program writes; and the names of its tables.
 fn is_of_this_program(path: &Path, tables: &mut Vec<String>) -> bool {
     let read = || {
-        let file = File::open(path)?;
+        let file = stored_inside::open(path)?;
         let program = file.group("parameters")?.attr("program")?.read_scalar::<VarLenUnicode>()?;
         Ok((program, file.as_group()?.member_names()?))
     };

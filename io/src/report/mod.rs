@@ -19,11 +19,10 @@ mod warnings;
 
 use crate::contacts::RecordedContacts;
 use crate::trajectory_reader::TrajectoryReader;
-use crate::{FileError, Manifest, Provenance, atomic_file};
+use crate::{FileError, Manifest, Provenance, atomic_file, stored_inside};
 use about::About;
 pub use error::ReportError;
 use facts::Course;
-use hdf5::File;
 use observables::Observables;
 use page::Page;
 pub(crate) use page::is_page;
@@ -71,7 +70,9 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
 fn provenance(folder: &Path) -> Result<Provenance, ReportError> {
     let file = FILES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
     let path = file.ok_or_else(|| no_results(folder))?;
-    Ok(File::open(&path).and_then(|file| Provenance::read(&file)).map_err(|e| FileError::damaged(&path, &e))?)
+    Ok(stored_inside::open(&path)
+        .and_then(|file| Provenance::read(&file))
+        .map_err(|e| FileError::damaged(&path, &e))?)
 }
 
 fn no_results(folder: &Path) -> ReportError {

@@ -1,9 +1,9 @@
 //! Reading the time series of a run.
 
 use crate::frames::Sums;
-use crate::{FileError, claimed_size, text};
+use crate::{FileError, claimed_size, stored_inside, text};
+use hdf5::Group;
 use hdf5::types::VarLenUnicode;
-use hdf5::{File, Group};
 use simulation::csv_words;
 use std::path::Path;
 
@@ -45,7 +45,7 @@ impl Observables {
     }
 
     fn try_read(path: &Path) -> hdf5::Result<Self> {
-        let file = File::open(path)?;
+        let file = stored_inside::open(path)?;
         let groups = file.group("observables")?.groups()?;
         let Some(clock) = groups.first() else { return Err("it has no observables".into()) };
         let (steps, times): (Vec<u64>, Vec<f64>) =

@@ -2,7 +2,7 @@
 
 use super::RunError;
 use crate::manifest::SCENE;
-use crate::{MANIFEST, Manifest, Obstacles, replace_file};
+use crate::{FileError, MANIFEST, Manifest, Obstacles, replace_file};
 use domain::Comm;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::os::unix::fs::OpenOptionsExt;
@@ -98,6 +98,14 @@ impl RunFolder {
     /// The path of the scene.
     pub fn scene(&self) -> PathBuf {
         self.path.join(SCENE)
+    }
+
+    /// `Err` if the scene is gone, without which the run can't be gone on with.
+    pub(super) fn check_scene(&self) -> Result<(), FileError> {
+        if self.scene().is_file() {
+            return Ok(());
+        }
+        Err(FileError::Lost { path: self.scene(), what: "was removed or renamed".to_owned() })
     }
 
     /// Removes the files of a former run, which its manifest lists, and writes the manifest and the scene of this one.

@@ -219,7 +219,8 @@ impl Recorder {
     fn state(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let state = simulation.state();
         // What a checkpoint follows on must be on the disk when it is.
-        self.comm.agree(if self.comm.is_first() { self.files.sync() } else { Ok(()) })?;
+        let is_whole = || self.files.sync().and_then(|()| self.folder.check_scene());
+        self.comm.agree(if self.comm.is_first() { is_whole() } else { Ok(()) })?;
         self.comm.agree(Checkpoints::write(self.folder.manifest(), &state, &self.comm))?;
         self.saved = Some(simulation.clock().step());
         Ok(())

@@ -15,6 +15,14 @@ pub enum SceneError {
         /// Why not.
         reason: std::io::Error,
     },
+    /// The text is too long.
+    #[error("{name} {message}")]
+    TooLong {
+        /// The file.
+        name: String,
+        /// How long it is, and what is allowed.
+        message: String,
+    },
     /// A key is wrong.
     #[error("{}{with}: {message}", place(.name, *.line))]
     Invalid {

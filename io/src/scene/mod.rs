@@ -11,6 +11,7 @@ mod shear_cell_continuum;
 mod start_box;
 mod suspension;
 mod template;
+mod text_size;
 mod time_and_output;
 
 pub use self::suspension::SuspensionScene;
@@ -22,6 +23,7 @@ pub use granular_disks::GranularDisksScene;
 pub use schema::scene_schema;
 pub use shear_cell::ShearCellScene;
 pub use shear_cell_continuum::ContinuumScene;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 pub use template::{TEMPLATES, Template};
 pub use time_and_output::{Output, Time};
@@ -57,9 +59,13 @@ impl Scene {
     /// the scene are relative to its folder.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
         let name = path.display().to_string();
-        let text =
-            std::fs::read_to_string(path).map_err(|reason| SceneError::Unreadable { name: name.clone(), reason })?;
-        Self::parse(&text, &name, overrides)
+        let file = std::fs::File::open(path).map_err(|reason| SceneError::Unreadable { name: name.clone(), reason })?;
+        Self::read_from(file, &name, overrides)
+    }
+
+    /// The same from any source; `name` is what messages call it, and the place that paths start from.
+    pub fn read_from(from: impl Read, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        Self::parse(&text_size::read(from, name)?, name, overrides)
     }
 
     /// Checks the text of a scene. `name` is the file's, for messages and as the place that paths start from.

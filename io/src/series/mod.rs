@@ -4,6 +4,7 @@ mod existing_rows;
 
 use crate::atomic_file;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
+use crate::watched_file::WatchedFile;
 use crate::{FileError, Manifest, Provenance};
 use existing_rows::ExistingRows;
 use simulation::{Quantity, csv_line};
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// A time series that is being written to `observables.csv` and `observables.h5` of a folder.
 pub struct Series {
-    csv: File,
+    csv: WatchedFile,
     csv_path: PathBuf,
     frames: Frames,
 }
@@ -65,7 +66,8 @@ impl Series {
         let csv_path = run.folder().join("observables.csv");
         run.enter(&csv_path)?;
         atomic_file::replace(&csv_path, table.as_bytes())?;
-        Ok(Self { csv: for_appending(&csv_path)?, csv_path, frames })
+        let csv = for_appending(&csv_path).and_then(|file| WatchedFile::new(&csv_path, file));
+        Ok(Self { csv: csv.map_err(|e| FileError::write(&csv_path, &e))?, csv_path, frames })
     }
 
     /// The step of the last row.
@@ -81,14 +83,17 @@ impl Series {
     /// Adds a row with the numbers of each quantity in turn.
     pub fn append(&mut self, clock: (u64, f64), values: &[Vec<f64>]) -> Result<(), FileError> {
         let line = line(clock, values.iter().flatten());
-        self.csv.write_all(line.as_bytes()).map_err(|e| FileError::write(&self.csv_path, &e))?;
+        self.csv.check()?;
+        self.csv.file().write_all(line.as_bytes()).map_err(|e| FileError::write(&self.csv_path, &e))?;
+        self.csv.note_length()?;
         let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
         self.frames.append(clock, &values)
     }
 
     /// Waits until all rows so far are on the disk.
     pub fn sync(&self) -> Result<(), FileError> {
-        self.csv.sync_all().map_err(|e| FileError::write(&self.csv_path, &e))?;
+        self.csv.check()?;
+        atomic_file::sync(self.csv.file()).map_err(|e| FileError::write(&self.csv_path, &e))?;
         self.frames.sync()
     }
 }
@@ -104,8 +109,8 @@ fn header(quantities: &[Quantity]) -> String {
     csv_line(columns.iter().map(String::as_str)) + "\n"
 }
 
-fn for_appending(path: &Path) -> Result<File, FileError> {
-    OpenOptions::new().append(true).open(path).map_err(|e| FileError::write(path, &e))
+fn for_appending(path: &Path) -> std::io::Result<File> {
+    OpenOptions::new().append(true).open(path)
 }
 
 fn line<'a>((step, time): (u64, f64), values: impl IntoIterator<Item = &'a f64>) -> String {
