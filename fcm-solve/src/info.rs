@@ -25,7 +25,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let contents = if comm.is_first() { read(&args.file).map(Some) } else { Ok(None) };
     let contents = comm.agree(contents.map_err(|e| in_full(&e)))?;
     let text = |contents: &Contents| match (args.scene, args.json) {
-        (true, _) => contents.provenance.scene.clone(),
+        (true, _) => contents.scene(),
         (_, true) => json(&serde_json::json!(contents)),
         _ => contents.to_string(),
     };

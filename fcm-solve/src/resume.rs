@@ -2,11 +2,11 @@
 
 use crate::causes::in_full;
 use crate::commands::resume_command;
-use crate::continuation::{go_on, kept_scene, latest};
+use crate::continuation::{go_on, kept_scene};
 use crate::signals::{Signals, StopArgs};
 use crate::whole_scene::carry_out;
 use domain::Comm;
-use io::{RunFolder, WholeScene};
+use io::{Resumption, RunFolder, WholeScene};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -18,6 +18,9 @@ pub struct Args {
     /// Go on until this step instead of the scene's last
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     steps: Option<u64>,
+    /// Go on with another value of this key, fluid.viscosity or one of [repulsion]; may be repeated
+    #[arg(long, value_name = "KEY")]
+    accept: Vec<String>,
     #[command(flatten)]
     stops: StopArgs,
 }
@@ -26,12 +29,12 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let command = resume_command(&args.folder, args.steps);
     let signals = comm.agree(Signals::watch(comm, command, &args.stops))?;
+    comm.agree(io::check_accepted(&args.accept))?;
     let folder = comm.agree(RunFolder::reopen(&args.folder, comm).map_err(|e| in_full(&e.into())))?;
     let scene = kept_scene(&folder, args.steps, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
         io::check_memory(scene.kind(), comm)?;
         return carry_out(&work, (&scene, &folder), (comm, &signals));
     }
-    let state = comm.agree(latest(&folder, comm))?;
-    go_on(folder, state, args.steps, (comm, &signals))
+    go_on(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
 }

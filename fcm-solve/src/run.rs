@@ -2,7 +2,7 @@
 
 use crate::causes::in_full;
 use crate::commands::{quoted, resume_command};
-use crate::continuation::{go_on, latest};
+use crate::continuation::go_on;
 use crate::part_progress::PartProgress;
 use crate::run_loop::run_to_end;
 use crate::scene_file::read;
@@ -11,7 +11,7 @@ use crate::whole_scene::carry_out;
 use crate::{prepared_scene::prepared, streams};
 use anyhow::ensure;
 use domain::Comm;
-use io::{Checkpoints, ExistingRun, Kind, Recorder, RunFolder, Scene, WholeScene};
+use io::{Checkpoints, Difference, ExistingRun, Recorder, Resumption, RunFolder, Scene, WholeScene, some_of};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -32,6 +32,9 @@ pub struct Args {
     /// Go on with the run in that folder, if there is one and it is not finished
     #[arg(long = "continue", conflicts_with = "force")]
     goes_on: bool,
+    /// Go on with another value of this key, fluid.viscosity or one of [repulsion]; may be repeated
+    #[arg(long, value_name = "KEY", requires = "goes_on")]
+    accept: Vec<String>,
     #[command(flatten)]
     stops: StopArgs,
 }
@@ -39,12 +42,13 @@ pub struct Args {
 /// Runs the scene. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let scene = read(&args.scene, &args.overrides, comm)?;
+    comm.agree(io::check_accepted(&args.accept))?;
     let path = args.folder(&scene);
     let signals = Signals::watch(comm, args.command(&path), &args.stops);
     let signals = comm.agree(signals)?;
     let folder = comm.agree(RunFolder::claim(&path, comm, args.former()).map_err(|e| in_full(&e.into())))?;
     if args.goes_on && folder.holds_run(comm) {
-        return start_or_go_on(scene, folder, comm, &signals);
+        return start_or_go_on(scene, folder, &args.accept, (comm, &signals));
     }
     start(scene, folder, comm, &signals)
 }
@@ -66,11 +70,16 @@ fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) ->
 }
 
 /// Continues the run in a folder to the present end of the scene, or starts it. Collective.
-fn start_or_go_on(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+fn start_or_go_on(
+    scene: Scene,
+    folder: RunFolder,
+    accepted: &[String],
+    (comm, signals): (&Comm, &Signals),
+) -> anyhow::Result<ExitCode> {
     let kept = read(&folder.scene(), &[], comm)?;
-    refuse_another(&scene, &kept, folder.path())?;
-    let end = scene.kind().steps();
     if let Some(work) = WholeScene::of(&kept) {
+        let differences = scene.differences(&kept).into_iter();
+        refuse_another(differences.filter(|d| !["title", "output.folder"].contains(&d.key.as_str())), folder.path())?;
         return if comm.any(comm.is_first() && work.is_finished(folder.path())) {
             Ok(finished("", &folder, comm))
         } else {
@@ -78,16 +87,19 @@ fn start_or_go_on(scene: Scene, folder: RunFolder, comm: &Comm, signals: &Signal
             carry_out(&work, (&kept, &folder), (comm, signals))
         };
     }
+    refuse_another(scene.fixed_differences(&kept).into_iter(), folder.path())?;
     let has_checkpoint = if comm.is_first() { Checkpoints::of(folder.path()).any() } else { Ok(false) };
     if !comm.any(comm.agree(has_checkpoint)?) {
         return start(scene, folder, comm, signals);
     }
-    let state = comm.agree(latest(&folder, comm))?;
-    if comm.any(state.as_ref().is_some_and(|state| state.step >= end)) {
-        return Ok(finished(&format!(", after step {end}"), &folder, comm));
+    let end = scene.kind().steps();
+    let with_own_keys = scene.with_own_keys_of(&kept)?;
+    let now = if with_own_keys.differences(&kept).is_empty() { kept } else { with_own_keys };
+    let resumption = Resumption::of(folder, now, accepted, comm)?;
+    if resumption.step() >= end {
+        return Ok(finished(&format!(", after step {end}"), resumption.folder(), comm));
     }
-    let other_end = (end != kept.kind().steps()).then_some(end);
-    go_on(folder, state, other_end, (comm, signals))
+    go_on(resumption, comm, signals)
 }
 
 fn finished(when: &str, folder: &RunFolder, comm: &Comm) -> ExitCode {
@@ -97,35 +109,17 @@ fn finished(when: &str, folder: &RunFolder, comm: &Comm) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Refuses to continue the run of another scene. The end may differ, since it only says how far the run goes.
-fn refuse_another(scene: &Scene, kept: &Scene, folder: &Path) -> anyhow::Result<()> {
-    let says = |key: &str| scene.differences(kept).iter().any(|d| d.key.starts_with(key) && d.values[0].is_some());
-    let calibrates = matches!(scene.kind(), Kind::Suspension(s) if s.model.repulsion.is_some_and(|r| r.calibrate));
-    let may_differ = |key: &str| {
-        ["time.steps", "time.duration", "time.strain", "output.folder"].contains(&key)
-            || [COSTS, STIFFNESS, STRAIN].iter().any(|added| key.starts_with(added) && !says(added))
-            || calibrates && ["repulsion.strength", "repulsion.calibrate"].contains(&key)
-    };
-    let differences = scene.differences(kept).into_iter().filter(|d| !may_differ(&d.key));
-    let lines: Vec<String> = differences.map(|d| d.to_string()).collect();
+/// Refuses to continue the run of another scene, which differs in some keys.
+fn refuse_another(differences: impl Iterator<Item = Difference>, folder: &Path) -> anyhow::Result<()> {
+    let lines: Vec<String> = differences.map(|difference| difference.to_string()).collect();
     ensure!(
         lines.is_empty(),
-        "{} holds the run of another scene: {}{}; name another folder with --out, or replace that run with --force",
+        "{} holds the run of another scene: {}; name another folder with --out, or replace that run with --force",
         folder.display(),
-        lines[..lines.len().min(NAMED)].join(", "),
-        if lines.len() > NAMED { format!(", and {} more", lines.len() - NAMED) } else { String::new() }
+        some_of(&lines)
     );
     Ok(())
 }
-
-/// The key that a run adds to its scene: the measured costs of the machine where it started.
-const COSTS: &str = "hydrodynamics.costs";
-/// Another one: what the stiffness of contacts has settled at.
-const STIFFNESS: &str = "contacts.settled_stiffness";
-/// And another: the strain of the box that its particles come from.
-const STRAIN: &str = "box.strain";
-/// Differences that are named.
-const NAMED: usize = 5;
 
 impl Args {
     fn folder(&self, scene: &Scene) -> PathBuf {
@@ -144,9 +138,10 @@ impl Args {
     /// The command that starts this run again, or continues it.
     fn command(&self, folder: &Path) -> String {
         let how = if self.force { "force" } else { "continue" };
+        let accepts: String = self.accept.iter().fold(String::new(), |all, key| all + " --accept " + &quoted(key));
         let sets: String = self.overrides.iter().fold(String::new(), |sets, set| sets + " --set " + &quoted(set));
         let [scene, folder] = [&self.scene, folder].map(|path| quoted(&path.display().to_string()));
-        format!("fcm-solve run {scene} --out {folder}{sets} --{how}")
+        format!("fcm-solve run {scene} --out {folder}{sets}{accepts} --{how}")
     }
 }
 

@@ -66,6 +66,9 @@ fn take(args: &Args) -> anyhow::Result<()> {
         wanted.distance = Some(distance);
     }
     let until = args.to.unwrap_or(f64::INFINITY);
+    for change in recorded.changes().iter().filter(|change| change.changes_answers()) {
+        streams::log(format_args!("warning: {}: {change}; the statistics are of both", trajectory.display()));
+    }
     let chosen = SampledFrames::of(&recorded, &(wanted.from..=until), &trajectory);
     let (statistics, damaged) = sampled(&recorded, &chosen, (model, wanted), &trajectory)?;
     let Some(mut statistics) = statistics else {

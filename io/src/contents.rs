@@ -1,7 +1,8 @@
 //! The contents of a result file, as `fcm-solve info` shows them.
 
 use crate::frames::Sums;
-use crate::{FileError, Provenance, claimed_size, stored_inside, text, verified};
+use crate::scene_history::{self, SceneHistory};
+use crate::{FileError, Provenance, SceneChange, claimed_size, stored_inside, text, verified};
 use domain::Number;
 use hdf5::{Dataset, File, Group};
 use serde::Serialize;
@@ -17,6 +18,8 @@ pub struct Contents {
     pub provenance: Provenance,
     /// Steps and times of the first and the last frame and the number of frames, where the file has frames.
     pub frames: Option<FrameSpan>,
+    /// The keys of the scene that have changed in the course of the run.
+    pub changes: Vec<SceneChange>,
     /// The datasets.
     pub datasets: Vec<DatasetShape>,
     /// The parts that do not fit their checksums.
@@ -67,9 +70,20 @@ impl Contents {
         Self::of(&file).map_err(|e| FileError::damaged(path, &e))
     }
 
+    /// The scene that the file comes from; after it, as comments, what has changed from which step on.
+    pub fn scene(&self) -> String {
+        SceneHistory { first: self.provenance.scene.clone(), changes: self.changes.clone() }.in_words()
+    }
+
     fn of(file: &File) -> hdf5::Result<Self> {
         let provenance = Provenance::read(file)?;
-        let mut contents = Self { provenance, frames: None, datasets: Vec::new(), damage: Vec::new() };
+        let mut contents = Self {
+            provenance,
+            frames: None,
+            changes: scene_history::changes(file)?,
+            datasets: Vec::new(),
+            damage: Vec::new(),
+        };
         contents.walk(file.as_group()?)?;
         let frames = contents.frames.map_or(0, |frames| frames.count);
         if let Some(sums) = Sums::open(file)? {
@@ -149,6 +163,7 @@ impl Display for Contents {
             let [from, until] = [from, until].map(Number);
             writeln!(f, "frames     {count}, steps {first} to {last}, times {from:.6} to {until:.6}")?;
         }
+        self.changes.iter().try_for_each(|change| writeln!(f, "changed    {change}"))?;
         write!(f, "{}", self.provenance.plan)?;
         self.datasets.iter().try_for_each(|dataset| writeln!(f, "  {dataset}"))
     }

@@ -37,6 +37,7 @@ mod provenance;
 mod report;
 mod run;
 mod scene;
+mod scene_history;
 mod series;
 mod stored_inside;
 mod tables;
@@ -52,7 +53,7 @@ pub use case::{
     OneOrAll, Terms, UnknownBoundary, UnknownMethod,
 };
 pub use causes::in_full;
-pub use checkpoint::Checkpoints;
+pub use checkpoint::{Checkpoints, Latest, SceneRecord};
 pub use contacts::{RecordedContacts, drop_contacts_after, write_contacts};
 pub use contents::{Contents, DatasetShape, FrameSpan};
 pub use error::FileError;
@@ -65,12 +66,13 @@ pub use positions::{FileBox, StartFile, StartSource, TakenFrame};
 pub use provenance::Provenance;
 pub use report::{ReportError, write_report};
 pub use run::{
-    ExistingRun, Listener, Recorder, RunError, RunFolder, Trial, WholeScene, check_memory, keep_costs, kept_costs,
-    on_this_machine, outline, provenance, resume, start, start_positions, trial, with_least_repulsion, with_start_file,
+    ExistingRun, Listener, Recorder, Resumption, RunError, RunFolder, Trial, WholeScene, check_memory, keep_costs,
+    kept_costs, on_this_machine, outline, provenance, resume, start, start_positions, trial, with_least_repulsion,
+    with_start_file,
 };
 pub use scene::{
-    ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneError, ShearCellScene, SuspensionScene,
-    TEMPLATES, Template, Time, scene_schema,
+    ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneChange, SceneError, ShearCellScene,
+    SuspensionScene, TEMPLATES, Template, Time, check_accepted, scene_schema, some_of,
 };
 pub use series::Series;
 pub use tables::{read_rows, write_tables};

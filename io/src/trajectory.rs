@@ -1,6 +1,7 @@
 //! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
 use crate::frames::{Added, Damage, Element, Frames, Kind};
+use crate::scene_history::{self, SceneHistory};
 use crate::{FileError, Provenance, checksum, text};
 use domain::{ById, Comm, Particles, PeriodicBox};
 use hdf5::types::FixedAscii;
@@ -69,9 +70,20 @@ impl Trajectory {
         let elements = elements(rows.columns(), rows.count());
         let fixed = |file: &hdf5::File| {
             provenance.write(file)?;
+            scene_history::create(file)?;
             write_fixed(file, first)
         };
         Ok(Self { frames: open(&Kind { elements: &elements, capacity, fixed: &fixed })?, elements })
+    }
+
+    /// Notes the changes of the scene.
+    pub(crate) fn note_scenes(&mut self, scenes: &SceneHistory) -> Result<(), FileError> {
+        self.frames.write(|file| scenes.write(file))
+    }
+
+    /// The steps of the frames.
+    pub(crate) fn steps(&self) -> Result<Vec<u64>, FileError> {
+        self.frames.steps_written()
     }
 
     /// The frames of the former run that are not as they were written.

@@ -1,12 +1,13 @@
 //! Reading trajectories.
 
 use crate::frames::Sums;
-use crate::missing_steps::{MissingSteps, Period};
-use crate::{FileError, Provenance, Scene, checksum, claimed_size, stored_inside};
+use crate::missing_steps::MissingSteps;
+use crate::scene_history::{self, SceneHistory};
+use crate::{FileError, Provenance, SceneChange, checksum, claimed_size, stored_inside};
 use domain::{BoxError, Column, Particles, PeriodicBox, Vector};
 use hdf5::types::FixedAscii;
 use hdf5::{Group, H5Type, Hyperslab};
-use simulation::{Frame, Schedule};
+use simulation::Frame;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,7 @@ pub struct TrajectoryReader {
     steps: Vec<u64>,
     sums: Option<Sums>,
     provenance: Provenance,
+    scenes: SceneHistory,
 }
 
 /// A frame at its step and time.
@@ -64,7 +66,8 @@ impl TrajectoryReader {
         let steps: Vec<u64> = claimed_size::read(&group, "position/step")?;
         times.truncate(steps.len());
         let (sums, provenance) = (Sums::open(&file)?, Provenance::read(&file)?);
-        Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, provenance })
+        let scenes = SceneHistory { first: provenance.scene.clone(), changes: scene_history::changes(&file)? };
+        Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, provenance, scenes })
     }
 
     /// The provenance of the file.
@@ -93,10 +96,12 @@ impl TrajectoryReader {
 
     /// The steps of a span, both ends included, of which the run was to write a frame that the file does not have.
     pub fn missing_steps(&self, span: &RangeInclusive<u64>) -> MissingSteps {
-        let scene = Scene::parse(&self.provenance.scene, "the scene of the run", &[]).ok();
-        let output = scene.as_ref().and_then(|scene| scene.kind().output());
-        let schedule = output.map_or(Schedule::NEVER, |output| output.trajectory);
-        MissingSteps::of(&[Period { steps: 0..=u64::MAX, schedule }], &self.steps, span)
+        MissingSteps::of(&self.scenes.periods(), &self.steps, span)
+    }
+
+    /// The keys of the scene that have changed in the course of the run.
+    pub fn changes(&self) -> &[SceneChange] {
+        &self.scenes.changes
     }
 
     /// Whether a frame's step and time are as they were written.

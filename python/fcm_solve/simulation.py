@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -53,15 +53,20 @@ class Simulation(State):
         self._begin()
 
     @classmethod
-    def resume(cls, folder: str | PathLike, threads: int | None = None, comm: Any = None) -> Simulation:
-        """The run of a folder, from its last checkpoint. Functions of forces are to be added again."""
+    def resume(
+        cls, folder: str | PathLike, threads: int | None = None, comm: Any = None, accept: Sequence[str] = ()
+    ) -> Simulation:
+        """The run of a folder, from its last checkpoint. Functions of forces are to be added again.
+
+        Other values of `fluid.viscosity` and of keys of `[repulsion]` in the folder's scene are taken if `accept` names them.
+        """
         _core.start_threads(None if threads is None else _arrays.whole("threads", threads, 1))
         simulation = cls.__new__(cls)
         kept = Path(folder) / "scene.toml"
         if kept.exists() and Scene.load(kept).is_whole:
             simulation._core = WholeScene(Scene.load(kept), (fspath(folder), False), True)
         else:
-            simulation._core = _core.Simulation.resume(fspath(folder), handle(comm))
+            simulation._core = _core.Simulation.resume(fspath(folder), list(accept), handle(comm))
         simulation._begin()
         return simulation
 

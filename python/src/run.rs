@@ -3,7 +3,7 @@
 use crate::own_loads::Raised;
 use crate::signals::Signals;
 use domain::Comm;
-use io::{Checkpoints, ExistingRun, Recorder, RunError, RunFolder, Scene};
+use io::{ExistingRun, Recorder, Resumption, RunError, RunFolder, Scene};
 use pyo3::prelude::*;
 use simulation::Simulation;
 use std::path::Path;
@@ -47,20 +47,19 @@ impl Run {
         Ok(Self::of(simulation, scene, folder.map_or(Output::Nowhere, Output::Folder)))
     }
 
-    /// The run of a folder, from its last checkpoint; with what is to be said of checkpoints that are damaged.
+    /// The run of a folder, from its last checkpoint; with what is to be said of damaged checkpoints and changed keys.
     /// Collective.
-    pub fn resume(path: &Path, comm: &Comm) -> Result<(Self, Vec<String>), RunError> {
+    pub fn resume(path: &Path, accepted: &[String], comm: &Comm) -> Result<(Self, Vec<String>), RunError> {
         let folder = comm.agree(RunFolder::reopen(path, comm).map_err(|cause| io::in_full(&cause)))?;
         let read = if comm.is_first() { Scene::read(&folder.scene(), &[]).map(Some) } else { Ok(None) };
         let read = comm.agree(read)?;
         let name = folder.scene().display().to_string();
         let text = comm.broadcast_text(read.as_ref().map_or("", Scene::text));
         let scene = read.map_or_else(|| Scene::parse(&text, &name, &[]), Ok)?;
-        let (state, damaged) = Checkpoints::of(path).latest(comm)?;
-        let say = |error| format!("{error}; going on from the checkpoint before");
-        let notes = damaged.iter().map(say).collect();
-        let mut simulation = io::resume(&scene, Some(state), comm)?;
-        let recorder = Recorder::resume(folder, &scene, &mut *simulation)?;
+        let mut resumption = Resumption::of(folder, scene, accepted, comm)?;
+        let notes = resumption.damaged().iter().chain(resumption.notes()).cloned().collect();
+        let mut simulation = resumption.simulation(comm)?;
+        let (recorder, scene) = resumption.record(&mut *simulation)?;
         Ok((Self::of(simulation, scene, Output::Files(recorder)), notes))
     }
 

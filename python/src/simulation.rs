@@ -46,12 +46,13 @@ impl Simulation {
         Ok(Self { run: Confined::new(run), notes: Vec::new() })
     }
 
-    /// The run of a folder, from its last checkpoint.
+    /// The run of a folder, from its last checkpoint; with the keys of the scene whose change is accepted.
     #[staticmethod]
-    #[pyo3(signature = (folder, comm))]
-    fn resume(py: Python<'_>, folder: PathBuf, comm: Option<(i32, String)>) -> PyResult<Self> {
+    #[pyo3(signature = (folder, accepted, comm))]
+    fn resume(py: Python<'_>, folder: PathBuf, accepted: Vec<String>, comm: Option<(i32, String)>) -> PyResult<Self> {
         let comm = ranks(comm)?;
-        let (run, notes) = without_lock(py, || Run::resume(&folder, &comm)).map_err(|cause| of_run(&cause))?;
+        let (run, notes) =
+            without_lock(py, || Run::resume(&folder, &accepted, &comm)).map_err(|cause| of_run(&cause))?;
         Ok(Self { run: Confined::new(run), notes })
     }
 

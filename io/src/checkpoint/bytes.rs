@@ -2,6 +2,7 @@
 //! another, all little-endian, and the XXH3 checksum of everything before it. No more than a block of an array is in
 //! memory at a time.
 
+use super::SceneRecord;
 use bytemuck::Pod;
 use domain::{ById, Column, Comm, Particles, Vector, block};
 use serde::{Deserialize, Serialize};
@@ -29,11 +30,14 @@ pub(super) struct Header {
     /// The lengths of the pieces of the statistics, where these are not one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pieces: Vec<usize>,
+    /// None in files of versions before 0.3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    scene: Option<SceneRecord>,
 }
 
 impl Header {
     fn of<'a>(
-        state: &State,
+        (state, scene): (&State, &SceneRecord),
         columns: impl Iterator<Item = (&'a str, usize)>,
         particles: usize,
         pieces: &[usize],
@@ -46,6 +50,7 @@ impl Header {
             columns: columns.map(|(name, width)| (name.to_owned(), width)).collect(),
             statistics: pieces.iter().sum(),
             pieces: if pieces.len() > 1 { pieces.to_vec() } else { Vec::new() },
+            scene: Some(scene.clone()),
         }
     }
 
@@ -71,17 +76,17 @@ impl Header {
 }
 
 /// Bytes of a checkpoint of a state that is all here.
-pub(super) fn count(state: &State) -> usize {
+pub(super) fn count(state: &State, scene: &SceneRecord) -> usize {
     let columns = state.particles.columns.iter().map(|column| (column.name.as_str(), column.width));
     let pieces: Vec<usize> = state.statistics.iter().map(Vec::len).collect();
-    let header = Header::of(state, columns, state.particles.len(), &pieces);
+    let header = Header::of((state, scene), columns, state.particles.len(), &pieces);
     MAGIC.len() + 8 + header.text().len() + header.arrays().unwrap_or(usize::MAX) + 8
 }
 
 /// Writes a state with all its particles.
-pub(super) fn write(file: &mut File, state: &State, rows: &ById) -> std::io::Result<()> {
+pub(super) fn write(file: &mut File, of: (&State, &SceneRecord), rows: &ById) -> std::io::Result<()> {
     let mut out = Summed { file: BufWriter::new(file), sum: Xxh3::new() };
-    let header = Header::of(state, rows.columns(), rows.count(), rows.lengths()).text();
+    let header = Header::of(of, rows.columns(), rows.count(), rows.lengths()).text();
     out.write(MAGIC)?;
     out.write(&(header.len() as u64).to_le_bytes())?;
     out.write(&header)?;
@@ -131,6 +136,9 @@ impl Whole {
         let header: Header = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
         if header.arrays().is_none_or(|arrays| arrays > left - 8 - size) {
             return Err("it is cut short".into());
+        }
+        if header.scene.as_ref().is_some_and(|scene| !scene.is_whole()) {
+            return Err("the digest of its scene does not fit the scene".into());
         }
         let mut pieces = header.lengths().into_iter();
         if pieces.try_fold(0_usize, usize::checked_add) != Some(header.statistics) {
@@ -201,14 +209,14 @@ fn values<T: Pod>(file: &mut impl Read, count: usize, left: usize) -> Result<Vec
     Ok(values)
 }
 
-/// The state of a checkpoint that the first rank has opened, on each rank with its share of the particles: as many as each
+/// The state and the scene of a checkpoint that the first rank has opened, on each rank with its share of the particles: as many as each
 /// other rank has. Collective.
-pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<State, String> {
+pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<(State, Option<SceneRecord>), String> {
     let header = whole.as_ref().map_or_else(Vec::new, |whole| whole.header.text());
     let header = comm.broadcast_text(&String::from_utf8(header).expect("JSON is text"));
     let header: Header = serde_json::from_str(&header).map_err(|e| e.to_string())?;
     let lengths = header.lengths();
-    let Header { step, strain, plan, particles: count, columns, .. } = header;
+    let Header { step, strain, plan, particles: count, columns, scene, .. } = header;
     let mut deal = Deal { file: whole.map(|whole| whole.file), count, comm, failed: None };
     let mut particles = Particles {
         ids: deal.rows(1),
@@ -224,7 +232,7 @@ pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<State, String> 
     let statistics = deal.pieces(&lengths);
     match deal.failed {
         Some(reason) => Err(reason),
-        None => Ok(State { step, strain: f64::from_bits(strain), plan, particles, statistics }),
+        None => Ok((State { step, strain: f64::from_bits(strain), plan, particles, statistics }, scene)),
     }
 }
 

@@ -1,11 +1,14 @@
 //! Checkpoints: everything that a run needs to continue as if it had not stopped.
 
 mod bytes;
+mod scene_record;
 
 use crate::atomic_file;
 use crate::{FileError, Manifest, manifest};
 use bytes::Whole;
 use domain::{Comm, Failure};
+pub use scene_record::SceneRecord;
+pub(crate) use scene_record::Written;
 use simulation::State;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -17,9 +20,20 @@ pub(crate) const KEPT: usize = 2;
 #[derive(Debug, Clone, Copy)]
 pub struct Checkpoints<'a>(&'a Path);
 
+/// The last checkpoint that is whole.
+#[derive(Debug)]
+pub struct Latest {
+    /// Its state, with this rank's share of the particles.
+    pub state: State,
+    /// Its scene; none where an older version has written it.
+    pub scene: Option<SceneRecord>,
+    /// What is wrong with those that came after it, on the first rank.
+    pub damaged: Vec<FileError>,
+}
+
 /// Bytes of a checkpoint of a state that is all here.
-pub(crate) fn bytes_of(state: &State) -> usize {
-    bytes::count(state)
+pub(crate) fn bytes_of(state: &State, scene: &SceneRecord) -> usize {
+    bytes::count(state, scene)
 }
 
 impl<'a> Checkpoints<'a> {
@@ -31,11 +45,11 @@ impl<'a> Checkpoints<'a> {
     /// Writes a checkpoint of a state, of which each rank brings its own particles, and removes all but the last two of those
     /// that the run's manifest lists. The file appears under its name only when it is whole and on the disk. The first rank
     /// writes. Collective.
-    pub fn write(run: &Manifest, state: &State, comm: &Comm) -> Result<(), FileError> {
+    pub fn write(run: &Manifest, (state, scene): (&State, &SceneRecord), comm: &Comm) -> Result<(), FileError> {
         let path = Checkpoints(run.folder()).path(state.step);
         let put = |rows: &domain::ById| {
             run.enter(&path)?;
-            atomic_file::put(&path, |file, _| bytes::write(file, state, rows))
+            atomic_file::put(&path, |file, _| bytes::write(file, (state, scene), rows))
         };
         let Some(written) = state.particles.by_id_with(&state.statistics, comm, put) else { return Ok(()) };
         written?;
@@ -59,13 +73,14 @@ impl<'a> Checkpoints<'a> {
         Ok(!self.paths()?.is_empty())
     }
 
-    /// The state of the last checkpoint that is whole, of which each rank gets a share of the particles, and what is wrong
-    /// with those that came after it. The first rank reads. Collective.
-    pub fn latest(&self, comm: &Comm) -> Result<(State, Vec<FileError>), Failure> {
+    /// The last checkpoint that is whole, of whose particles each rank gets a share, and what is wrong with those that came
+    /// after it. The first rank reads. Collective.
+    pub fn latest(&self, comm: &Comm) -> Result<Latest, Failure> {
         let opened = if comm.is_first() { self.latest_whole().map(Some) } else { Ok(None) };
         let (whole, damaged) = comm.agree(opened)?.unzip();
-        let state = comm.agree(bytes::dealt(whole, comm).map_err(|reason| FileError::damaged(self.0, &reason)))?;
-        Ok((state, damaged.unwrap_or_default()))
+        let (state, scene) =
+            comm.agree(bytes::dealt(whole, comm).map_err(|reason| FileError::damaged(self.0, &reason)))?;
+        Ok(Latest { state, scene, damaged: damaged.unwrap_or_default() })
     }
 
     fn latest_whole(&self) -> Result<(Whole, Vec<FileError>), FileError> {

@@ -18,12 +18,17 @@ fn state(step: u64) -> State {
     }
 }
 
+fn record() -> SceneRecord {
+    let scene = crate::Scene::parse(crate::Template::named("settling").unwrap().text, "settling", &[]).unwrap();
+    SceneRecord::new(scene.text(), scene.kind().output().unwrap())
+}
+
 #[test]
 fn what_is_written_is_read_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::write(&Manifest::of_test(folder.path()), &state(12), &Comm::alone()).unwrap();
-    let (found, damaged) = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
-    assert_eq!(found, state(12));
+    Checkpoints::write(&Manifest::of_test(folder.path()), (&state(12), &record()), &Comm::alone()).unwrap();
+    let Latest { state: found, scene, damaged } = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
+    assert_eq!((&found, scene), (&state(12), Some(record())));
     assert_eq!(found.particles.columns[0].values[7].to_bits(), (-0.0_f64).to_bits());
     assert!(damaged.is_empty());
 }
@@ -39,11 +44,11 @@ fn one_piece_is_as_it_was() {
     for statistics in [Vec::new(), vec![vec![3, 4]]] {
         let folder = tempfile::tempdir().unwrap();
         let state = State { statistics, ..state(2) };
-        Checkpoints::write(&Manifest::of_test(folder.path()), &state, &Comm::alone()).unwrap();
+        Checkpoints::write(&Manifest::of_test(folder.path()), (&state, &record()), &Comm::alone()).unwrap();
         let bytes = std::fs::read(Checkpoints::of(folder.path()).path(2)).unwrap();
         assert!(!bytes.windows(6).any(|word| word == b"pieces"));
-        assert_eq!(bytes.len(), bytes_of(&state));
-        assert_eq!(Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap().0, state);
+        assert_eq!(bytes.len(), bytes_of(&state, &record()));
+        assert_eq!(Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap().state, state);
     }
 }
 
@@ -53,14 +58,14 @@ fn ranks_write_one_file_and_read_shares_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let (whole, alone) = (state(3), folder.path().join("alone"));
     std::fs::create_dir(&alone).unwrap();
-    Checkpoints::write(&Manifest::of_test(&alone), &whole, &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(&alone), (&whole, &record()), &Comm::alone()).unwrap();
     for ranks in [1, 2, 3, 7, 9] {
         let shares = Comm::threads(ranks, |comm| {
             let rows: Vec<usize> = (0..7).rev().filter(|row| row % ranks == comm.rank()).collect();
             let statistics = pieces(&whole, &comm);
             let share = State { particles: whole.particles.selected(&rows), statistics, ..whole.clone() };
-            Checkpoints::write(&Manifest::of_test(folder.path()), &share, &comm).unwrap();
-            let found = Checkpoints::of(folder.path()).latest(&comm).unwrap().0;
+            Checkpoints::write(&Manifest::of_test(folder.path()), (&share, &record()), &comm).unwrap();
+            let found = Checkpoints::of(folder.path()).latest(&comm).unwrap().state;
             assert_eq!(found.statistics, pieces(&whole, &comm));
             found
         });
@@ -84,7 +89,7 @@ fn the_last_two_are_kept_and_nothing_half_written() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("checkpoint-0000000099.bin"), "of somebody else").unwrap();
     for step in [0, 5, 10, 100_000] {
-        Checkpoints::write(&Manifest::of_test(folder.path()), &state(step), &Comm::alone()).unwrap();
+        Checkpoints::write(&Manifest::of_test(folder.path()), (&state(step), &record()), &Comm::alone()).unwrap();
     }
     let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
@@ -97,17 +102,17 @@ fn the_last_two_are_kept_and_nothing_half_written() {
 #[test]
 fn any_damage_to_the_last_one_is_seen_and_the_one_before_serves() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::write(&Manifest::of_test(folder.path()), &state(1), &Comm::alone()).unwrap();
-    Checkpoints::write(&Manifest::of_test(folder.path()), &state(2), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), (&state(1), &record()), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), (&state(2), &record()), &Comm::alone()).unwrap();
     let last = Checkpoints::of(folder.path()).path(2);
     let whole = std::fs::read(&last).unwrap();
     let mut changed = whole.clone();
     changed[whole.len() / 2] ^= 1;
     for damaged in [&whole[..whole.len() - 1], &whole[..10], &[], &changed] {
         std::fs::write(&last, damaged).unwrap();
-        let (found, errors) = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
+        let Latest { state: found, damaged, .. } = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
         assert_eq!(found.step, 1);
-        assert!(errors[0].to_string().contains("checkpoint-0000000002.bin is damaged"), "{}", errors[0]);
+        assert!(damaged[0].to_string().contains("checkpoint-0000000002.bin is damaged"), "{}", damaged[0]);
     }
 }
 

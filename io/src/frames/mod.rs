@@ -119,6 +119,11 @@ impl Frames {
         self.file.note_length()
     }
 
+    /// Writes something else into the file.
+    pub(crate) fn write(&mut self, write: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
+        self.attempt(|open| write(open.file()))
+    }
+
     /// Waits until all frames so far are on the disk.
     pub(crate) fn sync(&self) -> Result<(), FileError> {
         self.file.check()?;

@@ -34,12 +34,15 @@ const FILES: [&str; 21] = [
 const FOLDERS: [(&str, &str, &str); 7] = [
     ("fields", "velocity-", ".h5"),
     ("contacts", "contacts-", ".h5"),
-    ("cases", "", ".csv"),
+    (CASES, "", ".csv"),
     ("trajectory", "", ".vtp"),
     ("force-chains", "", ".vtp"),
     ("statistics", "", ""),
     ("stats", "", ""),
 ];
+
+/// The folder of a sweep's runs, in which the scene is kept that they are of.
+const CASES: &str = "cases";
 
 /// Files in `statistics` and `stats`.
 const STATISTICS: [&str; 10] = [
@@ -62,6 +65,9 @@ pub(super) fn is_of_results(name: &str) -> bool {
 
 /// Whether a file in a folder of results has a name of results.
 pub(super) fn is_of_results_in(folder: &str, name: &str) -> bool {
+    if folder == CASES && name == SCENE {
+        return true;
+    }
     let Some((_, start, end)) = FOLDERS.iter().find(|(known, ..)| *known == folder) else { return false };
     if end.is_empty() { STATISTICS.contains(&name) } else { has_number(name, start, end) }
 }
@@ -93,7 +99,12 @@ mod tests {
         for name in ["notes.txt", "checkpoint-best.bin", "checkpoint-.bin", "my-fields", "scene.toml.bak"] {
             assert!(!is_of_results(name), "{name}");
         }
-        let inside = [("fields", "velocity-0000000001.h5"), ("cases", "0000.csv"), ("stats", "lags.csv")];
+        let inside = [
+            ("fields", "velocity-0000000001.h5"),
+            ("cases", "0000.csv"),
+            ("cases", "scene.toml"),
+            ("stats", "lags.csv"),
+        ];
         assert!(inside.into_iter().all(|(folder, name)| is_of_results_in(folder, name)));
         let others = [("fields", "wheat.txt"), ("cases", "pair.json"), ("stats", "mine.csv"), ("notes", "0000.csv")];
         assert!(!others.into_iter().any(|(folder, name)| is_of_results_in(folder, name)));

@@ -2,7 +2,7 @@
 
 use super::species::Kinds;
 use super::{FileBox, StartFile, StartSource, TakenFrame, frame};
-use crate::{Checkpoints, FileError, Kind, Scene};
+use crate::{Checkpoints, FileError, Kind, Latest, Scene};
 use domain::{Comm, PeriodicBox, Vector};
 use simulation::State;
 
@@ -16,7 +16,7 @@ pub(super) fn read(source: &StartSource) -> Result<StartFile, FileError> {
         return Err(unfit("the folder has neither trajectory.h5 nor checkpoints of a run".to_owned()));
     }
     frame::pick(source.frame, 1).map_err(|reason| unfit(format!("{reason}: the run wrote no trajectory.h5")))?;
-    let (state, _) = Checkpoints::of(folder).latest(&Comm::alone()).map_err(|e| unfit(e.to_string()))?;
+    let Latest { state, .. } = Checkpoints::of(folder).latest(&Comm::alone()).map_err(|e| unfit(e.to_string()))?;
     let scene = Scene::read(&folder.join("scene.toml"), &[]).map_err(|e| unfit(e.to_string()))?;
     of_state(state, &scene).map_err(unfit)
 }

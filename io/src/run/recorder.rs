@@ -1,13 +1,11 @@
 //! Output files of a run.
 
+use super::open_files::{Files, Open};
 use super::{RunError, RunFolder};
 use crate::causes::in_full;
-use crate::{
-    Checkpoints, FileError, Manifest, Output, Provenance, Scene, Series, Trajectory, drop_contacts_after,
-    drop_fields_after, write_contacts, write_field, write_tables,
-};
+use crate::{Checkpoints, Output, Provenance, Scene, SceneRecord, Series, write_contacts, write_field, write_tables};
 use domain::{ById, Comm};
-use simulation::{Quantity, Simulation};
+use simulation::Simulation;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -16,6 +14,8 @@ pub struct Recorder {
     folder: RunFolder,
     output: Output,
     provenance: Provenance,
+    /// The scene that checkpoints belong to.
+    scene: SceneRecord,
     files: Files,
     comm: Comm,
     /// The first step to be recorded: earlier ones are in the files already.
@@ -28,31 +28,6 @@ pub struct Recorder {
     longest_checkpoint: Duration,
     /// Whether the scene that is kept has what the simulation found.
     has_found: bool,
-    /// Damage in the files of a former run.
-    warnings: Vec<String>,
-}
-
-/// Trajectory and time series: on the first rank, if they are ever due.
-#[derive(Default)]
-struct Files {
-    trajectory: Option<Trajectory>,
-    series: Option<Series>,
-}
-
-impl Files {
-    /// Waits until all that was written is on the disk.
-    fn sync(&self) -> Result<(), FileError> {
-        self.trajectory.as_ref().map_or(Ok(()), Trajectory::sync)?;
-        self.series.as_ref().map_or(Ok(()), Series::sync)
-    }
-
-    /// Damaged frames and rows of a former run, which the run does not need.
-    fn damage(&self) -> Vec<String> {
-        let trajectory = self.trajectory.iter().flat_map(Trajectory::damage).map(|damage| ("trajectory.h5", damage));
-        let series = self.series.iter().flat_map(Series::damage).map(|damage| ("observables.h5", damage));
-        let warning = |(name, damage)| format!("{name} is damaged: {damage}; the run goes on without it");
-        trajectory.chain(series).map(warning).collect()
-    }
 }
 
 impl Recorder {
@@ -62,28 +37,37 @@ impl Recorder {
         let mut folder = folder;
         let emptied = if comm.is_first() { folder.start_with(scene.text()) } else { Ok(()) };
         comm.agree(emptied.map_err(|e| in_full(&e)))?;
-        Self::open(folder, scene, simulation, (None, scene.kind().steps()))
+        Self::open(folder, (scene, None), simulation, (None, scene.kind().steps()))
     }
 
-    /// A recorder for a run that is resumed.
-    pub fn resume(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
-        let last = simulation.clock().step();
-        Self::open(folder, scene, simulation, (Some(last), scene.kind().steps()))
+    /// A recorder for a run that is resumed with a scene, from a checkpoint of the scene that it had then, if that is known.
+    pub(super) fn resume(
+        folder: RunFolder,
+        scenes: (&Scene, Option<SceneRecord>),
+        simulation: &mut dyn Simulation,
+    ) -> Result<Self, RunError> {
+        let text = scenes.0.text();
+        let (last, end) = (simulation.clock().step(), scenes.0.kind().steps());
+        let recorder = Self::open(folder, scenes, simulation, (Some(last), end))?;
+        let is_other = || std::fs::read_to_string(recorder.folder.scene()).ok().as_deref() != Some(text);
+        let kept = if recorder.comm.is_first() && is_other() { recorder.folder.keep(text) } else { Ok(()) };
+        recorder.comm.agree(kept.map_err(|e| in_full(&e)))?;
+        Ok(recorder)
     }
 
     /// The same run with another end, that of `scene`, in files with room until step `room`. What was written stays.
     pub fn extend(self, scene: &Scene, room: u64, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
-        let Self { folder, files, comm, .. } = self;
+        let Self { folder, files, comm, scene: record, .. } = self;
         drop(files);
         let kept = if comm.is_first() { folder.keep(scene.text()) } else { Ok(()) };
         comm.agree(kept.map_err(|e| in_full(&e)))?;
         let last = simulation.clock().step();
-        Self::open(folder, scene, simulation, (Some(last), room))
+        Self::open(folder, (scene, Some(record)), simulation, (Some(last), room))
     }
 
     fn open(
         folder: RunFolder,
-        scene: &Scene,
+        (scene, former): (&Scene, Option<SceneRecord>),
         simulation: &mut dyn Simulation,
         (last, room): (Option<u64>, u64),
     ) -> Result<Self, RunError> {
@@ -91,16 +75,20 @@ impl Recorder {
         let output = scene.kind().output().ok_or(RunError::NoSteps)?.clone();
         let provenance = provenance(scene, simulation.plan(), &comm);
         let (frame, quantities) = (simulation.frame_share(), simulation.quantities());
-        let open = Open { run: folder.manifest(), provenance: &provenance, last, room };
+        let record = match (former, last) {
+            (Some(former), Some(last)) => former.changed(scene.text(), &output, last),
+            _ => SceneRecord::new(scene.text(), &output),
+        };
+        let open = Open { run: folder.manifest(), provenance: &provenance, scene: &record, last, room };
         let files = frame.particles.by_id(&comm, |rows| open.files(&output, (rows, frame.periodic), &quantities));
         let files = comm.agree(files.unwrap_or_else(|| Ok(Files::default())))?;
-        let warnings = files.damage();
         let from = last.map_or(0, |step| step + 1);
         let steps = scene.kind().steps();
         Ok(Self {
             folder,
             output,
             provenance,
+            scene: record,
             files,
             comm,
             from,
@@ -108,7 +96,6 @@ impl Recorder {
             last: steps,
             longest_checkpoint: Duration::ZERO,
             has_found: false,
-            warnings,
         })
     }
 
@@ -119,7 +106,7 @@ impl Recorder {
 
     /// Warnings about the files.
     pub fn warnings(&self) -> &[String] {
-        &self.warnings
+        &self.files.warnings
     }
 
     /// The first step after this one at which anything is due.
@@ -159,8 +146,9 @@ impl Recorder {
     fn keep_found(&mut self, simulation: &dyn Simulation) -> Result<(), RunError> {
         let Some(found) = simulation.found().filter(|_| !self.has_found) else { return Ok(()) };
         self.has_found = true;
-        let text = &self.provenance.scene;
+        let (text, step) = (self.scene.text(), simulation.clock().step());
         let with = Scene::parse(text, "the scene with what was found", &[found.setting()])?;
+        self.scene = self.scene.clone().changed(with.text(), &self.output, step);
         let kept = if self.comm.is_first() { self.folder.keep(with.text()) } else { Ok(()) };
         Ok(self.comm.agree(kept.map_err(|e| in_full(&e)))?)
     }
@@ -204,6 +192,12 @@ impl Recorder {
         Ok(())
     }
 
+    /// Writes the checkpoint of this step again, for a scene that has changed.
+    pub(super) fn renew_checkpoint(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        self.saved = None;
+        self.checkpoint(simulation)
+    }
+
     fn field(&self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let field = simulation.velocity_field()?.filter(|_| self.comm.is_first());
         let write = field.map_or(Ok(()), |field| write_field(&field, self.folder.manifest(), &self.provenance));
@@ -221,7 +215,7 @@ impl Recorder {
         // What a checkpoint follows on must be on the disk when it is.
         let is_whole = || self.files.sync().and_then(|()| self.folder.check_scene());
         self.comm.agree(if self.comm.is_first() { is_whole() } else { Ok(()) })?;
-        self.comm.agree(Checkpoints::write(self.folder.manifest(), &state, &self.comm))?;
+        self.comm.agree(Checkpoints::write(self.folder.manifest(), (&state, &self.scene), &self.comm))?;
         self.saved = Some(simulation.clock().step());
         Ok(())
     }
@@ -244,45 +238,5 @@ pub fn provenance(scene: &Scene, plan: String, comm: &Comm) -> Provenance {
         plan,
         ranks: comm.size(),
         seed: scene.kind().seed(),
-    }
-}
-
-/// How files are opened: from the start, or after the last step of a former run, with room until a step.
-struct Open<'a> {
-    run: &'a Manifest,
-    provenance: &'a Provenance,
-    last: Option<u64>,
-    room: u64,
-}
-
-impl Open<'_> {
-    fn files(&self, output: &Output, frame: (&ById, [bool; 3]), quantities: &[Quantity]) -> Result<Files, FileError> {
-        if let Some(last) = self.last {
-            self.run.remove_temporary_files();
-            drop_fields_after(self.run, last)?;
-            drop_contacts_after(self.run, last)?;
-        }
-        let frames = output.trajectory.count_until(self.room);
-        let rows = output.observables.count_until(self.room);
-        Ok(Files {
-            trajectory: if frames > 0 { Some(self.trajectory(frame, frames)?) } else { None },
-            series: if rows > 0 { Some(self.series(quantities, rows)?) } else { None },
-        })
-    }
-
-    fn trajectory(&self, frame: (&ById, [bool; 3]), frames: u64) -> Result<Trajectory, FileError> {
-        let path = self.run.folder().join("trajectory.h5");
-        self.run.enter(&path)?;
-        match self.last {
-            Some(last) if path.exists() => Trajectory::resume_for(&path, self.provenance, frame, (last, frames)),
-            _ => Trajectory::create_for(&path, self.provenance, frame, frames),
-        }
-    }
-
-    fn series(&self, quantities: &[Quantity], rows: u64) -> Result<Series, FileError> {
-        match self.last {
-            Some(last) => Series::resume(self.run, self.provenance, quantities, (last, rows)),
-            None => Series::create(self.run, self.provenance, quantities, rows),
-        }
     }
 }

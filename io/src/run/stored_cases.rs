@@ -1,11 +1,13 @@
 //! Stored results of a sweep's runs, so that none is repeated.
 
 use super::{Listener, RunError};
-use crate::{Manifest, read_rows, replace_file};
+use crate::manifest::SCENE;
+use crate::scene::{differences_of, some_of};
+use crate::{FileError, Manifest, Scene, read_rows, replace_file};
 use domain::{Interrupted, Number};
 use drivers::disks::{Case, Record, SweepStore};
 use simulation::Table;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
 /// Stores each run's records in a file of the folder `cases`.
@@ -34,11 +36,36 @@ fn name(case: &Case) -> [f64; 4] {
     [case.seed as f64, case.viscosity, case.rate, case.area_fraction]
 }
 
+/// Keys that say which runs there are, or nothing of them.
+const MAY_CHANGE: [&str; 6] =
+    ["title", "output.folder", "sweep.seeds", "sweep.viscosities", "sweep.rates", "sweep.area_fractions"];
+
+/// Keeps the scene that the runs are of. Refuses another one than that of the runs that are there.
+fn keep_scene(run: &Manifest, scene: &Scene, path: &Path) -> Result<(), RunError> {
+    if !path.exists() {
+        run.enter(path)?;
+        return Ok(replace_file(path, scene.text().as_bytes())?);
+    }
+    let kept = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
+    let all = differences_of(scene.text(), &kept).map_err(|e| FileError::damaged(path, &e))?;
+    let other = all.iter().filter(|difference| !MAY_CHANGE.contains(&difference.key.as_str()));
+    let other: Vec<String> = other.map(ToString::to_string).collect();
+    if other.is_empty() {
+        return Ok(());
+    }
+    Err(RunError::Refused(format!(
+        "{} has runs of another scene: {}; put back what they have, or make the sweep in another folder",
+        run.folder().display(),
+        some_of(&other)
+    )))
+}
+
 impl<'a> StoredCases<'a> {
-    /// Those of a run's folder, `count` in all.
-    pub fn of(run: &'a Manifest, count: usize, listener: &'a dyn Listener) -> Result<Self, RunError> {
+    /// Those of a run's folder, `count` in all, which have to be of this scene.
+    pub fn of(run: &'a Manifest, scene: &Scene, count: usize, listener: &'a dyn Listener) -> Result<Self, RunError> {
         let folder = run.folder().join("cases");
         run.make_folder(&folder)?;
+        keep_scene(run, scene, &folder.join(SCENE))?;
         let progress = Mutex::new(Progress { parts: vec![0.0; count], made: 0 });
         Ok(Self { run, folder, progress, listener })
     }

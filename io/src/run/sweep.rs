@@ -11,7 +11,7 @@ use simulation::Table;
 pub(super) fn sweep(sweep: &Sweep, scene: &Scene, run: &Manifest, listener: &dyn Listener) -> Result<(), RunError> {
     let plan = format!("sweep      {}\n", outline::cases(sweep));
     listener.line(&format!("{plan}results    {}", run.folder().display()));
-    let runs = sweep.run(&StoredCases::of(run, sweep.cases().len(), listener)?)?;
+    let runs = sweep.run(&StoredCases::of(run, scene, sweep.cases().len(), listener)?)?;
     let branches = sweep.branches(&runs)?;
     let tables = [averages(&branches), summary(&branches)];
     Ok(write_tables((run.folder(), "sweep"), &provenance(scene, plan, &Comm::alone()), &tables, run)?)

@@ -2,7 +2,7 @@
 
 use super::{RunError, start};
 use crate::checkpoint;
-use crate::{GranularDisksScene, Kind, Output, Scene, SuspensionScene, Trajectory};
+use crate::{GranularDisksScene, Kind, Output, Scene, SceneRecord, SuspensionScene, Trajectory};
 use domain::{Comm, Number, readable_bytes};
 use simulation::{Outline, Schedule, Simulation, Table};
 use std::time::{Duration, Instant};
@@ -254,7 +254,11 @@ fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
     let frame = trying.particles * Trajectory::frame_bytes(&now) as f64;
     let state = simulation.state();
     let sampled = state.statistics.iter().map(Vec::len).sum::<usize>() as f64;
-    let mut shares = [checkpoint::bytes_of(&state) as f64 - sampled, now.particles.len() as f64, sampled];
+    let mut shares = [
+        checkpoint::bytes_of(&state, &SceneRecord::new(scene.text(), output)) as f64 - sampled,
+        now.particles.len() as f64,
+        sampled,
+    ];
     simulation.comm().sum(&mut shares);
     let [state, particles, sampled] = shares.map(|share| trying.particles * share);
     let tables = simulation.averages().map(|set| set.tables).unwrap_or_default();

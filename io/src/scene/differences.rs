@@ -24,20 +24,25 @@ impl Scene {
     /// The keys whose values differ in another scene, in the order of the alphabet. Comments, order, and how numbers are
     /// written make no difference; a default that is written out does.
     pub fn differences(&self, other: &Self) -> Vec<Difference> {
-        let [mut here, mut there] = [self, other].map(|scene| {
-            let mut leaves = Vec::new();
-            let table: Table = toml::from_str(scene.text()).expect("the scene was read from it");
-            collect(Value::Table(table), String::new(), &mut leaves);
-            leaves
-        });
-        let mut keys: Vec<String> = here.iter().chain(&there).map(|(key, _)| key.clone()).collect();
-        keys.sort();
-        keys.dedup();
-        let mut take = |key: &String| [&mut here, &mut there].map(|leaves| remove(leaves, key));
-        let pairs = keys.into_iter().map(|key| (take(&key), key)).collect::<Vec<_>>();
-        let differ = pairs.into_iter().filter(|([one, other], _)| !is_same(one.as_ref(), other.as_ref()));
-        differ.map(|(values, key)| Difference { key, values: values.map(|v| v.map(|v| v.to_string())) }).collect()
+        differences_of(self.text(), other.text()).expect("the scenes were read from these texts")
     }
+}
+
+/// The same of the texts of two scenes. `Err` if one of them is no TOML.
+pub(crate) fn differences_of(here: &str, there: &str) -> Result<Vec<Difference>, toml::de::Error> {
+    let leaves = |text: &str| {
+        let mut leaves = Vec::new();
+        collect(Value::Table(toml::from_str::<Table>(text)?), String::new(), &mut leaves);
+        Ok::<_, toml::de::Error>(leaves)
+    };
+    let [mut here, mut there] = [leaves(here)?, leaves(there)?];
+    let mut keys: Vec<String> = here.iter().chain(&there).map(|(key, _)| key.clone()).collect();
+    keys.sort();
+    keys.dedup();
+    let mut take = |key: &String| [&mut here, &mut there].map(|leaves| remove(leaves, key));
+    let pairs = keys.into_iter().map(|key| (take(&key), key)).collect::<Vec<_>>();
+    let differ = pairs.into_iter().filter(|([one, other], _)| !is_same(one.as_ref(), other.as_ref()));
+    Ok(differ.map(|(values, key)| Difference { key, values: values.map(|v| v.map(|v| v.to_string())) }).collect())
 }
 
 fn remove(leaves: &mut Vec<(String, Value)>, key: &str) -> Option<Value> {

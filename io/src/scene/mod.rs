@@ -1,9 +1,11 @@
 //! Scenes: the files that say what to compute.
 
+mod changes;
 mod checks;
 mod differences;
 mod error;
 mod granular_disks;
+mod kept_paths;
 mod overrides;
 mod schema;
 mod shear_cell;
@@ -16,7 +18,10 @@ mod time_and_output;
 
 pub use self::suspension::SuspensionScene;
 use crate::document::{Node, excerpt, known};
+pub(crate) use changes::{Rule, is_none, rule};
+pub use changes::{SceneChange, check_accepted, some_of};
 pub use differences::Difference;
+pub(crate) use differences::differences_of;
 pub use error::SceneError;
 use error::{Explain, Fault};
 pub use granular_disks::GranularDisksScene;
@@ -130,7 +135,8 @@ impl Reading<'_> {
                 return Err(self.explain.fault(&Fault::new("kind", message)));
             }
         };
-        Ok(Scene { text: text.to_owned(), folder: self.folder.to_owned(), kind })
+        let text = kept_paths::with_absolute_paths(text, self.folder).unwrap_or_else(|| text.to_owned());
+        Ok(Scene { text, folder: self.folder.to_owned(), kind })
     }
 
     /// The file's keys, then what they mean.

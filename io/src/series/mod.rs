@@ -4,6 +4,7 @@ mod existing_rows;
 
 use crate::atomic_file;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
+use crate::scene_history::{self, SceneHistory};
 use crate::watched_file::WatchedFile;
 use crate::{FileError, Manifest, Provenance};
 use existing_rows::ExistingRows;
@@ -38,7 +39,7 @@ impl Series {
     }
 
     /// Continues the series of a former run after step `last`: later rows are dropped. `rows` is the number of rows at
-    /// the end of the run. The table is written again from the HDF5 file, or that from the table if it is missing.
+    /// the end of the run. The table is written again from the HDF5 file, or that from the table if it, or its end, is missing.
     pub fn resume(
         run: &Manifest,
         provenance: &Provenance,
@@ -57,7 +58,8 @@ impl Series {
         run.enter(&path)?;
         let elements: Vec<Element> = quantities.iter().map(element).collect();
         let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
-        let frames = Frames::resume(&path, &Kind { elements: &elements, capacity: rows, fixed: &fixed }, last)?;
+        let mut frames = Frames::resume(&path, &Kind { elements: &elements, capacity: rows, fixed: &fixed }, last)?;
+        add_rows_of_table(&mut frames, &former)?;
         let table = table(&frames, quantities, &former)?;
         Self::with_table(run, &table, frames)
     }
@@ -68,6 +70,16 @@ impl Series {
         atomic_file::replace(&csv_path, table.as_bytes())?;
         let csv = for_appending(&csv_path).and_then(|file| WatchedFile::new(&csv_path, file));
         Ok(Self { csv: csv.map_err(|e| FileError::write(&csv_path, &e))?, csv_path, frames })
+    }
+
+    /// Notes the changes of the scene.
+    pub(crate) fn note_scenes(&mut self, scenes: &SceneHistory) -> Result<(), FileError> {
+        self.frames.write(|file| scenes.write(file))
+    }
+
+    /// The steps of the rows.
+    pub(crate) fn steps(&self) -> Result<Vec<u64>, FileError> {
+        self.frames.steps_written()
     }
 
     /// The step of the last row.
@@ -123,11 +135,22 @@ fn line<'a>((step, time): (u64, f64), values: impl IntoIterator<Item = &'a f64>)
 
 fn write_fixed(file: &hdf5::File, provenance: &Provenance, quantities: &[Quantity]) -> hdf5::Result<()> {
     provenance.write(file)?;
+    scene_history::create(file)?;
     for quantity in quantities {
         let Some((rows, columns)) = &quantity.table else { continue };
         let group = file.group(&format!("observables/{}", quantity.name))?;
         crate::text::write_attribute(&group, "rows", &csv_line(rows.iter().map(String::as_str)))?;
         crate::text::write_attribute(&group, "columns", &csv_line(columns.iter().map(String::as_str)))?;
+    }
+    Ok(())
+}
+
+/// Adds the rows of the former table that come after those of the HDF5 file, as where an older copy has taken its place.
+fn add_rows_of_table(frames: &mut Frames, former: &ExistingRows) -> Result<(), FileError> {
+    let last = frames.steps_written()?.last().copied();
+    for (clock, values) in former.rows.iter().filter(|(clock, _)| last.is_none_or(|last| clock.0 > last)) {
+        let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
+        frames.append(*clock, &values)?;
     }
     Ok(())
 }

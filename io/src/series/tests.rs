@@ -53,6 +53,11 @@ fn each_of_the_two_files_is_mended_from_the_other() {
     std::fs::remove_file(&csv).unwrap();
     resume();
     assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
+    let older = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (1, 4)).unwrap();
+    drop(older);
+    std::fs::write(&csv, &whole).unwrap();
+    assert_eq!(resume().steps().unwrap(), [0, 1, 2, 3], "from the table, where the other is an older copy");
+    assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
     std::fs::remove_file(&h5).unwrap();
     assert_eq!(resume().last_step().unwrap(), Some(3));
     assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
