@@ -48,7 +48,7 @@ struct Requests {
     /// Whether there is a run, which looks here and saves its state.
     has_run: AtomicBool,
     /// Results that were stored and need not be computed again.
-    results: AtomicU64,
+    results: Arc<AtomicU64>,
     /// When the run has to be over, and what it is known to take.
     end: Option<Instant>,
     pace: Mutex<Pace>,
@@ -77,7 +77,7 @@ impl Signals {
             stop: AtomicU8::new(0),
             pressed: AtomicBool::new(false),
             has_run: AtomicBool::new(false),
-            results: AtomicU64::new(0),
+            results: Arc::default(),
             end,
             pace: Mutex::default(),
             is_first: comm.is_first(),
@@ -106,9 +106,9 @@ impl Signals {
         self.requests.pace().looked = None;
     }
 
-    /// Notes that one more result need not be computed again.
-    pub fn result_is_stored(&self) {
-        self.requests.results.fetch_add(1, Ordering::SeqCst);
+    /// The number of results that need not be computed again, for those that store them on any thread.
+    pub fn stored_results(&self) -> Arc<AtomicU64> {
+        self.requests.results.clone()
     }
 
     /// Tells how many steps were taken until the run stops, where that is asked for.

@@ -6,15 +6,16 @@ use crate::streams;
 use domain::Comm;
 use io::{Listener, RunFolder, Scene, WholeScene};
 use std::process::ExitCode;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
 /// Shows messages and progress.
-struct Shown<'a> {
+struct Shown {
     progress: Mutex<PartProgress>,
-    signals: &'a Signals,
+    stored: Arc<AtomicU64>,
 }
 
-impl Listener for Shown<'_> {
+impl Listener for Shown {
     fn line(&self, text: &str) {
         self.progress.lock().expect("nobody who holds it panics").say(text);
     }
@@ -24,7 +25,7 @@ impl Listener for Shown<'_> {
     }
 
     fn stored(&self) {
-        self.signals.result_is_stored();
+        self.stored.fetch_add(1, Ordering::SeqCst);
     }
 }
 
@@ -35,7 +36,8 @@ pub fn carry_out(
     (scene, folder): (&Scene, &RunFolder),
     (comm, signals): (&Comm, &Signals),
 ) -> anyhow::Result<ExitCode> {
-    let shown = Shown { progress: Mutex::new(PartProgress::start(comm, "all runs")), signals };
+    let progress = Mutex::new(PartProgress::start(comm, "all runs"));
+    let shown = Shown { progress, stored: signals.stored_results() };
     let done = work.carry_out(scene, folder, comm, &shown);
     drop(shown);
     streams::log(format_args!("finished; results in {}", folder.path().display()));
