@@ -108,7 +108,8 @@ class Damage(unittest.TestCase):
         told = json.JSONDecoder().raw_decode(run(["stats", whole, "--json"]))[0]
         self.assertEqual(told["frames"], {"missing": 0, "damaged": 4})
         found = lags(whole)
-        self.assertEqual([time for time, _ in found], [time for time, _ in expected])
+        # Lags are means of differences of times, whose last digits depend on the frames.
+        self.assertEqual([round(time, 12) for time, _ in found], [round(time, 12) for time, _ in expected])
         for (_, square), (_, right) in zip(found[1:8], expected[1:8]):
             self.assertLess(abs(square / right - 1), 0.2)
 
