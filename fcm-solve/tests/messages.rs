@@ -92,7 +92,7 @@ fn shear_is_in_a_box_that_shears_or_is_warned_of() {
 #[test]
 fn runs_without_an_end_are_refused() {
     for (time, key) in
-        [("step = 1e308\nsteps = 30", "time.step is 1e308"), ("step = 1e-30\nduration = 1.0", "time.steps are")]
+        [("step = 1e308\nsteps = 30", "time.step is 1e308"), ("step = 1e-30\nduration = 1.0", "time.duration makes")]
     {
         let error = said(&scene(1.0, &format!("[time]\n{time}\n")), &["check", "-"], 1);
         assert!(error.contains(key), "{error}");

@@ -42,13 +42,16 @@ type Table = [(f64, f64)];
 /// Factors by which errors of the evaluation and of the iteration exceed, in dense disordered suspensions, those up to 45%; and
 /// of the evaluation where lubrication decides the motions that differ between neighbours.
 const DENSE: &Table = &[(0.45, 1.0), (0.5, 2.5), (0.56, 5.0), (0.62, 8.0)];
-const DENSE_ITERATION: &Table = &[(0.4, 1.0), (0.5, 1.8), (0.56, 2.5), (0.62, 4.0)];
+const DENSE_ITERATION: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 4.0)];
 const DENSE_LUBRICATED: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 3.0)];
 
 /// Factors for the evaluation in lattices under equal forces, of rigid spheres and of others: errors of all neighbours have one
 /// sign.
 const LATTICE: &Table = &[(0.2, 1.0), (0.28, 3.0), (0.36, 4.0), (0.52, 6.0), (0.6, 40.0), (0.7, 60.0)];
 const LATTICE_GIVEN: &Table = &[(0.12, 1.0), (0.2, 6.0), (0.3, 12.0), (0.5, 15.0), (0.7, 30.0)];
+
+/// Factors for the iteration in lattices.
+const LATTICE_ITERATION: &Table = &[(0.3, 1.0), (0.4, 2.0), (0.56, 2.5), (0.62, 4.0)];
 
 /// Spheres in a box up to which the periodic images of a disordered suspension count as a lattice.
 const FEW: usize = 64;
@@ -91,8 +94,11 @@ impl Problem {
     /// The relative error that the iteration for stresslets and lubrication may leave.
     pub(crate) fn iteration_tolerance(&self) -> f64 {
         let wide = if self.largest_radius() > WIDE_RATIO * self.smallest_radius() { WIDE_FACTOR } else { 1.0 };
-        let dense =
-            if self.lubricated && !self.is_lattice() { 1.0 } else { at(DENSE_ITERATION, self.volume_fraction()) };
+        let dense = match (self.is_lattice(), self.lubricated) {
+            (true, _) => at(LATTICE_ITERATION, self.volume_fraction()),
+            (false, true) => 1.0,
+            (false, false) => at(DENSE_ITERATION, self.volume_fraction()),
+        };
         let usual = ITERATION_SHARE * self.tolerance / (wide * dense);
         self.fixed.iteration_tolerance.unwrap_or(usual)
     }

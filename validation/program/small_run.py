@@ -1,5 +1,6 @@
 """A run of a few spheres that is stopped or killed on its way, and what is compared of such runs."""
 
+import json
 import pathlib
 import time
 
@@ -34,9 +35,19 @@ def has_checkpoint(out):
     return any(out.glob("checkpoint-*.bin"))
 
 
+def state_of(checkpoint):
+    """The contents of a checkpoint but for its scene, whose end and output may have been changed, and for the checksum of the whole."""
+    start = len(b"fcm-solve checkpoint 1\n") + 8
+    content = checkpoint.read_bytes()
+    end = start + int.from_bytes(content[start - 8 : start], "little")
+    header = json.loads(content[start:end])
+    del header["scene"]
+    return header, content[end:-8]
+
+
 def end_state(out, step):
     """The checkpoint of a step, and the frames of the trajectory."""
-    checkpoint = (out / f"checkpoint-{step:010}.bin").read_bytes()
+    checkpoint = state_of(out / f"checkpoint-{step:010}.bin")
     with h5py.File(out / "trajectory.h5") as file:
         particles = file["particles/all"]
         return checkpoint, particles["position/step"][:].tolist(), particles["position/value"][:].tobytes()

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 
 from program import ROOT, run, start
-from small_run import has_checkpoint, wait_for
+from small_run import has_checkpoint, state_of, wait_for
 
 # What makes a run short: about a second each, with checkpoints on the way.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}
@@ -39,7 +39,7 @@ def end_state(out):
     """Everything that a run determines."""
     state = {path.name: path.read_bytes() for path in sorted(out.glob("*.csv"))}
     checkpoint = max(out.glob("checkpoint-*.bin"))
-    state[checkpoint.name] = checkpoint.read_bytes()
+    state[checkpoint.name] = state_of(checkpoint)
     with h5py.File(out / "trajectory.h5") as file:
         for name in ("position/step", "position/value", "velocity/value", "image/value", "box/strain/value"):
             state[name] = file[f"particles/all/{name}"][:].tobytes()

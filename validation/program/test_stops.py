@@ -11,7 +11,7 @@ import unittest
 
 import small_run
 from program import PATIENCE, PROGRAM, ROOT, command, run, start
-from small_run import SCENE, end_state, has_checkpoint, ranks_of, wait_for, words
+from small_run import SCENE, end_state, has_checkpoint, ranks_of, state_of, wait_for, words
 
 SETS = small_run.SETS | {"time.steps": 2000, "output.checkpoint_every": 100000}
 # A step that takes minutes: in thousands of parts, which near contact asks for, each with tens of evaluations.
@@ -200,7 +200,7 @@ class Stops(unittest.TestCase):
         files = {path: path.stat().st_mtime_ns for path in self.out.iterdir() if path.name != ".lock"}
         self.assertIn("finished already, after step 30", self.run_scene(scene, "--continue"))
         self.assertEqual(files, {path: path.stat().st_mtime_ns for path in files})
-        bits = [(out / "checkpoint-0000000030.bin").read_bytes() for out in (self.out, self.place / "whole")]
+        bits = [state_of(out / "checkpoint-0000000030.bin") for out in (self.out, self.place / "whole")]
         self.assertEqual(*bits)
 
     def test_the_run_of_another_scene_does_not_go_on(self):
