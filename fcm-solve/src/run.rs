@@ -32,7 +32,7 @@ pub struct Args {
     /// Go on with the run in that folder, if there is one and it is not finished
     #[arg(long = "continue", conflicts_with = "force")]
     goes_on: bool,
-    /// Go on with another value of this key, fluid.viscosity or one of [repulsion]; may be repeated
+    /// Go on with another value of this key, fluid.viscosity or one of the section repulsion; may be repeated
     #[arg(long, value_name = "KEY", requires = "goes_on")]
     accept: Vec<String>,
     #[command(flatten)]

@@ -21,7 +21,7 @@ LONG = {
     "hydrodynamics.lubrication": "true",
     "hydrodynamics.tolerance": 1e-3,
     "time.integrator": "adaptive",
-    "time.step": 20000.0,
+    "time.step": 800.0,
     "time.steps": 2,
 }
 # A start that takes minutes.
