@@ -18,7 +18,7 @@ pub struct Args {
     /// Go on until this step instead of the scene's last
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     steps: Option<u64>,
-    /// Go on with another value of this key, fluid.viscosity or one of [repulsion]; may be repeated
+    /// Go on with another value of this key, fluid.viscosity or one of the section repulsion; may be repeated
     #[arg(long, value_name = "KEY")]
     accept: Vec<String>,
     #[command(flatten)]
