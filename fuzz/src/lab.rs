@@ -2,6 +2,7 @@
 
 use crate::pool::Pool;
 use crate::program::{Ended, Program};
+use crate::surroundings::{Permit, Surroundings};
 use crate::verdict::{End, Names, judge, of_hdf5, of_table, of_text};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -91,6 +92,38 @@ impl<'a> Lab<'a> {
             stderr: String::new(),
         })?;
         judge(&ended, &self.names(arguments)).map_err(|what| fault(ended, what))
+    }
+
+    /// The same, where nothing in the case's folder may be touched that is not permitted.
+    pub fn ask_within(&self, arguments: &[&str], permit: &Permit) -> Result<End, Fault> {
+        let before = Surroundings::of(&self.folder)?;
+        let end = self.ask(arguments)?;
+        match before.touched(&Surroundings::of(&self.folder)?, permit) {
+            None => Ok(end),
+            Some(what) => Err(self.fault_of(arguments, &format!("a file that the run did not make: {what}"))),
+        }
+    }
+
+    /// Has something refused that can't be meant. The error has this word.
+    pub fn ask_refused(&self, arguments: &[&str], word: &str) -> Result<End, Fault> {
+        if self.ask(arguments)? != End::Refused {
+            return Err(self.fault_of(arguments, "it accepted what it can't have read whole"));
+        }
+        if !self.said().contains(word) {
+            return Err(self.fault_of(arguments, &format!("an error that does not name {word}")));
+        }
+        Ok(End::Refused)
+    }
+
+    /// A fault of the last command.
+    pub fn fault_of(&self, arguments: &[&str], what: &str) -> Fault {
+        let command = arguments.iter().map(OsString::from).collect();
+        Fault { what: what.to_owned(), command, stderr: self.said() }
+    }
+
+    /// The errors and warnings of the last command.
+    pub fn said(&self) -> String {
+        String::from_utf8_lossy(&std::fs::read(self.folder.join("stderr")).unwrap_or_default()).into_owned()
     }
 
     /// Whether the tables and HDF5 files in a folder of results are numbers, but for those that may be undefined.

@@ -6,9 +6,12 @@ mod hdf5_file;
 mod hostile;
 mod kinds;
 mod lab;
+mod misfit;
 mod pool;
 mod program;
 mod report;
+mod start;
+mod surroundings;
 mod table;
 mod tree;
 mod verdict;
@@ -40,9 +43,9 @@ struct Args {
     /// Only the case of this number
     #[arg(long, value_name = "K")]
     case: Option<u64>,
-    /// Only this kind of input
+    /// Only this kind of input; once for each
     #[arg(long, value_name = "NAME")]
-    kind: Option<String>,
+    kind: Vec<String>,
     /// Where the folders of cases are kept that the program did not survive
     #[arg(long, value_name = "DIR", default_value = "target/fuzz")]
     keep: PathBuf,
@@ -76,7 +79,7 @@ fn main() -> anyhow::Result<ExitCode> {
         for _ in 0..args.jobs.max(1) {
             scope.spawn(|| {
                 while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|n| numbers.contains(n)) {
-                    if args.kind.as_deref().is_none_or(|kind| kind == KINDS[kind_of(number)].0) {
+                    if args.kind.is_empty() || args.kind.iter().any(|kind| kind == KINDS[kind_of(number)].0) {
                         try_case(&report, &program, &pool, [args.seed, number]);
                     }
                 }

@@ -28,8 +28,10 @@ pub enum Edit {
 
 /// A place in a tree, from its root.
 #[derive(Debug, Clone, PartialEq)]
-enum Part {
+pub enum Part {
+    /// A key of a table.
     Key(String),
+    /// An item of a list.
     Item(usize),
 }
 
@@ -100,7 +102,7 @@ pub fn apply(tree: &mut Value, edit: &Edit) {
 }
 
 /// The places of all values but the root.
-fn places(tree: &Value) -> Vec<Vec<Part>> {
+pub fn places(tree: &Value) -> Vec<Vec<Part>> {
     let mut all = Vec::new();
     collect(tree, &mut Vec::new(), &mut all);
     all
@@ -120,7 +122,8 @@ fn collect(value: &Value, place: &mut Vec<Part>, all: &mut Vec<Vec<Part>>) {
     }
 }
 
-fn find<'a>(tree: &'a mut Value, place: &[Part]) -> Option<&'a mut Value> {
+/// The value at a place.
+pub fn find<'a>(tree: &'a mut Value, place: &[Part]) -> Option<&'a mut Value> {
     place.iter().try_fold(tree, |value, part| match (value, part) {
         (Value::Table(table), Part::Key(key)) => table.get_mut(key),
         (Value::Array(list), Part::Item(item)) => list.get_mut(*item),
@@ -177,14 +180,16 @@ pub fn keys(tree: &Value) -> Vec<String> {
 
 /// The keys of a tree with their sections, as `species[0].radius`.
 pub fn paths(tree: &Value) -> Vec<String> {
-    let joined = |place: Vec<Part>| {
-        place.iter().fold(String::new(), |path, part| match part {
-            Part::Key(key) if path.is_empty() => key.clone(),
-            Part::Key(key) => format!("{path}.{key}"),
-            Part::Item(item) => format!("{path}[{item}]"),
-        })
-    };
-    places(tree).into_iter().map(joined).collect()
+    places(tree).iter().map(|place| path(place)).collect()
+}
+
+/// A place as messages and `--set` have it.
+pub fn path(place: &[Part]) -> String {
+    place.iter().fold(String::new(), |path, part| match part {
+        Part::Key(key) if path.is_empty() => key.clone(),
+        Part::Key(key) => format!("{path}.{key}"),
+        Part::Item(item) => format!("{path}[{item}]"),
+    })
 }
 
 /// The tree as JSON; what JSON has no word for stands there as it must not.

@@ -2,9 +2,14 @@
 
 mod cases;
 mod commands;
+mod edited;
+mod labels;
+mod misfits;
 mod placed;
 mod results;
 mod scenes;
+mod starts;
+mod strangers;
 
 use crate::bytes;
 use crate::lab::{Fault, Lab};
@@ -15,7 +20,7 @@ use crate::verdict::End;
 pub type Trial = fn(&mut Lab) -> Result<End, Fault>;
 
 /// The kinds with their parts of all cases.
-pub const KINDS: [(&str, usize, Trial); 16] = [
+pub const KINDS: [(&str, usize, Trial); 23] = [
     ("scenes", 10, scenes::keys),
     ("scenes as bytes", 2, scenes::bytes),
     ("--set", 4, scenes::overrides),
@@ -32,6 +37,13 @@ pub const KINDS: [(&str, usize, Trial); 16] = [
     ("particles in HDF5", 2, placed::hdf5),
     ("costs of the machine", 1, scenes::costs),
     ("command lines", 3, commands::words),
+    ("lists and tables that do not fit", 5, misfits::scenes),
+    ("the same in cases", 2, misfits::cases),
+    ("shapes of datasets", 2, starts::shapes),
+    ("starts in all formats", 3, starts::formats),
+    ("names of species", 2, labels::names),
+    ("edited scenes of results", 2, edited::scenes),
+    ("folders with files of others", 4, strangers::folders),
 ];
 
 /// The kind of the case of this number.

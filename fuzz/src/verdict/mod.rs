@@ -1,9 +1,11 @@
 //! What a process that was given hostile input may do.
 
+mod cells;
 mod named;
 mod numbers;
 
 use crate::program::Ended;
+pub use cells::of_cells;
 pub use named::Names;
 use named::is_option;
 pub use numbers::{of_hdf5, of_table, of_text};

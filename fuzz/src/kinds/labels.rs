@@ -1,0 +1,80 @@
+//! Names of species, which stand in tables.
+
+use crate::lab::{Fault, Lab, files};
+use crate::pool::SCENES;
+use crate::verdict::{End, of_cells};
+use proptest::prelude::*;
+use proptest::sample::select;
+
+/// Names that tables can hold if they are quoted, and some that no table should have.
+const NAMES: [&str; 26] = [
+    "a",
+    "a,b",
+    "a;b",
+    "a\"b",
+    "\"a\"",
+    "'a'",
+    "a[b]",
+    "Ж",
+    "a b",
+    "#a",
+    "1",
+    "nan",
+    "x,\"y\",z",
+    "",
+    " ",
+    "all",
+    "ALL",
+    "a\nb",
+    "a\rb",
+    "a\tb",
+    "a\u{7f}b",
+    "=cmd|' /C calc'!A0",
+    "+1",
+    "-1",
+    "@sum",
+    " a",
+];
+
+/// Whether no table can have a name and mean it.
+fn is_forbidden(name: &str) -> bool {
+    name.trim().is_empty()
+        || name.eq_ignore_ascii_case("all")
+        || name.chars().any(char::is_control)
+        || name.starts_with(['=', '+', '-', '@'])
+}
+
+pub fn names(lab: &mut Lab) -> Result<End, Fault> {
+    let name =
+        lab.draw(prop_oneof![3 => select(&NAMES[..]).prop_map(str::to_owned), 1 => "\\PC{1,6}|[a-c,;\"\\s=]{1,6}"]);
+    let mut tree: toml::Value = toml::from_str(SCENES[3].1)?;
+    if let Some(species) = tree["species"].as_array_mut() {
+        species[0]["name"] = name.clone().into();
+    }
+    lab.write("scene.toml", toml::to_string(&tree)?)?;
+    let run = ["run", "scene.toml", "--out", "out", "--set", "time.steps=1"];
+    if is_forbidden(&name) {
+        lab.ask_refused(&["check", "scene.toml"], "name")?;
+        return lab.ask_refused(&run, "name");
+    }
+    let end = lab.ask(&run)?;
+    if end == End::Answered {
+        for path in files(&lab.folder.join("out")).iter().filter(|path| path.extension().is_some_and(|e| e == "csv")) {
+            of_cells(&std::fs::read_to_string(path)?, &name).map_err(|what| lab.fault_of(&run, &what))?;
+        }
+        lab.ask(&["report", "out"])?;
+    }
+    Ok(end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_without_a_meaning_are_forbidden() {
+        let forbidden: Vec<&&str> = NAMES.iter().filter(|name| is_forbidden(name)).collect();
+        assert_eq!(forbidden.len(), 12, "{forbidden:?}");
+        assert!(!is_forbidden("a,b") && !is_forbidden("allow"));
+    }
+}

@@ -1,0 +1,47 @@
+//! Starts from files of all formats: the spheres are where the file has them, or the file is refused.
+
+use crate::lab::{Fault, Lab};
+use crate::pool::PLACED;
+use crate::start::{Shape, any_start};
+use crate::verdict::End;
+
+const RUN: [&str; 6] = ["run", "scene.toml", "--out", "out", "--set", "output.trajectory_every=1"];
+
+pub fn formats(lab: &mut Lab) -> Result<End, Fault> {
+    let start = lab.draw(any_start());
+    let name = *lab.one_of(&["start.csv", "start.xyz", "start.dump", "start.h5md"]);
+    match name {
+        "start.csv" => lab.write(name, start.csv())?,
+        "start.xyz" => lab.write(name, start.xyz())?,
+        "start.dump" => lab.write(name, start.dump())?,
+        _ => start.h5md(&lab.folder.join(name))?,
+    }
+    lab.write("scene.toml", format!("{PLACED}path = '{name}'\n"))?;
+    if start.other_box && name != "start.csv" {
+        return lab.ask_refused(&RUN, name);
+    }
+    taken(lab, &start)
+}
+
+pub fn shapes(lab: &mut Lab) -> Result<End, Fault> {
+    let start = lab.draw(any_start());
+    let shapes = [Shape::Rows, Shape::Columns, Shape::Four, Shape::Two, Shape::Flat, Shape::Deep];
+    let shape = *lab.one_of(&shapes);
+    start.datasets(&lab.folder.join("start.h5"), shape)?;
+    lab.write("scene.toml", format!("{PLACED}path = 'start.h5'\n"))?;
+    if shape == Shape::Rows {
+        return taken(lab, &start);
+    }
+    lab.ask_refused(&RUN, "positions")
+}
+
+/// These files leave no doubt, so that none may be refused.
+fn taken(lab: &Lab, start: &crate::start::Start) -> Result<End, Fault> {
+    match lab.ask(&RUN)? {
+        End::Answered => {}
+        End::Refused => return Err(lab.fault_of(&RUN, "it refused a file without a doubt")),
+        End::Stopped => return Ok(End::Stopped),
+    }
+    let wrong = start.differs(&lab.folder.join("out/trajectory.h5"))?;
+    wrong.map_or(Ok(End::Answered), |what| Err(lab.fault_of(&RUN, &what)))
+}

@@ -1,0 +1,50 @@
+//! Whether the rows of a table have the cells that its first line names.
+
+/// Refuses a table whose rows have other numbers of cells, or of which no column is named after a species. Cells may be
+/// quoted.
+pub fn of_cells(text: &str, species: &str) -> Result<(), String> {
+    let rows: Vec<Vec<String>> = rows(text);
+    let Some(names) = rows.first() else { return Ok(()) };
+    if !names.iter().any(|name| name.contains(&format!("[{species}]"))) {
+        return Err(format!("no column is named after the species {species:?}: {}", names.join(" | ")));
+    }
+    let other = rows.iter().position(|row| row.len() != names.len());
+    other.map_or(Ok(()), |row| Err(format!("row {row} has {} cells for {} names", rows[row].len(), names.len())))
+}
+
+fn rows(text: &str) -> Vec<Vec<String>> {
+    let (mut rows, mut row, mut cell, mut is_quoted) = (Vec::new(), Vec::new(), String::new(), false);
+    let mut characters =
+        text.lines().filter(|line| !line.starts_with('#')).flat_map(|line| line.chars().chain(['\n'])).peekable();
+    while let Some(character) = characters.next() {
+        match character {
+            '"' if is_quoted && characters.peek() == Some(&'"') => cell.extend(characters.next()),
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => row.push(std::mem::take(&mut cell)),
+            '\n' if !is_quoted => {
+                row.push(std::mem::take(&mut cell));
+                rows.push(std::mem::take(&mut row));
+            }
+            other => cell.push(other),
+        }
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quoted_names_keep_their_commas() {
+        assert_eq!(of_cells("time,\"v[a,b]\"\n0,1\n", "a,b"), Ok(()));
+        assert_eq!(of_cells("time,\"v[a\"\"b]\"\n0,1\n", "a\"b"), Ok(()));
+    }
+
+    #[test]
+    fn broken_tables_are_found() {
+        assert!(of_cells("time,v[a,b]\n0,1\n", "a,b").unwrap_err().contains("no column"));
+        assert!(of_cells("time,v[a]\n0,1,2\n", "a").unwrap_err().contains("row 1 has 3 cells for 2 names"));
+        assert!(of_cells("time,v[b]\n0,1\n", "a").is_err());
+    }
+}
