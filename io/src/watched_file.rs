@@ -42,7 +42,13 @@ impl WatchedFile {
         Err(FileError::Lost { path: self.path.clone(), what })
     }
 
-    /// Notes the length after a write.
+    /// Notes the length after a write, which may only have made the file longer.
+    pub(crate) fn note_growth(&mut self) -> Result<(), FileError> {
+        self.check()?;
+        self.note_length()
+    }
+
+    /// Notes the length after a change of any kind.
     pub(crate) fn note_length(&mut self) -> Result<(), FileError> {
         let found = self.file.metadata().map_err(|e| FileError::write(&self.path, &e))?;
         self.length = found.len();

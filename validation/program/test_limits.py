@@ -135,7 +135,9 @@ class Limits(unittest.TestCase):
         with h5py.File(path, "w") as file:
             file.create_dataset("positions", (3, 3), "f8", external=[(str(secret), 0, 72)])
         scene = self.place / "scene.toml"
-        scene.write_text(SCENE.read_text().replace("[particles]", f'[particles]\npath = "{path}"', 1))
+        starts = 'initial = "random"\nminimum_gap = 0.02'
+        self.assertIn(starts, SCENE.read_text())
+        scene.write_text(SCENE.read_text().replace(starts, f'initial = "file"\npath = "{path}"', 1))
         code, said = self.ends("run", scene, "--out", self.out)
         self.assertEqual(code, 1, said)
         self.assertIn(f"`positions` is stored in another file, `{secret}`", said)

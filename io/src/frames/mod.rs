@@ -116,7 +116,7 @@ impl Frames {
     pub(crate) fn append_blocks(&mut self, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
         self.file.check().inspect_err(|_| self.abandon())?;
         self.attempt(|open| open.append(clock, values, None))?;
-        self.file.note_length()
+        self.file.note_growth()
     }
 
     /// Writes something else into the file.

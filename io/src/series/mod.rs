@@ -97,7 +97,7 @@ impl Series {
         let line = line(clock, values.iter().flatten());
         self.csv.check()?;
         self.csv.file().write_all(line.as_bytes()).map_err(|e| FileError::write(&self.csv_path, &e))?;
-        self.csv.note_length()?;
+        self.csv.note_growth()?;
         let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
         self.frames.append(clock, &values)
     }
