@@ -1,12 +1,15 @@
 """A run of a few spheres that is stopped or killed on its way, and what is compared of such runs."""
 
-import json
 import pathlib
+import sys
 import time
 
 import h5py
 
 from program import PATIENCE, ROOT
+
+sys.path.insert(0, str(ROOT / "validation"))
+from support.checkpoint import state_of  # noqa: E402
 
 SCENE = ROOT / "scenes" / "settling.toml"
 SETS = {
@@ -33,16 +36,6 @@ def wait_for(condition, process):
 
 def has_checkpoint(out):
     return any(out.glob("checkpoint-*.bin"))
-
-
-def state_of(checkpoint):
-    """The contents of a checkpoint but for its scene, whose end and output may have been changed, and for the checksum of the whole."""
-    start = len(b"fcm-solve checkpoint 1\n") + 8
-    content = checkpoint.read_bytes()
-    end = start + int.from_bytes(content[start - 8 : start], "little")
-    header = json.loads(content[start:end])
-    del header["scene"]
-    return header, content[end:-8]
 
 
 def end_state(out, step):

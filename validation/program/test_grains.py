@@ -13,7 +13,8 @@ import h5py
 import numpy as np
 
 from program import ROOT, run, start
-from small_run import has_checkpoint, state_of, wait_for
+from small_run import has_checkpoint, wait_for
+from support.checkpoint import state_of
 
 # What makes a run short: about a second each, with checkpoints on the way.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}

@@ -11,7 +11,8 @@ import unittest
 
 import small_run
 from program import PATIENCE, PROGRAM, ROOT, command, run, start
-from small_run import SCENE, end_state, has_checkpoint, ranks_of, state_of, wait_for, words
+from small_run import SCENE, end_state, has_checkpoint, ranks_of, wait_for, words
+from support.checkpoint import state_of
 
 SETS = small_run.SETS | {"time.steps": 2000, "output.checkpoint_every": 100000}
 # A step that takes minutes: in thousands of parts, which near contact asks for, each with tens of evaluations.

@@ -6,6 +6,7 @@ import subprocess
 
 import h5py
 
+from support.checkpoint import state_of
 from support.program import PROGRAM, ROOT
 
 SETS = {
@@ -62,7 +63,7 @@ def end_state(out):
     checkpoint = out / f"checkpoint-{SETS['time.steps']:010}.bin"
     with h5py.File(out / "trajectory.h5") as file:
         particles = file["particles/all"]
-        return checkpoint.read_bytes(), particles["position/step"][:].tobytes(), particles["position/value"][:].tobytes()
+        return state_of(checkpoint), particles["position/step"][:].tobytes(), particles["position/value"][:].tobytes()
 
 
 def text(path):
