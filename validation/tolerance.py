@@ -47,7 +47,8 @@ def placed(box, random):
         return {"box": edges}, centres + 0.1 + moved, np.ones(len(centres)), fraction
     if box == "dense":
         fraction = random.uniform(0.45, 0.62)
-        centres, edges = arrangements.dense(int(random.choice([16, 32, 54])), fraction, int(random.integers(1000)))
+        # Full face-centred lattices, which fit the box without being compressed.
+        centres, edges = arrangements.dense(int(random.choice([32, 32, 108])), fraction, int(random.integers(1000)))
         return {"box": edges}, centres, np.ones(len(centres)), fraction
     return dilute(box, random)
 
