@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// Time between two lines where there is no terminal.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// How long work is silent before it is named.
+/// Time for which work is silent before it is named.
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// A bar on a terminal, which is removed at the end; elsewhere a line now and then. Only the first rank shows it.

@@ -174,7 +174,7 @@ impl Problem {
         all.map(|accuracy| Candidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
     }
 
-    /// What a common Gaussian leaves to its brackets, on a grid along whose axes spheres reach so much farther.
+    /// Brackets that a common Gaussian leaves, on a grid along whose axes spheres reach farther by `stretch`.
     fn brackets(&self, width: f64, stretch: f64) -> Brackets {
         let [least, most] = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
         let common = Common::new(width, [least, most].into_iter());

@@ -1,4 +1,4 @@
-//! How much finer the grids of lattices have to be that are not orthogonal.
+//! Refinement of the grids of lattices that are not orthogonal.
 
 use crate::plan::{LONG, Plan};
 use crate::problem::{Method, MethodName, Problem};
@@ -46,7 +46,7 @@ impl Problem {
         (1.0 + s * s + first * first).sqrt().max(y).max(z)
     }
 
-    /// How much finer a method's grid has to be along each axis. A reduced one is sheared by at most half of `hx/hy`: with `hx` of
+    /// Refinement of a method's grid along each axis. A reduced one is sheared by at most half of `hx/hy`: with `hx` of
     /// at most the distance `h` that an orthogonal grid needs, `hy = h sqrt(3)/2` is enough for `hy^2 + (hx/2)^2 <= h^2`.
     pub(crate) fn lengthened_for(&self, method: MethodName) -> Vector {
         if method == MethodName::Direct || !self.is_reduced() {

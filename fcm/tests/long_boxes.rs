@@ -28,7 +28,7 @@ fn error(suspension: &Suspension, seed: u64, tolerance: f64) -> (f64, Plan) {
     (worst(&suspension.evaluate(&plan, &loads), &suspension.motion(&loads)), plan)
 }
 
-/// Where the Gaussian along the lattice is no number by itself.
+/// Points at which the Gaussian along the lattice is no number by itself.
 #[test]
 fn equal_spheres_move_in_boxes_up_to_sixty_times_as_long_as_wide() {
     for (aspect, part) in [(16.0, 0.49), (20.0, 0.3), (20.0, -0.5), (40.0, 0.2), (60.0, 0.1)] {

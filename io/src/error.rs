@@ -22,7 +22,7 @@ pub enum FileError {
     Lost {
         /// The file.
         path: PathBuf,
-        /// What has become of it.
+        /// Its fate.
         what: String,
     },
     /// Reading failed.

@@ -43,7 +43,7 @@ impl MissingSteps {
         Self { runs }
     }
 
-    /// How many they are.
+    /// Their number.
     pub fn count(&self) -> u64 {
         self.runs.iter().fold(0, |count, run| count.saturating_add(run.count()))
     }

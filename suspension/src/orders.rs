@@ -27,7 +27,7 @@ pub fn weights(ages: &[f64], step: f64) -> Weights {
     })
 }
 
-/// How a displacement, a gap or the worst of many depends on the order.
+/// Dependence of a displacement, a gap or the worst of many on the order.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Estimate {
     /// The error of a step.

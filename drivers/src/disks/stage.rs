@@ -63,7 +63,7 @@ impl Law {
         self.start_strain + self.strain_in(step)
     }
 
-    /// What a number of steps adds to it.
+    /// Contribution of a number of steps.
     pub(super) fn strain_in(&self, steps: u64) -> f64 {
         self.profile.lattice_rate * self.dt * steps as f64
     }

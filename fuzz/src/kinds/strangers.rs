@@ -36,7 +36,7 @@ const NAMES: [&str; 24] = [
     "thesis.txt",
 ];
 
-/// What is asked of the folder.
+/// The request for the folder.
 const COMMANDS: [&[&str]; 8] = [
     &["run", "plain.toml", "--out", "FOLDER"],
     &["run", "plain.toml", "--out", "FOLDER", "--force"],

@@ -34,7 +34,7 @@ pub struct Manifest {
     listed: Option<Mutex<Listed>>,
 }
 
-/// What a manifest lists, and the file.
+/// Entries of a manifest, and its file.
 struct Listed {
     entries: Entries,
     /// The manifest, once this process has written to it.

@@ -1,4 +1,4 @@
-//! What a file says of particles beside what a scene says of them.
+//! Comparison of the particles of a file with those of a scene.
 
 use super::file_box::{Axis, FileBox, SceneBox, Shape, is_same_strain};
 use super::{StartFile, order};

@@ -30,7 +30,7 @@ pub struct StartSource {
     pub group: Option<String>,
 }
 
-/// What a file says of the particles in one of its frames. All lists have an entry for each particle.
+/// Particles in one frame of a file. All lists have an entry for each particle.
 #[derive(Debug, Clone, Default)]
 pub struct StartFile {
     /// Positions, in or outside the box.

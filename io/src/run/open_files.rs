@@ -19,7 +19,7 @@ pub(super) struct Files {
     pub warnings: Vec<String>,
 }
 
-/// How files are opened: from the start, or after the last step of a former part, with room until a step.
+/// Way of opening files: from the start, or after the last step of a former part, with room until a step.
 pub(super) struct Open<'a> {
     pub run: &'a Manifest,
     pub provenance: &'a Provenance,

@@ -39,7 +39,7 @@ fn taken_strain(scene: &Scene, source: &StartSource) -> Result<Option<f64>, File
     Ok((strain != 0.0).then_some(strain))
 }
 
-/// What is to be said of the file.
+/// Notes on the file.
 fn notes(scene: &Scene) -> Result<Vec<String>, FileError> {
     Ok(match scene.kind() {
         Kind::Suspension(scene) => of_spheres(scene)?.map(|fitted| fitted.notes),

@@ -21,7 +21,7 @@ pub struct SceneChange {
     pub after: Option<String>,
 }
 
-/// What becomes of a key that has changed when a run goes on.
+/// Treatment of a key that has changed when a run goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rule {
     /// It is taken.
@@ -65,7 +65,7 @@ const FOUND: [&str; 2] = ["repulsion.strength", "repulsion.calibrate"];
 /// Differences that are named.
 const NAMED: usize = 5;
 
-/// What happens to a key of this name.
+/// Treatment of a key of this name.
 pub(crate) fn rule(key: &str) -> Rule {
     if TAKEN.contains(&key) || key.split(['.', '[']).next() == Some("statistics") {
         Rule::Taken

@@ -1,4 +1,4 @@
-//! How long the text of a scene may be.
+//! Limit of the length of a scene's text.
 
 use super::SceneError;
 use domain::{Comm, Need, Process};

@@ -1,4 +1,4 @@
-//! How far forces move spheres in a step.
+//! Displacements of spheres by forces in a step.
 
 use super::{Parameters, Species};
 use domain::{Number, ParameterError, Vector};
@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 const MOST_LENGTHS: f64 = 100.0;
 
 impl Parameters {
-    /// How far the steady force on a sphere of a species moves it in a step where it is alone.
+    /// Displacement in a step of a sphere alone under the steady force of its species.
     pub(crate) fn travel(&self, species: &Species) -> f64 {
         let force = species.force_on(species.radius, self.gravity).length();
         force / (6.0 * PI * self.viscosity * species.radius) * self.time_step

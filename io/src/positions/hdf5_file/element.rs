@@ -40,7 +40,7 @@ impl Element {
         Ok(Some(Self { values, clock: Some(Clock { steps, times }) }))
     }
 
-    /// How many frames there are, if they are several.
+    /// Number of frames, if they are several.
     pub(super) fn frames(&self) -> Result<Option<usize>, String> {
         let Some(clock) = &self.clock else { return Ok(None) };
         let stored = self.values.shape().first().copied().unwrap_or(0);

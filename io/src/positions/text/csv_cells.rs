@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// What separates the cells of a line.
+/// Separator of the cells of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Separator {
     Comma,

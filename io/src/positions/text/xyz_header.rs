@@ -112,7 +112,7 @@ fn list(text: &str) -> Option<Vec<f64>> {
     parts.map(|part| part.parse().ok()).collect()
 }
 
-/// Which axes are true.
+/// Axes that are true.
 fn axes(text: &str) -> Option<[bool; 3]> {
     let parts = text.split(|c: char| c.is_whitespace() || ",[]".contains(c)).filter(|part| !part.is_empty());
     let axis = |part: &str| match part.to_lowercase().as_str() {
