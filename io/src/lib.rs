@@ -32,6 +32,7 @@ mod fields;
 mod frames;
 mod manifest;
 mod missing_steps;
+mod origin;
 mod positions;
 mod provenance;
 mod report;

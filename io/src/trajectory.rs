@@ -1,7 +1,8 @@
 //! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
 use crate::frames::{Added, Damage, Element, Frames, Kind};
-use crate::scene_history::{self, SceneHistory};
+use crate::origin::Origin;
+use crate::scene_history::SceneHistory;
 use crate::{FileError, Provenance, checksum, text};
 use domain::{ById, Comm, Particles, PeriodicBox};
 use hdf5::types::FixedAscii;
@@ -13,7 +14,26 @@ use std::path::Path;
 /// file can be read up to its last complete frame.
 pub struct Trajectory {
     frames: Frames,
+    description: Description,
+}
+
+/// What a new file needs that the particles do not say.
+struct Description {
     elements: Vec<Element>,
+    periodic: [bool; 3],
+    /// Frames at the end of the run.
+    planned: u64,
+    origin: Origin,
+}
+
+impl Description {
+    fn with_kind<R>(&self, rows: &ById, with: impl FnOnce(&Kind) -> R) -> R {
+        let fixed = |file: &hdf5::File| {
+            self.origin.write(file)?;
+            write_fixed(file, (rows, self.periodic))
+        };
+        with(&Kind { elements: &self.elements, planned: self.planned, fixed: &fixed })
+    }
 }
 
 /// The columns that are written, with their units.
@@ -24,7 +44,7 @@ const COLUMNS: [(&str, &str, &str); 3] = [
 ];
 
 impl Trajectory {
-    /// A trajectory of up to `frames` frames, like the first frame given: radii, species and periodic axes are those
+    /// A trajectory of a run of so many frames, like the first frame given: radii, species and periodic axes are those
     /// that it has, and the columns are those that it has.
     pub fn create(path: &Path, provenance: &Provenance, first: &Frame, frames: u64) -> Result<Self, FileError> {
         alone(&first.particles, |rows| Self::create_for(path, provenance, (rows, first.periodic), frames))
@@ -63,22 +83,18 @@ impl Trajectory {
 
     fn open(
         provenance: &Provenance,
-        first @ (rows, _): (&ById, [bool; 3]),
-        capacity: u64,
+        (rows, periodic): (&ById, [bool; 3]),
+        planned: u64,
         open: impl FnOnce(&Kind) -> Result<Frames, FileError>,
     ) -> Result<Self, FileError> {
         let elements = elements(rows.columns(), rows.count());
-        let fixed = |file: &hdf5::File| {
-            provenance.write(file)?;
-            scene_history::create(file)?;
-            write_fixed(file, first)
-        };
-        Ok(Self { frames: open(&Kind { elements: &elements, capacity, fixed: &fixed })?, elements })
+        let description = Description { elements, periodic, planned, origin: Origin::new(provenance) };
+        Ok(Self { frames: description.with_kind(rows, open)?, description })
     }
 
     /// Notes the changes of the scene.
     pub(crate) fn note_scenes(&mut self, scenes: &SceneHistory) -> Result<(), FileError> {
-        self.frames.write(|file| scenes.write(file))
+        self.description.origin.note_scenes(scenes, &mut self.frames)
     }
 
     /// The steps of the frames.
@@ -118,13 +134,13 @@ impl Trajectory {
             Added::Whole(lattice.as_flattened().into()),
             Added::Whole(strain.into()),
         ];
-        for element in &self.elements[values.len()..] {
+        for element in &self.description.elements[values.len()..] {
             let is_its =
                 |(name, _): (&str, usize)| COLUMNS.iter().any(|&(n, path, _)| path == element.path && n == name);
             let place = rows.columns().position(is_its).expect("the columns of the first frame");
             values.push(Added::InBlocks(Box::new(move |each| rows.column(place, |values| each(&values.into())))));
         }
-        self.frames.append_blocks(clock, &values)
+        self.description.with_kind(rows, |kind| self.frames.append_blocks(kind, clock, &values))
     }
 }
 

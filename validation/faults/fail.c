@@ -8,12 +8,14 @@
    FAULT_AT      the n-th such call fails; 0, the default, lets all pass and lists them in the log
    FAULT_ERROR   the number of the error (errno)
    FAULT_HOW     `once`; `stays`: and so does whatever needs room from then on; `short`: the write ends at a
-                 page of memory and the next one fails; `always`: every such call fails */
+                 page of memory and the next one fails; `always`: every such call fails; `killed`: the program is killed
+                 before the call; `torn`: it is killed when the write is at the last page of memory that it comes to */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -29,7 +31,7 @@
 
 static const char *folder, *call;
 static long at;
-static int error_number, stays, is_short, always, log_file = -1;
+static int error_number, stays, is_short, always, kills, log_file = -1;
 static atomic_long count;
 static atomic_int full, cut;
 
@@ -48,7 +50,8 @@ __attribute__((constructor)) static void start(void) {
     at = atol(word("FAULT_AT", "0"));
     error_number = atoi(word("FAULT_ERROR", "5"));
     stays = strcmp(how, "stays") == 0;
-    is_short = strcmp(how, "short") == 0;
+    is_short = strcmp(how, "short") == 0 || strcmp(how, "torn") == 0;
+    kills = strcmp(how, "killed") == 0 || strcmp(how, "torn") == 0;
     always = strcmp(how, "always") == 0;
     if (path) log_file = (int)syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
 }
@@ -75,6 +78,7 @@ static int fails(const char *name, const char *path, int needs_room) {
     if (atomic_fetch_add(&count, 1) + 1 != at) return 0;
     note(name, path);
     full = stays;
+    if (kills && !is_short) kill(getpid(), SIGKILL);
     return 1;
 }
 
@@ -98,7 +102,13 @@ static const char *path_at(int directory, const char *name, char *path) {
     return path;
 }
 
-#define FAIL_IF(condition) if (condition) { errno = error_number; return -1; }
+#define FAIL_IF(condition) if (condition) { if (kills) kill(getpid(), SIGKILL); errno = error_number; return -1; }
+
+/* After the first part of a write. */
+static ssize_t parted(ssize_t written) {
+    if (kills) kill(getpid(), SIGKILL);
+    return written;
+}
 
 /* How much of a write goes into the file whose next write fails: what is before the last page boundary in it, as when
    the system finds no room for another page. 0 where there is none. */
@@ -123,7 +133,7 @@ static off_t place_of(int descriptor) {
 ssize_t write(int descriptor, const void *bytes, size_t size) {
     int failed;
     size_t first = part(descriptor, size, place_of(descriptor), &failed);
-    if (first) return REAL(write)(descriptor, bytes, first);
+    if (first) return parted(REAL(write)(descriptor, bytes, first));
     FAIL_IF(failed)
     return REAL(write)(descriptor, bytes, size);
 }
@@ -131,7 +141,7 @@ ssize_t write(int descriptor, const void *bytes, size_t size) {
 static ssize_t write_at(int descriptor, const void *bytes, size_t size, off_t place) {
     int failed;
     size_t first = part(descriptor, size, place, &failed);
-    if (first) return REAL(pwrite)(descriptor, bytes, first, place);
+    if (first) return parted(REAL(pwrite)(descriptor, bytes, first, place));
     FAIL_IF(failed)
     return REAL(pwrite)(descriptor, bytes, size, place);
 }

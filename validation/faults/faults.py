@@ -28,7 +28,7 @@ def inject(runs, folder, library, most):
     print("| run | faults | survived | calls of other ranks |\n|---|---|---|---|", flush=True)
     total, lost = 0, 0
     for number, run in enumerate(runs):
-        ways = ("once", "stays", "short") if run.ranks is None else ("once",)
+        ways = ("once", "stays", "short", "killed", "torn") if run.ranks is None else ("once",)
         tried, failures, others = try_run(run, folder / str(number), library, ways, most)
         print(f"| {run.name} | {tried} | {tried - len(failures)} | {others} |", flush=True)
         total, lost = total + tried, lost + len(failures)

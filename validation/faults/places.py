@@ -5,22 +5,29 @@ import dataclasses
 import errno
 import os
 import shutil
+import signal
 
 from runs import patience
 from state import differences, end_state, unreadable
 
 CALLS = ("open", "write", "sync", "rename", "unlink", "truncate", "mkdir", "close")
+KILLS, PARTS = ("killed", "torn"), ("short", "torn")
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT)
 
 
 @dataclasses.dataclass(frozen=True)
 class Fault:
-    """The n-th call of a kind fails: once, from then on, or, of a write, after half of its bytes."""
+    """The n-th call of a kind fails: once, from then on, or, of a write, after half of its bytes. Or the program is killed
+    before the call, or, of a write, after half of its bytes."""
 
     call: str
     at: int
     error: int
     how: str
+
+    @property
+    def kills(self):
+        return self.how in KILLS
 
     def __str__(self):
         return f"{self.call} {self.at}, {errno.errorcode[self.error]}, {self.how}"
@@ -76,13 +83,15 @@ class Place:
         code, said = self.call(self.arguments(), self.environment(fault))
         if not self.log.exists():
             return f"the call was not made: {said}"
-        return self.wrong_end(code, said) or self.wrong_after(code)
+        return self.wrong_end(fault, code, said) or self.wrong_after(code)
 
-    def wrong_end(self, code, said):
+    def wrong_end(self, fault, code, said):
         """What is wrong with the way in which the run ended."""
         if code is None:
             return f"it hangs: {said}"
-        if "panicked" in said or code not in (0, 1):
+        if fault.kills and code != -signal.SIGKILL:
+            return f"it was not killed: it ended with {code}: {said}"
+        if "panicked" in said or (not fault.kills and code not in (0, 1)):
             return f"it ended with {code}: {said}"
         if code == 1 and str(self.out) not in said:
             return f"it names no file: {said}"
@@ -106,7 +115,7 @@ def faults(calls, ways):
         counts[call] += 1
         for number, way in enumerate(ways):
             fault = Fault(call, counts[call], ERRORS[(place + number) % len(ERRORS)], way)
-            if call in CALLS and (way != "short" or calls[place + 1 : place + 2] == ["long"]):
+            if call in CALLS and (way not in PARTS or calls[place + 1 : place + 2] == ["long"]):
                 yield fault
 
 

@@ -1,11 +1,12 @@
 //! One quantity of a file of frames.
 
+use super::room::Room;
 use crate::checksum::Sum;
 use crate::text;
-use bytemuck::NoUninit;
-use hdf5::dataset::{AllocTime, DatasetCreateBuilder, FillTime};
-use hdf5::{Dataset, File, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
-use ndarray::{ArrayViewD, IxDyn};
+use bytemuck::{NoUninit, Zeroable};
+use hdf5::dataset::{AllocTime, FillTime};
+use hdf5::{Dataset, Extent, File, Group, H5Type, Hyperslab, Selection, SliceOrIndex};
+use ndarray::{ArrayD, ArrayViewD, IxDyn};
 use std::borrow::Cow;
 
 /// The description of a quantity.
@@ -104,12 +105,13 @@ pub(super) struct Stored {
 
 impl Stored {
     /// Makes the quantity's group; its steps and times are those of the group `clock`.
-    pub(super) fn create(file: &File, element: &Element, (clock, capacity): (&str, usize)) -> hdf5::Result<Self> {
+    pub(super) fn create(file: &File, element: &Element, (clock, room): (&str, Room)) -> hdf5::Result<Self> {
         let group = group(file, &element.path)?;
+        let shape = element.shape.as_ref().map_or(&[][..], |shape| shape);
         let values = if element.whole {
-            reserve::<i32>(&group, "value", element.shape, capacity)?
+            growing::<i32>(&group, "value", shape, room)?
         } else {
-            reserve::<f64>(&group, "value", element.shape, capacity)?
+            growing::<f64>(&group, "value", shape, room)?
         };
         text::write_dimensions(&values, element.unit)?;
         if element.path != clock {
@@ -194,10 +196,7 @@ impl Stored {
     }
 
     pub(super) fn resize(&self, frames: usize) -> hdf5::Result<()> {
-        match self.shape {
-            Some([rows, columns]) => self.values.resize((frames, rows, columns)),
-            None => self.values.resize((frames,)),
-        }
+        resize_first(&self.values, frames)
     }
 
     fn one(&self, frame: usize) -> Selection {
@@ -234,41 +233,37 @@ pub(crate) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
     Ok(group)
 }
 
-/// A dataset without frames that has storage reserved for all of them.
-pub(super) fn reserve<T: H5Type>(
-    group: &Group,
-    name: &str,
-    shape: Option<[usize; 2]>,
-    capacity: usize,
-) -> hdf5::Result<Dataset> {
-    let new = group.new_dataset::<T>().with_dcpl(early);
+/// A dataset without frames of numbers, for which all storage is reserved.
+pub(super) fn reserve<T: H5Type>(group: &Group, name: &str, room: Room) -> hdf5::Result<Dataset> {
+    let new = group.new_dataset::<T>().with_dcpl(|d| d.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never));
+    let dataset = new.chunk((room.frames.min(512),)).shape((0..=room.frames,)).create(name)?;
     // The first frame makes the library reserve the room; the file then has none again.
-    if let Some([rows, columns]) = shape {
-        let dataset = new.chunk((1, rows, columns)).shape((0..=capacity, rows, columns)).create(name)?;
-        dataset.resize((1, rows, columns))?;
-        dataset.resize((0, rows, columns))?;
-        return Ok(dataset);
+    resize_first(&dataset, 1)?;
+    resize_first(&dataset, 0)?;
+    Ok(dataset)
+}
+
+/// A dataset without frames, of values of a shape, whose storage grows in pieces.
+pub(super) fn growing<T: H5Type + Clone + Zeroable>(group: &Group, name: &str, shape: &[usize], room: Room) -> hdf5::Result<Dataset> {
+    let new = group.new_dataset::<T>().with_dcpl(|d| d.alloc_time(Some(AllocTime::Incr)).fill_time(FillTime::Never));
+    let piece = room.piece(shape.iter().product::<usize>() * size_of::<T>());
+    let chunk = [&[piece], shape].concat();
+    let extents = [Extent::from(0..=room.frames)].into_iter().chain(shape.iter().map(|&n| Extent::from(n)));
+    let dataset = new.chunk(chunk).shape(extents.collect::<Vec<_>>()).create(name)?;
+    // The first number makes the library write the list of pieces, of which it then takes and gives places only.
+    resize_first(&dataset, 1)?;
+    if !shape.contains(&0) {
+        let first = Hyperslab::from(vec![SliceOrIndex::SliceCount { start: 0, step: 1, count: 1, block: 1 }; 1 + shape.len()]);
+        let zero = ArrayD::from_elem(vec![1; 1 + shape.len()], T::zeroed());
+        dataset.write_slice(&zero, Selection::new(first))?;
     }
-    let dataset = new.chunk((capacity.min(512),)).shape((0..=capacity,)).create(name)?;
-    dataset.resize((1,))?;
-    dataset.resize((0,))?;
+    resize_first(&dataset, 0)?;
     Ok(dataset)
 }
 
-/// The same with rows of `width` numbers.
-pub(super) fn reserve_rows<T: H5Type>(
-    group: &Group,
-    name: &str,
-    (width, capacity): (usize, usize),
-) -> hdf5::Result<Dataset> {
-    let new = group.new_dataset::<T>().with_dcpl(early);
-    let dataset = new.chunk((1, width)).shape((0..=capacity, width)).create(name)?;
-    dataset.resize((1, width))?;
-    dataset.resize((0, width))?;
-    Ok(dataset)
-}
-
-/// Reserves the storage at once and does not fill it.
-fn early(dataset: &mut DatasetCreateBuilder) -> &mut DatasetCreateBuilder {
-    dataset.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never)
+/// Changes the number of frames of a dataset.
+pub(super) fn resize_first(dataset: &Dataset, frames: usize) -> hdf5::Result<()> {
+    let mut shape = dataset.shape();
+    shape[0] = frames;
+    dataset.resize(shape)
 }

@@ -1,16 +1,22 @@
 //! HDF5 files to which whole frames are appended, and which stay readable if the program is killed.
 //!
-//! The room for all frames of a run is reserved when the file is made, as a hole that takes no space on the disk until
-//! it is written (HDF5's implicit chunk index: no filters, a fixed largest size, early allocation). A frame then
-//! changes two things: its own numbers, and afterwards the lengths of the datasets, each of which is one small write in
-//! place. The length of `step` is written last. A program that is killed at any moment leaves a file that every HDF5
-//! reader opens, and the length of `step` is the number of whole frames in it. For that no write of a length may be cut
-//! in two: what the library writes at once stands within a page of memory, where the kernel does not look for signals.
-//! Compression would need chunks of any length and with them an index that grows; `h5repack` compresses a finished
-//! file.
+//! A frame changes three things: its own numbers; lists of the pieces in which datasets grow, where it begins one, with the
+//! lengths of the datasets; and last the length of `step`. A program that is killed at any moment leaves a file that every
+//! HDF5 reader opens, and the length of `step` is the number of whole frames in it. For that
+//!
+//! - no write of a list or a length may be cut in two: each stands within a page of memory, between which alone the kernel
+//!   looks for signals. A list has a bounded number of places then (HDF5's fixed array; no filters), and a file room for a
+//!   bounded number of frames; a full file is replaced by a larger one with the same frames;
+//! - the superblock has the end of the file before a list names a piece that goes beyond the former one;
+//! - the storage of `step`, eight bytes a frame, is reserved from the start, since its length and a list of its pieces would
+//!   be two writes.
+//!
+//! `h5repack` compresses a finished file.
 
 mod element;
+mod end_of_file;
 mod open;
+mod room;
 mod sums;
 
 use crate::watched_file::WatchedFile;
@@ -37,8 +43,8 @@ pub(crate) struct Frames {
 pub(crate) struct Kind<'a> {
     /// What each frame has a value of.
     pub(crate) elements: &'a [Element],
-    /// Frames that the file has room for.
-    pub(crate) capacity: u64,
+    /// Frames at the end of the run.
+    pub(crate) planned: u64,
     /// Writes what does not change from frame to frame.
     pub(crate) fixed: &'a dyn Fn(&File) -> hdf5::Result<()>,
 }
@@ -46,15 +52,15 @@ pub(crate) struct Kind<'a> {
 impl Frames {
     /// A file without frames; it replaces any of that name once it is complete.
     pub(crate) fn create(path: &Path, kind: &Kind) -> Result<Self, FileError> {
-        let made = Self::prepare(path, kind).and_then(Self::place);
+        let made = Self::prepare(path, kind, 0).and_then(Self::place);
         made.inspect_err(|_| atomic_file::remove_temporary(path))
     }
 
-    /// The same under the name of a temporary file.
-    fn prepare(path: &Path, kind: &Kind) -> Result<Self, FileError> {
+    /// The same under the name of a temporary file, for those frames too that are written elsewhere.
+    fn prepare(path: &Path, kind: &Kind, written: usize) -> Result<Self, FileError> {
         let failed = |e: std::io::Error| FileError::write(path, &e);
         let file = atomic_file::create_temporary(path).map_err(failed)?;
-        let open = Open::create(&atomic_file::temporary(path), kind).map_err(|e| FileError::write(path, &e))?;
+        let open = Open::create(&atomic_file::temporary(path), kind, written).map_err(|e| FileError::write(path, &e))?;
         let file = WatchedFile::new(path, file).map_err(failed)?;
         Ok(Self { path: path.to_owned(), open: Some(open), file, damage: Vec::new() })
     }
@@ -64,30 +70,32 @@ impl Frames {
         Ok(self)
     }
 
-    /// Opens a file of a former run, drops the frames after step `last`, and makes room for all frames to come.
+    /// Opens a file of a former run and drops the frames after step `last`.
     pub(crate) fn resume(path: &Path, kind: &Kind, last: u64) -> Result<Self, FileError> {
         let damaged = |e: &hdf5::Error| FileError::damaged(path, e);
         let file = std::fs::File::options().read(true).write(true).open(path);
-        let file = file.and_then(|file| WatchedFile::new(path, file)).map_err(|e| FileError::read(path, &e))?;
+        let mut file = file.and_then(|file| WatchedFile::new(path, file)).map_err(|e| FileError::read(path, &e))?;
         let open = Open::existing(path, kind.elements).map_err(|e| damaged(&e))?;
         let (keep, damage) = open.kept(last).map_err(|e| damaged(&e))?;
-        let mut old = Self { path: path.to_owned(), open: Some(open), file, damage };
-        if old.look(|open| Ok(open.capacity()))? >= kind.capacity as usize {
-            old.attempt(|open| open.truncate(keep))?;
-            old.file.note_length()?;
-            return Ok(old);
-        }
-        old.copied(kind, keep).inspect_err(|_| atomic_file::remove_temporary(path))
+        // It is opened again because the library would take up the places of the pieces that it has given back: where a machine
+        // has lost its power these may be beyond the end.
+        open.truncate(keep).map_err(|e| FileError::write(path, &e))?;
+        drop(open);
+        let open = Open::existing(path, kind.elements).map_err(|e| damaged(&e))?;
+        file.note_length()?;
+        Ok(Self { path: path.to_owned(), open: Some(open), file, damage })
     }
 
-    /// Replaces this file by one with more room and the same first frames.
-    fn copied(self, kind: &Kind, frames: usize) -> Result<Self, FileError> {
-        let mut new = Self::prepare(&self.path, kind)?;
-        if let Some(old) = &self.open {
-            new.attempt(|new| old.copy_to(new, frames))?;
-        }
-        let new = new.place()?;
-        Ok(Self { damage: self.damage, ..new })
+    /// A file that takes the place of this one, with its first frames and room for more.
+    fn larger(&self, kind: &Kind, frames: usize) -> Result<Self, FileError> {
+        let copied = || {
+            let mut new = Self::prepare(&self.path, kind, frames)?;
+            let old = self.open()?;
+            new.attempt(|new, _| old.copy_to(new, frames))?;
+            new.place()
+        };
+        let new = copied().inspect_err(|_| atomic_file::remove_temporary(&self.path))?;
+        Ok(Self { damage: self.damage.clone(), ..new })
     }
 
     /// The frames, of those that were there before, that are not as they were written. They are left as they are.
@@ -105,23 +113,31 @@ impl Frames {
         self.look(|open| open.frame(frame))
     }
 
-    /// Adds a frame with one value for each element, in the order in which they were given. It is in the file when this
-    /// returns.
-    pub(crate) fn append(&mut self, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
+    /// Adds a frame with one value for each element of the kind, in their order. It is in the file when this returns.
+    pub(crate) fn append(&mut self, kind: &Kind, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
         let values: Vec<Added> = values.iter().map(|values| Added::Whole(values.borrowed())).collect();
-        self.append_blocks(clock, &values)
+        self.append_blocks(kind, clock, &values)
     }
 
     /// The same with values that may come block by block.
-    pub(crate) fn append_blocks(&mut self, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
+    pub(crate) fn append_blocks(
+        &mut self,
+        kind: &Kind,
+        clock: (u64, f64),
+        values: &[Added],
+    ) -> Result<(), FileError> {
         self.file.check().inspect_err(|_| self.abandon())?;
-        self.attempt(|open| open.append(clock, values, None))?;
+        if self.look(|open| Ok(open.is_full()))? {
+            let frames = self.steps_written()?.len();
+            *self = self.larger(kind, frames).inspect_err(|_| self.abandon())?;
+        }
+        self.attempt(|open, file| open.append(clock, values, file))?;
         self.file.note_growth()
     }
 
     /// Writes something else into the file.
     pub(crate) fn write(&mut self, write: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
-        self.attempt(|open| write(open.file()))
+        self.attempt(|open, _| write(open.file()))
     }
 
     /// Waits until all frames so far are on the disk.
@@ -138,9 +154,11 @@ impl Frames {
         read(self.open()?).map_err(|e| FileError::damaged(&self.path, &e))
     }
 
-    fn attempt<T>(&mut self, write: impl FnOnce(&Open) -> hdf5::Result<T>) -> Result<T, FileError> {
-        let open = self.open()?;
-        let error = match write(open) {
+    fn attempt<T>(
+        &mut self,
+        write: impl FnOnce(&Open, &std::fs::File) -> hdf5::Result<T>,
+    ) -> Result<T, FileError> {
+        let error = match write(self.open()?, self.file.file()) {
             Ok(value) => return Ok(value),
             Err(error) => error,
         };

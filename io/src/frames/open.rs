@@ -1,7 +1,8 @@
 //! A file of frames as the HDF5 library has it open.
 
-use super::element::{Stored, group, reserve, write_number};
-use super::{Added, Damage, Element, Kind, Sums, Values};
+use super::element::{Stored, group, growing, reserve, resize_first, write_number};
+use super::room::Room;
+use super::{Added, Damage, Element, Kind, Sums, Values, end_of_file};
 use crate::{atomic_hdf5, claimed_size, stored_inside, text};
 use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
@@ -18,29 +19,30 @@ pub(super) struct Open {
 }
 
 impl Open {
-    /// Makes a file without frames.
-    pub(super) fn create(path: &Path, kind: &Kind) -> hdf5::Result<Self> {
+    /// Makes a file without frames, which is to take those that are written elsewhere already.
+    pub(super) fn create(path: &Path, kind: &Kind, written: usize) -> hdf5::Result<Self> {
         // A superblock of this version has no mark for files open for writing, which a killed program would leave set.
         File::with_options()
             .with_fapl(|f| in_pages(f).libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
             .create(path)?
             .close()?;
         let file = for_writing(path)?;
-        Self::fill(&file, kind).inspect_err(|_| atomic_hdf5::leave_open(&file))
+        let room = Room::new(kind.elements, kind.planned, written);
+        Self::fill(&file, kind, room).inspect_err(|_| atomic_hdf5::leave_open(&file))
     }
 
-    fn fill(file: &File, kind: &Kind) -> hdf5::Result<Self> {
-        let (elements, capacity) = (kind.elements, kind.capacity.max(1) as usize);
+    fn fill(file: &File, kind: &Kind, room: Room) -> hdf5::Result<Self> {
+        let elements = kind.elements;
         let first = group(file, &elements[0].path)?;
-        let steps = reserve::<i64>(&first, "step", None, capacity)?;
-        let times = reserve::<f64>(&first, "time", None, capacity)?;
+        let steps = reserve::<i64>(&first, "step", room)?;
+        let times = growing::<f64>(&first, "time", &[], room)?;
         text::write_dimensions(&times, "time")?;
         let mut stored = Vec::with_capacity(elements.len());
         for element in elements {
-            stored.push(Stored::create(file, element, (&elements[0].path, capacity))?);
+            stored.push(Stored::create(file, element, (&elements[0].path, room))?);
         }
         let paths: Vec<String> = elements.iter().map(|element| element.path.clone()).collect();
-        let sums = Some(Sums::create(file, &paths, capacity)?);
+        let sums = Some(Sums::create(file, &paths, room)?);
         (kind.fixed)(file)?;
         file.flush()?;
         Ok(Self { file: file.clone(), stored, steps, times, sums })
@@ -67,10 +69,10 @@ impl Open {
         self.steps.read_raw()
     }
 
-    /// The most frames that it has room for.
-    pub(super) fn capacity(&self) -> usize {
+    /// Whether it has no room for another frame.
+    pub(super) fn is_full(&self) -> bool {
         let most = |d: &Dataset| d.space().ok()?.maxdims().first().copied()?;
-        most(&self.steps).unwrap_or(0)
+        most(&self.steps).is_some_and(|most| self.steps.size() >= most)
     }
 
     /// How many frames there are until step `last`, and which of them are damaged.
@@ -85,21 +87,26 @@ impl Open {
         Ok((keep, damage))
     }
 
-    /// Adds a frame, with checksums that it has already or with its own.
-    pub(super) fn append(&self, clock: (u64, f64), values: &[Added], sums: Option<Vec<u64>>) -> hdf5::Result<()> {
-        assert_eq!(values.len(), self.stored.len(), "a value for each element");
+    /// Adds a frame with its checksums. `on_disk` is another handle of the file.
+    pub(super) fn append(&self, clock: (u64, f64), values: &[Added], on_disk: &std::fs::File) -> hdf5::Result<()> {
         let frame = self.steps.size();
+        self.write(frame, clock, values, None)?;
+        end_of_file::extend_to(on_disk, self.file.size()).map_err(|e| hdf5::Error::from(e.to_string()))?;
+        self.file.flush()?;
+        write_number(&self.steps, frame, clock.0 as i64)?;
+        self.file.flush()
+    }
+
+    /// Writes a frame but for its step, with checksums that it has already or with its own.
+    fn write(&self, frame: usize, clock: (u64, f64), values: &[Added], sums: Option<Vec<u64>>) -> hdf5::Result<()> {
+        assert_eq!(values.len(), self.stored.len(), "a value for each element");
         let mut found = vec![Sums::of_clock(clock)];
         for (stored, value) in self.stored.iter().zip(values) {
             found.push(stored.write(frame, value)?);
         }
         write_number(&self.times, frame, clock.1)?;
-        if let Some(stored) = &self.sums {
-            stored.write(frame, &sums.unwrap_or(found))?;
-        }
-        self.file.flush()?;
-        write_number(&self.steps, frame, clock.0 as i64)?;
-        self.file.flush()
+        let Some(stored) = &self.sums else { return Ok(()) };
+        stored.write(frame, &sums.unwrap_or(found))
     }
 
     /// Step, time and values of a frame.
@@ -109,23 +116,25 @@ impl Open {
     }
 
     pub(super) fn truncate(&self, frames: usize) -> hdf5::Result<()> {
-        self.steps.resize((frames,))?;
+        resize_first(&self.steps, frames)?;
         self.file.flush()?;
-        self.times.resize((frames,))?;
+        resize_first(&self.times, frames)?;
         self.stored.iter().try_for_each(|stored| stored.resize(frames))?;
         self.sums.iter().try_for_each(|sums| sums.resize(frames))?;
         self.file.flush()
     }
 
-    /// Adds the first frames to another file, with the checksums that they have.
+    /// Adds the first frames to another file, which nobody reads yet, with the checksums that they have.
     pub(super) fn copy_to(&self, new: &Self, frames: usize) -> hdf5::Result<()> {
         for frame in 0..frames {
-            let clock = (one(&self.steps, frame)?, one(&self.times, frame)?);
+            let clock = (one::<i64>(&self.steps, frame)?, one(&self.times, frame)?);
+            let clock = (clock.0 as u64, clock.1);
             let values: Vec<Added> = self.stored.iter().map(|stored| stored.blocks(frame)).collect();
             let sums = self.sums.as_ref().map(|sums| sums.read(frame)).transpose()?;
-            new.append(clock, &values, sums)?;
+            new.write(frame, clock, &values, sums)?;
+            write_number(&new.steps, frame, clock.0 as i64)?;
         }
-        Ok(())
+        new.file.flush()
     }
 }
 
@@ -139,10 +148,10 @@ fn for_writing(path: &Path) -> hdf5::Result<File> {
     File::with_options().with_fapl(|f| in_pages(f).libver_bounds(newest, newest)).open_as(path, OpenMode::ReadWrite)
 }
 
-/// Makes whatever the file consists of begin at a page of memory, by itself. What is in one piece is written at once:
-/// the library would keep it until it is closed, and lose it without a word if that fails.
+/// Makes whatever the file consists of begin at a page of memory, by itself. Values are written at once: the library
+/// would keep them until it is closed, and lose them without a word if that fails.
 fn in_pages(file: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
-    file.alignment(1, PAGE).meta_block_size(0).sieve_buf_size(0)
+    file.alignment(1, PAGE).meta_block_size(0).sieve_buf_size(0).chunk_cache(0, 0, 0.0)
 }
 
 /// A page of memory.

@@ -1,6 +1,7 @@
 //! Checksums of frames.
 
-use super::element::{BLOCK, one_of, rows_of};
+use super::element::{BLOCK, growing, one_of, resize_first, rows_of};
+use super::room::Room;
 use crate::checksum::{self, Sum};
 use bytemuck::NoUninit;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
@@ -38,11 +39,11 @@ pub struct Damage {
 }
 
 impl Sums {
-    /// Makes their dataset for up to `capacity` frames of the elements at these paths.
-    pub(super) fn create(file: &File, paths: &[String], capacity: usize) -> hdf5::Result<Self> {
+    /// Makes their dataset for frames of the elements at these paths.
+    pub(super) fn create(file: &File, paths: &[String], room: Room) -> hdf5::Result<Self> {
         let names: Vec<&str> = [CLOCK].into_iter().chain(paths.iter().map(String::as_str)).collect();
         let (folder, name) = PLACE.split_once('/').expect("a group and a name");
-        let stored = super::element::reserve_rows::<u64>(&super::group(file, folder)?, name, (names.len(), capacity))?;
+        let stored = growing::<u64>(&super::group(file, folder)?, name, &[names.len()], room)?;
         let names: Vec<VarLenUnicode> = names.into_iter().map(crate::text::scalar).collect();
         stored.new_attr_builder().with_data(&names).create("of")?;
         Self::of(file, stored)
@@ -79,7 +80,7 @@ impl Sums {
     }
 
     pub(super) fn resize(&self, frames: usize) -> hdf5::Result<()> {
-        self.stored.resize((frames, 1 + self.columns.len()))
+        resize_first(&self.stored, frames)
     }
 
     pub(super) fn read(&self, frame: usize) -> hdf5::Result<Vec<u64>> {

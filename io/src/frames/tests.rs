@@ -2,7 +2,8 @@
 
 use super::open::PAGE;
 use super::*;
-use crate::checksum;
+use crate::{checksum, text};
+use std::os::unix::fs::FileExt;
 
 fn elements() -> Vec<Element> {
     let element = |path: &str, shape, whole| Element { path: path.into(), shape, whole, unit: "length" };
@@ -13,14 +14,14 @@ fn elements() -> Vec<Element> {
     ]
 }
 
-fn kind(elements: &[Element], capacity: u64) -> Kind<'_> {
-    Kind { elements, capacity, fixed: &|_| Ok(()) }
+fn kind(elements: &[Element], planned: u64) -> Kind<'_> {
+    Kind { elements, planned, fixed: &|_| Ok(()) }
 }
 
 fn append(frames: &mut Frames, step: u64) {
     let (reals, integers) = (vec![step as f64; 150], vec![step as i32; 150]);
     let values = [reals.as_slice().into(), integers.as_slice().into(), (step as f64).into()];
-    frames.append((step, 0.5 * step as f64), &values).unwrap();
+    frames.append(&kind(&elements(), 20), (step, 0.5 * step as f64), &values).unwrap();
 }
 
 /// Reads the file as any reader would, and returns its steps; the frames must be whole.
@@ -39,20 +40,88 @@ fn steps_of(path: &Path) -> Vec<u64> {
 }
 
 #[test]
-fn frames_are_in_the_file_at_once_and_their_room_from_the_start() {
+fn frames_are_in_the_file_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.h5");
     let mut frames = Frames::create(&path, &kind(&elements(), 20)).unwrap();
-    let size = std::fs::metadata(&path).unwrap().len();
-    let before = std::fs::read(&path).unwrap();
     for step in 0..20 {
         append(&mut frames, step);
+        assert_eq!(steps_of(&path), (0..=step).collect::<Vec<_>>());
     }
     std::mem::forget(frames); // as a killed program does
     assert_eq!(steps_of(&path), (0..20).collect::<Vec<_>>());
-    assert_eq!(std::fs::metadata(&path).unwrap().len(), size);
-    let superblock = 0..48;
-    assert_eq!(std::fs::read(&path).unwrap()[superblock.clone()], before[superblock]);
+}
+
+/// However long a run is to be, its file has no more room than it needs, and pieces come one after the other.
+#[test]
+fn files_grow_in_pieces() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let element = Element { path: "a".into(), shape: Some([40_000, 3]), whole: false, unit: "" };
+    let elements = [element];
+    let kind = kind(&elements, 1_000_000_000);
+    let mut frames = Frames::create(&path, &kind).unwrap();
+    let size = || std::fs::metadata(&path).unwrap().len();
+    let values = vec![1.0; 120_000];
+    let mut written = 0;
+    assert!(size() < 64_000_000, "{}", size());
+    for step in 0..60 {
+        frames.append(&kind, (step, 0.0), &[values.as_slice().into()]).unwrap();
+        written += 8 * values.len() as u64;
+        assert!(size() < written + 64_000_000, "{} of {written}", size());
+    }
+    assert_eq!(frames.frame(59).unwrap().1[0].reals(), values);
+}
+
+/// A file that is full is replaced by a larger one with the same frames, what stands beside them, and their checksums.
+#[test]
+fn full_files_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let fixed = |file: &File| text::write_dataset(&group(file, "parameters")?, "note", "of the run");
+    let elements = elements();
+    let kind = Kind { elements: &elements, planned: 3, fixed: &fixed };
+    let mut frames = Frames::create(&path, &kind).unwrap();
+    for step in 0..50 {
+        let (reals, integers) = (vec![step as f64; 150], vec![step as i32; 150]);
+        let values = [reals.as_slice().into(), integers.as_slice().into(), (step as f64).into()];
+        frames.append(&kind, (step, 0.5 * step as f64), &values).unwrap();
+        assert!(!atomic_file::temporary(&path).exists());
+        assert_eq!(steps_of(&path), (0..=step).collect::<Vec<_>>());
+    }
+    drop(frames);
+    let file = File::open(&path).unwrap();
+    assert_eq!(text::read_dataset(&file.group("parameters").unwrap(), "note").unwrap(), "of the run");
+    let sums = Sums::open(&file).unwrap().unwrap();
+    assert!((0..50).all(|frame| sums.damage(frame).is_none()));
+}
+
+/// A machine that loses its power may keep lists of pieces and lose the pieces: frames before the last sync are kept.
+#[test]
+fn pieces_that_were_lost_are_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let elements = [Element { path: "a".into(), shape: Some([4000, 3]), whole: false, unit: "" }];
+    let kind = kind(&elements, 100_000);
+    let mut frames = Frames::create(&path, &kind).unwrap();
+    let append = |frames: &mut Frames, step: u64| {
+        let values = vec![step as f64; 12_000];
+        frames.append(&kind, (step, 0.0), &[values.as_slice().into()]).unwrap();
+    };
+    append(&mut frames, 0);
+    let end = std::fs::read(&path).unwrap()[..48].to_vec();
+    let length = std::fs::metadata(&path).unwrap().len();
+    (1..1000).for_each(|step| append(&mut frames, step));
+    drop(frames);
+    let file = std::fs::File::options().write(true).open(&path).unwrap();
+    file.write_all_at(&end, 0).unwrap();
+    file.set_len(length).unwrap();
+    let mut frames = Frames::resume(&path, &kind, 0).unwrap();
+    assert_eq!((frames.steps_written().unwrap(), frames.damage()), (vec![0], &[][..]));
+    (1..700).for_each(|step| append(&mut frames, step));
+    for frame in [0, 1, 350, 699] {
+        assert_eq!(frames.frame(frame).unwrap().1[0].reals(), vec![frame as f64; 12_000]);
+    }
 }
 
 /// Values that come in blocks are in the file as if they had come at once, with the same checksums.
@@ -69,13 +138,13 @@ fn blocks_of_rows_make_up_the_frame() {
                 Added::InBlocks(Box::new(|each| integers.chunks(3 * rows).try_for_each(|part| each(&part.into())))),
                 Added::Whole(7.0.into()),
             ];
-            frames.append_blocks((step, 0.5), &values).unwrap();
+            frames.append_blocks(&kind(&elements(), 4), (step, 0.5), &values).unwrap();
         }
         let ((step, time), values) = frames.frame(1).unwrap();
         assert_eq!((step, time, &values[..2]), (1, 0.5, &[reals.as_slice().into(), integers.as_slice().into()][..]));
         assert_eq!(Sums::open(&File::open(&path).unwrap()).unwrap().unwrap().read(1).unwrap()[1], checksum::of(&reals));
         let short = [Added::Whole(reals[..3].into()), Added::Whole(integers[..].into()), Added::Whole(7.0.into())];
-        let error = frames.append_blocks((3, 0.5), &short).unwrap_err().to_string();
+        let error = frames.append_blocks(&kind(&elements(), 4), (3, 0.5), &short).unwrap_err().to_string();
         assert!(error.contains("1 rows of a value of the shape Some([50, 3])"), "{error}");
     }
 }
@@ -124,14 +193,14 @@ fn headers_begin_at_pages() {
     for step in 0..10 {
         let values = [vec![1.0; 15], vec![2.0], vec![3.0; 2100]];
         let values: Vec<Values> = values.iter().map(|v| v.as_slice().into()).collect();
-        frames.append((step, step as f64), &values).unwrap();
+        frames.append(&kind(&elements, 10), (step, step as f64), &values).unwrap();
     }
     drop(frames);
     let bytes = std::fs::read(&path).unwrap();
-    for signature in [b"OHDR", b"OCHK"] {
+    for signature in [b"OHDR", b"OCHK", b"FAHD", b"FADB"] {
         let found: Vec<usize> = (0..bytes.len() - 4).filter(|&at| bytes[at..at + 4] == *signature).collect();
         assert!(found.iter().all(|at| at % PAGE as usize == 0), "{found:?}");
-        assert!(!found.is_empty() || signature == b"OCHK");
+        assert!(!found.is_empty() || signature == b"OCHK", "{}", String::from_utf8_lossy(signature));
     }
 }
 
@@ -152,7 +221,7 @@ fn a_bit_flipped_in_any_element_is_seen_and_the_run_goes_on() {
         let (mut reals, integers) = (vec![0.5; 150], vec![step as i32; 150]);
         reals[70] = 1000.25 + step as f64;
         let values = [reals.as_slice().into(), integers.as_slice().into(), (2000.25 + step as f64).into()];
-        frames.append((3_000_000_000 + step, 4000.25 + step as f64), &values).unwrap();
+        frames.append(&kind(&elements, 9), (3_000_000_000 + step, 4000.25 + step as f64), &values).unwrap();
     }
     drop(frames);
     let whole = std::fs::read(&path).unwrap();
@@ -203,9 +272,9 @@ fn a_failed_write_ends_the_writing_and_leaves_the_frames_before() {
     let path = folder.path().join("frames.h5");
     let mut frames = Frames::create(&path, &kind(&elements(), 8)).unwrap();
     append(&mut frames, 0);
-    let failed = frames.attempt(|_| Err::<(), _>("no room".into())).unwrap_err().to_string();
+    let failed = frames.attempt(|_, _| Err::<(), _>("no room".into())).unwrap_err().to_string();
     assert!(failed.contains("frames.h5: no room"), "{failed}");
-    let again = frames.append((1, 0.5), &[]).unwrap_err().to_string();
+    let again = frames.append(&kind(&elements(), 8), (1, 0.5), &[]).unwrap_err().to_string();
     assert!(again.contains("frames.h5: a write to it has failed before"), "{again}");
     drop(frames);
     assert_eq!(steps_of(&path), [0]);

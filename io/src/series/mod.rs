@@ -4,7 +4,8 @@ mod existing_rows;
 
 use crate::atomic_file;
 use crate::frames::{Damage, Element, Frames, Kind, Values};
-use crate::scene_history::{self, SceneHistory};
+use crate::origin::Origin;
+use crate::scene_history::SceneHistory;
 use crate::watched_file::WatchedFile;
 use crate::{FileError, Manifest, Provenance};
 use existing_rows::ExistingRows;
@@ -18,24 +19,37 @@ use std::path::{Path, PathBuf};
 pub struct Series {
     csv: WatchedFile,
     csv_path: PathBuf,
+    rows: Rows,
+}
+
+/// The HDF5 file.
+struct Rows {
     frames: Frames,
+    description: Description,
+}
+
+/// What a new HDF5 file of the series needs.
+struct Description {
+    elements: Vec<Element>,
+    quantities: Vec<Quantity>,
+    /// Rows at the end of the run.
+    planned: u64,
+    origin: Origin,
 }
 
 impl Series {
-    /// A series of up to `rows` rows in the folder of a run.
+    /// A series in the folder of a run of so many rows.
     pub fn create(
         run: &Manifest,
         provenance: &Provenance,
         quantities: &[Quantity],
         rows: u64,
     ) -> Result<Self, FileError> {
-        let elements: Vec<Element> = quantities.iter().map(element).collect();
-        let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
-        let kind = Kind { elements: &elements, capacity: rows, fixed: &fixed };
+        let description = Description::new(provenance, quantities, rows);
         let path = run.folder().join("observables.h5");
         run.enter(&path)?;
-        let frames = Frames::create(&path, &kind)?;
-        Self::with_table(run, &header(quantities), frames)
+        let frames = description.with_kind(|kind| Frames::create(&path, kind))?;
+        Self::with_table(run, &header(quantities), Rows { frames, description })
     }
 
     /// Continues the series of a former run after step `last`: later rows are dropped. `rows` is the number of rows at
@@ -56,40 +70,40 @@ impl Series {
             return Ok(series);
         }
         run.enter(&path)?;
-        let elements: Vec<Element> = quantities.iter().map(element).collect();
-        let fixed = |file: &hdf5::File| write_fixed(file, provenance, quantities);
-        let mut frames = Frames::resume(&path, &Kind { elements: &elements, capacity: rows, fixed: &fixed }, last)?;
-        add_rows_of_table(&mut frames, &former)?;
-        let table = table(&frames, quantities, &former)?;
-        Self::with_table(run, &table, frames)
+        let description = Description::new(provenance, quantities, rows);
+        let frames = description.with_kind(|kind| Frames::resume(&path, kind, last))?;
+        let mut rows = Rows { frames, description };
+        rows.add_those_of_table(&former)?;
+        let table = table(&rows.frames, quantities, &former)?;
+        Self::with_table(run, &table, rows)
     }
 
-    fn with_table(run: &Manifest, table: &str, frames: Frames) -> Result<Self, FileError> {
+    fn with_table(run: &Manifest, table: &str, rows: Rows) -> Result<Self, FileError> {
         let csv_path = run.folder().join("observables.csv");
         run.enter(&csv_path)?;
         atomic_file::replace(&csv_path, table.as_bytes())?;
         let csv = for_appending(&csv_path).and_then(|file| WatchedFile::new(&csv_path, file));
-        Ok(Self { csv: csv.map_err(|e| FileError::write(&csv_path, &e))?, csv_path, frames })
+        Ok(Self { csv: csv.map_err(|e| FileError::write(&csv_path, &e))?, csv_path, rows })
     }
 
     /// Notes the changes of the scene.
     pub(crate) fn note_scenes(&mut self, scenes: &SceneHistory) -> Result<(), FileError> {
-        self.frames.write(|file| scenes.write(file))
+        self.rows.description.origin.note_scenes(scenes, &mut self.rows.frames)
     }
 
     /// The steps of the rows.
     pub(crate) fn steps(&self) -> Result<Vec<u64>, FileError> {
-        self.frames.steps_written()
+        self.rows.frames.steps_written()
     }
 
     /// The step of the last row.
     pub fn last_step(&self) -> Result<Option<u64>, FileError> {
-        Ok(self.frames.steps_written()?.last().copied())
+        Ok(self.rows.frames.steps_written()?.last().copied())
     }
 
     /// The rows of the former run that are not as they were written.
     pub fn damage(&self) -> &[Damage] {
-        self.frames.damage()
+        self.rows.frames.damage()
     }
 
     /// Adds a row with the numbers of each quantity in turn.
@@ -98,15 +112,54 @@ impl Series {
         self.csv.check()?;
         self.csv.file().write_all(line.as_bytes()).map_err(|e| FileError::write(&self.csv_path, &e))?;
         self.csv.note_growth()?;
-        let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
-        self.frames.append(clock, &values)
+        self.rows.append(clock, values)
     }
 
     /// Waits until all rows so far are on the disk.
     pub fn sync(&self) -> Result<(), FileError> {
         self.csv.check()?;
         atomic_file::sync(self.csv.file()).map_err(|e| FileError::write(&self.csv_path, &e))?;
-        self.frames.sync()
+        self.rows.frames.sync()
+    }
+}
+
+impl Rows {
+    fn append(&mut self, clock: (u64, f64), values: &[Vec<f64>]) -> Result<(), FileError> {
+        let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
+        self.description.with_kind(|kind| self.frames.append(kind, clock, &values))
+    }
+
+    /// Adds the rows of the former table that come after those of the HDF5 file, as where an older copy has taken its place.
+    fn add_those_of_table(&mut self, former: &ExistingRows) -> Result<(), FileError> {
+        let last = self.frames.steps_written()?.last().copied();
+        let later = former.rows.iter().filter(|(clock, _)| last.is_none_or(|last| clock.0 > last));
+        later.into_iter().try_for_each(|(clock, values)| self.append(*clock, values))
+    }
+}
+
+impl Description {
+    fn new(provenance: &Provenance, quantities: &[Quantity], planned: u64) -> Self {
+        let elements = quantities.iter().map(element).collect();
+        Self { elements, quantities: quantities.to_vec(), planned, origin: Origin::new(provenance) }
+    }
+
+    fn with_kind<R>(&self, with: impl FnOnce(&Kind) -> R) -> R {
+        let fixed = |file: &hdf5::File| {
+            self.origin.write(file)?;
+            self.write_names(file)
+        };
+        with(&Kind { elements: &self.elements, planned: self.planned, fixed: &fixed })
+    }
+
+    /// Writes the names of rows and columns.
+    fn write_names(&self, file: &hdf5::File) -> hdf5::Result<()> {
+        for quantity in &self.quantities {
+            let Some((rows, columns)) = &quantity.table else { continue };
+            let group = file.group(&format!("observables/{}", quantity.name))?;
+            crate::text::write_attribute(&group, "rows", &csv_line(rows.iter().map(String::as_str)))?;
+            crate::text::write_attribute(&group, "columns", &csv_line(columns.iter().map(String::as_str)))?;
+        }
+        Ok(())
     }
 }
 
@@ -131,28 +184,6 @@ fn line<'a>((step, time): (u64, f64), values: impl IntoIterator<Item = &'a f64>)
         write!(line, ",{value:?}").expect("text grows");
     }
     line + "\n"
-}
-
-fn write_fixed(file: &hdf5::File, provenance: &Provenance, quantities: &[Quantity]) -> hdf5::Result<()> {
-    provenance.write(file)?;
-    scene_history::create(file)?;
-    for quantity in quantities {
-        let Some((rows, columns)) = &quantity.table else { continue };
-        let group = file.group(&format!("observables/{}", quantity.name))?;
-        crate::text::write_attribute(&group, "rows", &csv_line(rows.iter().map(String::as_str)))?;
-        crate::text::write_attribute(&group, "columns", &csv_line(columns.iter().map(String::as_str)))?;
-    }
-    Ok(())
-}
-
-/// Adds the rows of the former table that come after those of the HDF5 file, as where an older copy has taken its place.
-fn add_rows_of_table(frames: &mut Frames, former: &ExistingRows) -> Result<(), FileError> {
-    let last = frames.steps_written()?.last().copied();
-    for (clock, values) in former.rows.iter().filter(|(clock, _)| last.is_none_or(|last| clock.0 > last)) {
-        let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
-        frames.append(*clock, &values)?;
-    }
-    Ok(())
 }
 
 /// The table of the rows in the HDF5 file. Rows that are damaged there are taken from the former table, if it has them.

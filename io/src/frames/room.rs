@@ -1,0 +1,80 @@
+//! The room that a file has for frames, and the pieces in which its datasets grow.
+
+use super::Element;
+
+/// Pieces of a dataset: the list of their places then stands within a page of memory.
+const PIECES: usize = 500;
+/// Bytes of the pieces that all datasets together have begun and not filled, or this share of what is written.
+const UNFILLED: usize = 28 << 20;
+const UNFILLED_SHARE: usize = 200;
+/// Bytes of a piece below which it would cost more room and time than it saves.
+const SMALL: usize = 64 << 10;
+/// Bytes that a piece may have in HDF5.
+const LARGEST: usize = u32::MAX as usize;
+
+/// The frames that a file has room for. Storage is taken piece by piece as frames come, but for the steps, eight bytes each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Room {
+    pub frames: usize,
+}
+
+impl Room {
+    /// Room for the frames of a run, of which `written` are there already; less if pieces would become too large.
+    pub fn new(elements: &[Element], planned: u64, written: usize) -> Self {
+        // Beside the values there are step, time and checksums.
+        let largest = elements.iter().map(Element::bytes).max().unwrap_or(0);
+        let frame = elements.iter().map(Element::bytes).sum::<usize>() + 3 * size_of::<u64>();
+        let unfilled = UNFILLED.max(written.saturating_mul(frame) / UNFILLED_SHARE);
+        let piece = (unfilled / frame).min(LARGEST / largest.max(1)).max(1);
+        let most = (PIECES * piece).min(written + unfilled / size_of::<u64>());
+        let planned = usize::try_from(planned).unwrap_or(usize::MAX).max(2 * written).max(1);
+        Self { frames: planned.min(most).max(written + 1) }
+    }
+
+    /// The frames in a piece of a dataset with so many bytes a frame.
+    pub fn piece(self, bytes: usize) -> usize {
+        let small = (SMALL / bytes.max(1)).clamp(1, self.frames);
+        self.frames.div_ceil(PIECES).max(small)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of_spheres(count: usize) -> Vec<Element> {
+        let element = |columns| Element { path: String::new(), shape: Some([count, columns]), whole: false, unit: "" };
+        [3, 3, 3, 3, 5].map(element).to_vec()
+    }
+
+    #[test]
+    fn runs_of_usual_length_fit_at_once() {
+        for (count, planned) in [(1, 1), (1, 1000), (25, 7), (3200, 1000), (100_000, 500), (1_000_000, 500)] {
+            assert_eq!(Room::new(&of_spheres(count), planned, 0).frames, planned as usize, "{count} {planned}");
+        }
+    }
+
+    /// However many frames are planned: what is begun and not filled is below 64 MB or a hundredth of what is written, lists of
+    /// pieces stay within a page, and room for at least a tenth more comes with each larger file.
+    #[test]
+    fn what_is_not_filled_is_bounded() {
+        for count in [1, 10, 1000, 300_000, 10_000_000] {
+            let elements = of_spheres(count);
+            let frame: usize = elements.iter().map(Element::bytes).sum();
+            let mut written = 0;
+            // Pieces of 4 GB end what HDF5 can hold.
+            while written * frame < 1_000_000_000_000 {
+                let room = Room::new(&elements, 1_000_000_000, written);
+                let pieces = elements.iter().map(|e| (room.piece(e.bytes()), e.bytes()));
+                let begun: usize = pieces.clone().map(|(frames, bytes)| frames * bytes).sum();
+                let hole = begun.saturating_sub(frame) + 8 * (room.frames - written);
+                assert!(hole < (64_000_000).max(written * frame / 100), "{count} {written}: {hole}");
+                for (frames, bytes) in pieces {
+                    assert!(frames * bytes <= LARGEST.max(bytes) && room.frames.div_ceil(frames) <= PIECES);
+                }
+                assert!(room.frames > written + written / 10, "{count}: {written}");
+                written = room.frames;
+            }
+        }
+    }
+}
