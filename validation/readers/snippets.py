@@ -5,17 +5,19 @@ import re
 from program import ROOT
 
 PAGE = ROOT / "docs" / "src" / "file-formats.md"
-BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-
-
 STARTS = "Starts from files"
 
 
 def snippets():
     """The snippets of each heading below `In other programs`, and those of `Starts from files`."""
     parts = re.split(r"^### (.*)$", section("In other programs"), flags=re.MULTILINE)[1:]
-    found = {name: BLOCK.findall(text) for name, text in zip(parts[::2], parts[1::2])}
-    return found | {STARTS: BLOCK.findall(section(STARTS))}
+    found = {name: blocks("python", text) for name, text in zip(parts[::2], parts[1::2])}
+    return found | {STARTS: blocks("python", section(STARTS))}
+
+
+def blocks(language, text):
+    """The blocks of a language in a text."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def section(heading):

@@ -12,8 +12,9 @@ import matplotlib
 import numpy as np
 from matplotlib.image import imread
 
+from program import ROOT, run
 from runs import folder
-from snippets import PAGE, snippets
+from snippets import PAGE, STARTS, blocks, section, snippets
 from test_fields import pvbatch
 
 matplotlib.use("Agg")
@@ -45,6 +46,7 @@ class Snippets(unittest.TestCase):
     def test_every_snippet_is_tested(self):
         counts = {name: len(found) for name, found in self.snippets.items()}
         tested = {"h5py": 1, "pandas": 1, "xarray": 1, "MDAnalysis": 2, "ParaView": 1, "pyvista": 1}
+        tested[STARTS] = 1
         self.assertEqual(counts, tested)
         self.assertEqual(PAGE.read_text().count("```python"), sum(tested.values()))
 
@@ -97,6 +99,31 @@ class Snippets(unittest.TestCase):
         # Twenty-five spheres of radius 1; their facets lie within them.
         self.assertAlmostEqual(names["spheres"].volume / 25, 4 / 3 * np.pi, delta=0.1)
         self.assert_drawn("plane.png")
+
+    def test_starts_from_files_are_the_same_in_each_format(self):
+        """The files of the page, of two spheres: of each the run takes these positions, radii and species."""
+        self.run_snippet(STARTS)
+        [table], texts = blocks("csv", section(STARTS)), blocks("text", section(STARTS))
+        files = {"start.csv": table, "start.xyz": texts[0], "start.lammps": texts[1], "start.h5": None, "start.h5md": None}
+        sets = {
+            "box": "{ edges = [20.0, 20.0, 20.0] }",
+            "species": '[{ name = "large", radius = 1, count = 1 }, { name = "small", radius = 1, count = 1 }]',
+            "time": "{ step = 0.01, steps = 1 }",
+            "output.trajectory_every": 1,
+        }
+        starts = []
+        for name, text in files.items():
+            path, out = self.folder / name, self.folder / f"{name}-run"
+            if text is not None:
+                path.write_text(text)
+            words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+            run(["run", ROOT / "scenes" / "shear.toml", "--out", out, *words, "--set", f'particles={{ initial = "file", path = "{path}" }}'])
+            with h5py.File(out / "trajectory.h5") as file:
+                particles = file["particles/all"]
+                starts.append((particles["position/value"][0].tolist(), particles["species"][:].tolist()))
+        self.assertEqual(sorted(zip(*starts[0])), [([2.0, 2.0, 2.0], 0), ([12.0, 2.0, 2.0], 1)])
+        for name, start in zip(files, starts):
+            self.assertEqual(sorted(zip(*start)), sorted(zip(*starts[0])), name)
 
     def test_paraview(self):
         script = self.folder / "slice.py"

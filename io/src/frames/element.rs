@@ -131,9 +131,13 @@ impl Stored {
         Ok(Self { values, shape: element.shape, whole: element.whole })
     }
 
+    pub(super) fn values(&self) -> &Dataset {
+        &self.values
+    }
+
     /// Writes the value of a frame; returns its checksum.
     pub(super) fn write(&self, frame: usize, value: &Added) -> hdf5::Result<u64> {
-        self.resize(frame + 1)?;
+        resize_first(&self.values, frame + 1)?;
         let (mut sum, mut row) = (Sum::default(), 0);
         value.each(&mut |values| {
             row += match values {
@@ -195,10 +199,6 @@ impl Stored {
         Ok(Values::Reals(Cow::Owned(values.into_raw_vec_and_offset().0)))
     }
 
-    pub(super) fn resize(&self, frames: usize) -> hdf5::Result<()> {
-        resize_first(&self.values, frames)
-    }
-
     fn one(&self, frame: usize) -> Selection {
         one_of(frame, self.shape.map_or(1, |_| 3))
     }
@@ -244,7 +244,12 @@ pub(super) fn reserve<T: H5Type>(group: &Group, name: &str, room: Room) -> hdf5:
 }
 
 /// A dataset without frames, of values of a shape, whose storage grows in pieces.
-pub(super) fn growing<T: H5Type + Clone + Zeroable>(group: &Group, name: &str, shape: &[usize], room: Room) -> hdf5::Result<Dataset> {
+pub(super) fn growing<T: H5Type + Clone + Zeroable>(
+    group: &Group,
+    name: &str,
+    shape: &[usize],
+    room: Room,
+) -> hdf5::Result<Dataset> {
     let new = group.new_dataset::<T>().with_dcpl(|d| d.alloc_time(Some(AllocTime::Incr)).fill_time(FillTime::Never));
     let piece = room.piece(shape.iter().product::<usize>() * size_of::<T>());
     let chunk = [&[piece], shape].concat();
@@ -253,7 +258,8 @@ pub(super) fn growing<T: H5Type + Clone + Zeroable>(group: &Group, name: &str, s
     // The first number makes the library write the list of pieces, of which it then takes and gives places only.
     resize_first(&dataset, 1)?;
     if !shape.contains(&0) {
-        let first = Hyperslab::from(vec![SliceOrIndex::SliceCount { start: 0, step: 1, count: 1, block: 1 }; 1 + shape.len()]);
+        let first =
+            Hyperslab::from(vec![SliceOrIndex::SliceCount { start: 0, step: 1, count: 1, block: 1 }; 1 + shape.len()]);
         let zero = ArrayD::from_elem(vec![1; 1 + shape.len()], T::zeroed());
         dataset.write_slice(&zero, Selection::new(first))?;
     }

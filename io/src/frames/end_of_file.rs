@@ -15,21 +15,37 @@ const SIGNATURE: &[u8; 8] = b"\x89HDF\r\n\x1a\n";
 
 /// Makes the file `end` bytes long at least, and lets the superblock say so.
 pub(super) fn extend_to(file: &File, end: u64) -> io::Result<()> {
-    let mut block = [0; LENGTH];
-    file.read_exact_at(&mut block, 0)?;
-    if block[..8] != *SIGNATURE || !(2..=3).contains(&block[8]) || block[9] != 8 {
-        return Err(io::Error::other("its superblock is none of this program"));
-    }
-    if file.metadata()?.len() < end {
-        file.set_len(end)?;
-    }
-    if u64::from_le_bytes(block[END..END + 8].try_into().expect("eight bytes")) >= end {
+    let mut block = superblock(file)?;
+    lengthen(file, end)?;
+    if said_by(&block) >= end {
         return Ok(());
     }
     block[END..END + 8].copy_from_slice(&end.to_le_bytes());
     let sum = checksum(&block[..CHECKSUM]);
     block[CHECKSUM..].copy_from_slice(&sum.to_le_bytes());
     file.write_all_at(&block, 0)
+}
+
+/// Makes the file as long as its superblock says, which it is not after a kill while it was cut.
+pub(super) fn restore(file: &File) -> io::Result<()> {
+    superblock(file).and_then(|block| lengthen(file, said_by(&block)))
+}
+
+fn superblock(file: &File) -> io::Result<[u8; LENGTH]> {
+    let mut block = [0; LENGTH];
+    file.read_exact_at(&mut block, 0)?;
+    if block[..8] != *SIGNATURE || !(2..=3).contains(&block[8]) || block[9] != 8 {
+        return Err(io::Error::other("its superblock is none of this program"));
+    }
+    Ok(block)
+}
+
+fn said_by(block: &[u8; LENGTH]) -> u64 {
+    u64::from_le_bytes(block[END..END + 8].try_into().expect("eight bytes"))
+}
+
+fn lengthen(file: &File, end: u64) -> io::Result<()> {
+    if file.metadata()?.len() < end { file.set_len(end) } else { Ok(()) }
 }
 
 /// Jenkins' lookup3 ("hashlittle", seed 0), the checksum of HDF5's metadata.

@@ -28,6 +28,10 @@ use std::path::{Path, PathBuf};
 pub use sums::Damage;
 pub(crate) use sums::Sums;
 
+/// Bytes up to which frames are dropped by a copy without them. The library cuts a file before its superblock says so: a
+/// larger one, whose copy takes long, is none for a moment, and if the program is killed then, until the run goes on.
+const SMALL: u64 = 64 << 20;
+
 /// A file of elements in the sense of H5MD: groups with a `value` for each frame beside its `step` and `time`; and a
 /// checksum of each frame of each.
 pub(crate) struct Frames {
@@ -60,7 +64,8 @@ impl Frames {
     fn prepare(path: &Path, kind: &Kind, written: usize) -> Result<Self, FileError> {
         let failed = |e: std::io::Error| FileError::write(path, &e);
         let file = atomic_file::create_temporary(path).map_err(failed)?;
-        let open = Open::create(&atomic_file::temporary(path), kind, written).map_err(|e| FileError::write(path, &e))?;
+        let open =
+            Open::create(&atomic_file::temporary(path), kind, written).map_err(|e| FileError::write(path, &e))?;
         let file = WatchedFile::new(path, file).map_err(failed)?;
         Ok(Self { path: path.to_owned(), open: Some(open), file, damage: Vec::new() })
     }
@@ -74,16 +79,26 @@ impl Frames {
     pub(crate) fn resume(path: &Path, kind: &Kind, last: u64) -> Result<Self, FileError> {
         let damaged = |e: &hdf5::Error| FileError::damaged(path, e);
         let file = std::fs::File::options().read(true).write(true).open(path);
-        let mut file = file.and_then(|file| WatchedFile::new(path, file)).map_err(|e| FileError::read(path, &e))?;
+        let file = file.and_then(|file| WatchedFile::new(path, file)).map_err(|e| FileError::read(path, &e))?;
+        let is_small = file.file().metadata().is_ok_and(|found| found.len() < SMALL);
+        if !is_small {
+            end_of_file::restore(file.file()).map_err(|e| FileError::write(path, &e))?;
+        }
         let open = Open::existing(path, kind.elements).map_err(|e| damaged(&e))?;
         let (keep, damage) = open.kept(last).map_err(|e| damaged(&e))?;
-        // It is opened again because the library would take up the places of the pieces that it has given back: where a machine
-        // has lost its power these may be beyond the end.
-        open.truncate(keep).map_err(|e| FileError::write(path, &e))?;
-        drop(open);
-        let open = Open::existing(path, kind.elements).map_err(|e| damaged(&e))?;
-        file.note_length()?;
-        Ok(Self { path: path.to_owned(), open: Some(open), file, damage })
+        let mut old = Self { path: path.to_owned(), open: Some(open), file, damage };
+        if old.look(|open| Ok(open.ends_with(keep)))? {
+            return Ok(old);
+        }
+        if is_small {
+            return old.larger(kind, keep);
+        }
+        old.attempt(|open, _| open.truncate(keep))?;
+        // Places that are given back would be taken again: after a loss of power they may be beyond the end of the file.
+        old.open = None;
+        old.open = Some(Open::existing(path, kind.elements).map_err(|e| damaged(&e))?);
+        old.file.note_length()?;
+        Ok(old)
     }
 
     /// A file that takes the place of this one, with its first frames and room for more.
@@ -120,12 +135,7 @@ impl Frames {
     }
 
     /// The same with values that may come block by block.
-    pub(crate) fn append_blocks(
-        &mut self,
-        kind: &Kind,
-        clock: (u64, f64),
-        values: &[Added],
-    ) -> Result<(), FileError> {
+    pub(crate) fn append_blocks(&mut self, kind: &Kind, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
         self.file.check().inspect_err(|_| self.abandon())?;
         if self.look(|open| Ok(open.is_full()))? {
             let frames = self.steps_written()?.len();
@@ -154,10 +164,7 @@ impl Frames {
         read(self.open()?).map_err(|e| FileError::damaged(&self.path, &e))
     }
 
-    fn attempt<T>(
-        &mut self,
-        write: impl FnOnce(&Open, &std::fs::File) -> hdf5::Result<T>,
-    ) -> Result<T, FileError> {
+    fn attempt<T>(&mut self, write: impl FnOnce(&Open, &std::fs::File) -> hdf5::Result<T>) -> Result<T, FileError> {
         let error = match write(self.open()?, self.file.file()) {
             Ok(value) => return Ok(value),
             Err(error) => error,

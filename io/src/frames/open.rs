@@ -115,13 +115,28 @@ impl Open {
         Ok((clock, self.stored.iter().map(|stored| stored.read(frame)).collect::<hdf5::Result<_>>()?))
     }
 
+    /// Whether there are no more than so many frames, nor parts of some.
+    pub(super) fn ends_with(&self, frames: usize) -> bool {
+        self.growing().into_iter().chain([&self.steps]).all(|dataset| dataset.shape().first() == Some(&frames))
+    }
+
+    /// Drops all but the first frames.
     pub(super) fn truncate(&self, frames: usize) -> hdf5::Result<()> {
         resize_first(&self.steps, frames)?;
         self.file.flush()?;
-        resize_first(&self.times, frames)?;
-        self.stored.iter().try_for_each(|stored| stored.resize(frames))?;
-        self.sums.iter().try_for_each(|sums| sums.resize(frames))?;
+        for dataset in self.growing() {
+            // Lists have pieces beyond the last frame where the length was not written any more.
+            let most = dataset.space()?.maxdims().first().copied().flatten();
+            resize_first(dataset, most.unwrap_or(frames).max(frames))?;
+            resize_first(dataset, frames)?;
+        }
         self.file.flush()
+    }
+
+    /// All datasets of frames but the steps.
+    fn growing(&self) -> Vec<&Dataset> {
+        let values = self.stored.iter().map(Stored::values);
+        values.chain([&self.times]).chain(self.sums.as_ref().map(Sums::stored)).collect()
     }
 
     /// Adds the first frames to another file, which nobody reads yet, with the checksums that they have.
@@ -151,7 +166,7 @@ fn for_writing(path: &Path) -> hdf5::Result<File> {
 /// Makes whatever the file consists of begin at a page of memory, by itself. Values are written at once: the library
 /// would keep them until it is closed, and lose them without a word if that fails.
 fn in_pages(file: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
-    file.alignment(1, PAGE).meta_block_size(0).sieve_buf_size(0).chunk_cache(0, 0, 0.0)
+    file.alignment(1, PAGE).meta_block_size(0).small_data_block_size(0).sieve_buf_size(0).chunk_cache(0, 0, 0.0)
 }
 
 /// A page of memory.

@@ -74,13 +74,13 @@ impl Sums {
     }
 
     pub(super) fn write(&self, frame: usize, sums: &[u64]) -> hdf5::Result<()> {
-        self.resize(frame + 1)?;
+        resize_first(&self.stored, frame + 1)?;
         let row = Array2::from_shape_vec((1, sums.len()), sums.to_vec()).expect("a row");
         self.stored.write_slice(&row, one_of(frame, 2))
     }
 
-    pub(super) fn resize(&self, frames: usize) -> hdf5::Result<()> {
-        resize_first(&self.stored, frames)
+    pub(super) fn stored(&self) -> &Dataset {
+        &self.stored
     }
 
     pub(super) fn read(&self, frame: usize) -> hdf5::Result<Vec<u64>> {

@@ -39,13 +39,21 @@ fn steps_of(path: &Path) -> Vec<u64> {
     steps
 }
 
+/// The end that the superblock says.
+fn said_end(path: &Path) -> u64 {
+    u64::from_le_bytes(std::fs::read(path).unwrap()[28..36].try_into().unwrap())
+}
+
 #[test]
 fn frames_are_in_the_file_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.h5");
     let mut frames = Frames::create(&path, &kind(&elements(), 20)).unwrap();
+    let size = || std::fs::metadata(&path).unwrap().len();
+    assert_eq!(said_end(&path), size());
     for step in 0..20 {
         append(&mut frames, step);
+        assert_eq!(said_end(&path), size());
         assert_eq!(steps_of(&path), (0..=step).collect::<Vec<_>>());
     }
     std::mem::forget(frames); // as a killed program does
@@ -96,31 +104,44 @@ fn full_files_are_replaced() {
     assert!((0..50).all(|frame| sums.damage(frame).is_none()));
 }
 
-/// A machine that loses its power may keep lists of pieces and lose the pieces: frames before the last sync are kept.
+/// A machine that loses its power may keep lists of pieces and lose the pieces; one that is killed while a file is cut leaves it
+/// shorter than it says. In both cases the frames before the last sync are kept, and those to come are whole.
 #[test]
 fn pieces_that_were_lost_are_dropped() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.h5");
-    let elements = [Element { path: "a".into(), shape: Some([4000, 3]), whole: false, unit: "" }];
-    let kind = kind(&elements, 100_000);
-    let mut frames = Frames::create(&path, &kind).unwrap();
-    let append = |frames: &mut Frames, step: u64| {
-        let values = vec![step as f64; 12_000];
-        frames.append(&kind, (step, 0.0), &[values.as_slice().into()]).unwrap();
-    };
-    append(&mut frames, 0);
-    let end = std::fs::read(&path).unwrap()[..48].to_vec();
-    let length = std::fs::metadata(&path).unwrap().len();
-    (1..1000).for_each(|step| append(&mut frames, step));
-    drop(frames);
-    let file = std::fs::File::options().write(true).open(&path).unwrap();
-    file.write_all_at(&end, 0).unwrap();
-    file.set_len(length).unwrap();
-    let mut frames = Frames::resume(&path, &kind, 0).unwrap();
-    assert_eq!((frames.steps_written().unwrap(), frames.damage()), (vec![0], &[][..]));
-    (1..700).for_each(|step| append(&mut frames, step));
-    for frame in [0, 1, 350, 699] {
-        assert_eq!(frames.frame(frame).unwrap().1[0].reals(), vec![frame as f64; 12_000]);
+    for rows in [4000, 100_000] {
+        let elements = [Element { path: "a".into(), shape: Some([rows, 3]), whole: false, unit: "" }];
+        let kind = kind(&elements, 100_000);
+        let mut frames = Frames::create(&path, &kind).unwrap();
+        let append = |frames: &mut Frames, step: u64| {
+            let values = vec![step as f64; 3 * rows];
+            frames.append(&kind, (step, 0.0), &[values.as_slice().into()]).unwrap();
+        };
+        (0..40).for_each(|step| append(&mut frames, step));
+        let end = std::fs::read(&path).unwrap()[..48].to_vec();
+        let length = std::fs::metadata(&path).unwrap().len();
+        assert_eq!(length > SMALL, rows == 100_000);
+        (40..80).for_each(|step| append(&mut frames, step));
+        drop(frames);
+        let file = std::fs::File::options().write(true).open(&path).unwrap();
+        file.write_all_at(&end, 0).unwrap();
+        file.set_len(length).unwrap();
+        for is_cut in [false, rows == 100_000] {
+            if is_cut {
+                let file = std::fs::File::options().read(true).write(true).open(&path).unwrap();
+                let length = file.metadata().unwrap().len();
+                end_of_file::extend_to(&file, length + 5000).unwrap();
+                file.set_len(length).unwrap();
+                assert!(File::open(&path).is_err());
+            }
+            let mut frames = Frames::resume(&path, &kind, 20).unwrap();
+            assert_eq!((frames.steps_written().unwrap(), frames.damage()), ((0..21).collect(), &[][..]));
+            (21..25).for_each(|step| append(&mut frames, step));
+            for frame in [0, 1, 20, 21, 24] {
+                assert_eq!(frames.frame(frame).unwrap().1[0].reals(), vec![frame as f64; 3 * rows]);
+            }
+        }
     }
 }
 
