@@ -1,16 +1,17 @@
-//! `fcm-solve info`: the contents of a result file.
+//! `fcm-solve info`: the contents of a result file, or of the folder of a run.
 
 use crate::causes::in_full;
 use crate::streams::{self, json};
-use anyhow::{anyhow, ensure};
+use anyhow::{Context, anyhow, ensure};
 use domain::Comm;
-use io::Contents;
+use io::{Contents, FolderContents};
 use std::path::{Path, PathBuf};
 
 /// Which file.
 #[derive(clap::Args)]
 pub struct Args {
-    /// An HDF5 file of a run
+    /// An HDF5 file of a run, or its folder
+    #[arg(value_name = "FILE|DIR")]
     file: PathBuf,
     /// Print the scene that the file comes from
     #[arg(long, conflicts_with = "json")]
@@ -20,23 +21,46 @@ pub struct Args {
     json: bool,
 }
 
-/// Describes the file.
+/// Describes the file, or the folder.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let contents = if comm.is_first() { read(&args.file).map(Some) } else { Ok(None) };
-    let contents = comm.agree(contents.map_err(|e| in_full(&e)))?;
-    let text = |contents: &Contents| match (args.scene, args.json) {
+    let described = if comm.is_first() { describe(args) } else { Ok(Described::default()) };
+    let described = comm.agree(described.map_err(|e| in_full(&e)))?;
+    streams::print(comm, &described.text)?;
+    ensure!(
+        described.damage.is_empty(),
+        "{} is damaged: {}; restore it from a copy, or go on without that: stats leaves damaged frames out",
+        args.file.display(),
+        described.damage.join("; ")
+    );
+    Ok(())
+}
+
+/// What there is to say of a file or a folder.
+#[derive(Default)]
+struct Described {
+    text: String,
+    damage: Vec<String>,
+}
+
+fn describe(args: &Args) -> anyhow::Result<Described> {
+    let path = &args.file;
+    if path.is_dir() && args.scene {
+        let scene = path.join("scene.toml");
+        let text = std::fs::read_to_string(&scene).with_context(|| format!("can't read {}", scene.display()))?;
+        return Ok(Described { text, damage: Vec::new() });
+    }
+    if path.is_dir() {
+        let contents = FolderContents::read(path)?;
+        let text = if args.json { json(&serde_json::json!(contents)) } else { contents.to_string() };
+        return Ok(Described { text, damage: contents.damage() });
+    }
+    let contents = read(path)?;
+    let text = match (args.scene, args.json) {
         (true, _) => contents.scene(),
         (_, true) => json(&serde_json::json!(contents)),
         _ => contents.to_string(),
     };
-    streams::print(comm, &contents.as_ref().map(text).unwrap_or_default())?;
-    let damage = contents.map(|contents| contents.damage.join("; ")).unwrap_or_default();
-    ensure!(
-        damage.is_empty(),
-        "{} is damaged: {damage}; restore it from a copy, or go on without that: stats leaves damaged frames out",
-        args.file.display()
-    );
-    Ok(())
+    Ok(Described { text, damage: contents.damage })
 }
 
 fn read(path: &Path) -> anyhow::Result<Contents> {

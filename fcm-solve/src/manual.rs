@@ -35,5 +35,7 @@ fn write(program: Command, folder: &Path) -> anyhow::Result<()> {
 pub fn completions(shell: Shell, program: &mut Command, comm: &Comm) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(shell, program, "fcm-solve", &mut script);
-    streams::print(comm, &String::from_utf8_lossy(&script))
+    // For bash clap_complete names a command's state in two ways if the name of the program has a hyphen.
+    let script = String::from_utf8_lossy(&script).replace("fcm__subcmd__solve", "fcm__solve");
+    streams::print(comm, &script)
 }

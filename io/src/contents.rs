@@ -156,13 +156,18 @@ impl Display for DatasetShape {
     }
 }
 
+impl Display for FrameSpan {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let Self { count, steps: [first, last], times } = self;
+        let [from, until] = times.map(Number);
+        write!(f, "{count}, steps {first} to {last}, times {from:.6} to {until:.6}")
+    }
+}
+
 impl Display for Contents {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "written by {}", self.provenance.program)?;
-        if let Some(FrameSpan { count, steps: [first, last], times: [from, until] }) = self.frames {
-            let [from, until] = [from, until].map(Number);
-            writeln!(f, "frames     {count}, steps {first} to {last}, times {from:.6} to {until:.6}")?;
-        }
+        self.frames.iter().try_for_each(|frames| writeln!(f, "frames     {frames}"))?;
         self.changes.iter().try_for_each(|change| writeln!(f, "changed    {change}"))?;
         write!(f, "{}", self.provenance.plan)?;
         self.datasets.iter().try_for_each(|dataset| writeln!(f, "  {dataset}"))

@@ -3,6 +3,7 @@
 import json
 import pathlib
 import re
+import shutil
 import tempfile
 import tomllib
 import unittest
@@ -172,6 +173,22 @@ class Files(unittest.TestCase):
         # take 2.8373 / L for each of the two. What this leaves out is below a hundredth.
         expected = 1 + 3 / 8 - 1 / 64 - 15 / 1024 - 2 * 2.8373 / 40
         np.testing.assert_allclose(velocities, [[0, 0, -expected]] * 2, atol=0.01)
+
+    def test_info_describes_the_folder(self):
+        """How far the run has come, and the frames of its files; damage of any of them is an error."""
+        said = run(["info", self.out])
+        with h5py.File(self.out / "trajectory.h5") as file:
+            frames = len(file["particles/all/position/step"])
+        self.assertRegex(said, rf"steps +\d+, all of them taken\ntrajectory.h5 +frames {frames}, steps 0 to")
+        told = json.loads(run(["info", "--json", self.out]))
+        self.assertEqual([file["name"] for file in told["files"]][:2], ["trajectory.h5", "observables.h5"])
+        self.assertEqual(told["files"][0]["frames"]["count"], frames)
+        self.assertEqual(run(["info", "--scene", self.out]), (self.out / "scene.toml").read_text())
+        with tempfile.TemporaryDirectory() as place:
+            copy = shutil.copytree(self.out, pathlib.Path(place) / "copy")
+            content = bytearray((copy / "trajectory.h5").read_bytes())
+            (copy / "trajectory.h5").write_bytes(content[: len(content) // 2])
+            self.assertIn("trajectory.h5", run(["info", copy], expect=1))
 
     def test_info_describes_every_file(self):
         for path in self.out.rglob("*.h5"):

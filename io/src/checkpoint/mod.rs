@@ -73,6 +73,13 @@ impl<'a> Checkpoints<'a> {
         Ok(!self.paths()?.is_empty())
     }
 
+    /// The step of the last one, whole or not, by its name.
+    pub fn last_step(&self) -> Result<Option<u64>, FileError> {
+        let paths = self.paths()?;
+        let name = paths.last().and_then(|path| path.file_stem()?.to_str()?.strip_prefix("checkpoint-"));
+        Ok(name.and_then(|step| step.parse().ok()))
+    }
+
     /// The last checkpoint that is whole, of whose particles each rank gets a share, and what is wrong with those that came
     /// after it. The first rank reads. Collective.
     pub fn latest(&self, comm: &Comm) -> Result<Latest, Failure> {
