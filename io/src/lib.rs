@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod answers;
 mod atomic_file;
 mod atomic_hdf5;
 mod case;
@@ -49,6 +50,7 @@ mod trajectory_reader;
 mod verified;
 mod watched_file;
 
+pub use answers::{ANSWERS, RunAnswer, read_answers, write_answers};
 pub use atomic_file::replace as replace_file;
 pub use case::{
     Answer, Background, BoundariesError, Case, CaseBoundary, CaseBox, CaseBoxError, CaseMethod, NOISE_NUMBERS, Noise,

@@ -33,6 +33,7 @@ mod pair_distribution;
 mod profile;
 mod segregation;
 mod state;
+mod steady_state;
 mod stretched_exponential;
 
 pub use blocks::{Blocks, Estimate};
@@ -48,4 +49,5 @@ pub use pair_distribution::{Angle, PairDistribution};
 pub use profile::Profile;
 pub use segregation::SpeciesColumns;
 pub use state::{Loader, Saver, State, Store};
+pub use steady_state::{Precision, SteadyMean, TimeSeries, Transient, Verdict};
 pub use stretched_exponential::StretchedExponential;
