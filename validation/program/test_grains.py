@@ -191,6 +191,8 @@ class Grains(unittest.TestCase):
                 self.assertTrue(list(out.glob("checkpoint-*.bin")))
 
     def test_grains_that_jam_end_a_run_with_what_to_change(self):
+        said = self.run_scene("shear-cell", {"collisions": '"time-stepped"', "time.collision_step": 5e-13}, expect=1)
+        self.assertIn("time.collision_step is 5e-13, of which time.step takes", said)
         said = self.run_scene("shear-cell", {"cell.length": 0.005, "cell.width": 0.005, "grains.solid_fraction": 0.57}, expect=1)
         self.assertRegex(said, r"the grains jam at time 0\.0\d+: .*; lower grains\.solid_fraction, let the top go with")
 

@@ -123,7 +123,8 @@ impl Model {
             let mut random = Random::new(seed, i as u64);
             let place = (0..TRIES).map(|_| margin + room * random.point()).find(|&x| {
                 let home = (x / edges * cells).floor();
-                let around = |c: f64, k: usize| (-1..=1).map(move |s| (c as i64 + s).rem_euclid(cells[k] as i64));
+                let around =
+                    |c: f64, k: usize| (-1..=1).map(move |s| (c as i64).saturating_add(s).rem_euclid(cells[k] as i64));
                 around(home.x, 0)
                     .flat_map(|a| around(home.y, 1).flat_map(move |b| around(home.z, 2).map(move |c| [a, b, c])))
                     .filter_map(|cell| taken.get(&cell))

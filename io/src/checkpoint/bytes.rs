@@ -153,7 +153,8 @@ impl Whole {
 
     fn check_values(&mut self) -> Result<(), String> {
         let count = self.header.particles;
-        self.skip(8 * count)?;
+        let mut id = 0..;
+        self.check::<u64>("its ids are not 0, 1, 2 and so on", |&found| id.next() == Some(found))?;
         self.check::<Vector>("it has a position that is not finite", |position| position.is_finite())?;
         self.skip(12 * count)?;
         let is_radius = |radius: &f64| *radius > 0.0 && radius.is_finite();
@@ -164,11 +165,11 @@ impl Whole {
         self.file.seek_relative(bytes as i64).map_err(|e| e.to_string())
     }
 
-    fn check<T: Pod>(&mut self, wrong: &str, is_right: impl Fn(&T) -> bool) -> Result<(), String> {
+    fn check<T: Pod>(&mut self, wrong: &str, mut is_right: impl FnMut(&T) -> bool) -> Result<(), String> {
         let count = self.header.particles;
         for start in (0..count).step_by(BLOCK) {
             let values = values::<T>(&mut self.file, BLOCK.min(count - start), usize::MAX)?;
-            if !values.iter().all(&is_right) {
+            if !values.iter().all(&mut is_right) {
                 return Err(wrong.into());
             }
         }
