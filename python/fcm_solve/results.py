@@ -18,6 +18,7 @@ from .scene import Scene
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
+    import matplotlib.figure
     import pandas
 
 
@@ -67,6 +68,24 @@ class Run:
         folders = [self.folder / name for name in ("statistics", "stats") if (self.folder / name).is_dir()]
         paths = [path for folder in [self.folder, *folders[:1]] for path in sorted(folder.glob("*.csv"))]
         return {path.stem: pandas.read_csv(path) for path in paths if path.name != "observables.csv"}
+
+    def plot(self, path: str | PathLike | None = None, by: str = "excess") -> matplotlib.figure.Figure:
+        """A picture to judge the run by, as `python -m fcm_solve plot` draws it: spheres, what a scene of its kind is run
+        for, and the answers.
+
+        path  where it is written too, by its suffix as PNG, SVG or PDF
+        by    what colours, or the gray of disks, say: "excess" velocity over the fluid's, "speed", or "species"
+        """
+        needed("matplotlib", "plot()")
+        from . import plots
+
+        try:
+            figure = plots.draw(self.folder, by)
+            if path is not None:
+                plots.save(figure, path)
+        except plots.PlotError as error:
+            raise Error(str(error)) from error
+        return figure
 
     def _existing(self, name, key):
         path = self.folder / name

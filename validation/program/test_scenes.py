@@ -2,8 +2,6 @@
 
 import pathlib
 import re
-import subprocess
-import sys
 import tempfile
 import unittest
 
@@ -37,9 +35,6 @@ SMALLER = {
     "poiseuille-disks": {"time.strain": 1.0},
     "shear-cell": {"time.steps": 3, "time.settle": 0},
 }
-# Scenes of each kind of box and of grains, of which scripts/plot draws a page.
-DRAWN = {"suspension", "couette", "sediment", "cloud", "extension", "colloid-sediment", "granular-disks"}
-PLOT = ROOT / "scripts" / "python" / "plot.py"
 # Scenes of grains run in one process.
 GRAINS = {"granular-disks", "disk-sweep", "poiseuille-disks", "shear-cell", "shear-cell-continuum"}
 
@@ -55,10 +50,6 @@ class Scenes(unittest.TestCase):
                 ranks = None if scene.stem in GRAINS else 2
                 out = pathlib.Path(folder) / "out"
                 run(["run", scene, "--out", out, *sets], ranks)
-                if scene.stem in DRAWN:
-                    drawn = subprocess.run([sys.executable, PLOT, out], capture_output=True, text=True)
-                    self.assertEqual(drawn.returncode, 0, drawn.stderr)
-                    self.assertGreater((out / "picture.png").stat().st_size, 10_000)
 
     def test_two_spheres_side_by_side_fall_as_the_theory_says(self):
         """Forces alone give 1 + 3/4 (a/r) + 1/2 (a/r)^3 in free space; the images of the box take 2.8373 a/L for each of

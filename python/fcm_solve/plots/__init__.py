@@ -1,0 +1,56 @@
+"""Pictures of results: runs of every kind of scene, and families of runs.
+
+They need numpy and matplotlib, h5py where a run has a trajectory, and no other part of the package, so that a checkout draws
+without building anything.
+"""
+
+from pathlib import Path
+
+from .error import PlotError
+
+__all__ = ["PlotError", "animate", "draw", "save"]
+
+
+def draw(folder, by="excess", notes=None):
+    """The picture of the results in a folder, as a figure of matplotlib.
+
+    folder  that of a run or of a family of runs
+    by      what colours, or the gray of disks, say: "excess" velocity over the fluid's or along the force, "speed", "species"
+    notes   a list to which what is left out is added, and why
+    """
+    from . import family, grains, page, run, scene, style
+
+    folder = Path(folder)
+    kept = scene.read_scene(folder)
+    with style.applied():
+        if (folder / family.TABLE).is_file() or "ensemble" in kept.keys:
+            figure = family.draw(folder, kept)
+        elif kept.kind in grains.KINDS:
+            figure = grains.draw(folder, kept, by)
+        else:
+            results = run.Run(folder, kept)
+            figure = page.draw(results, by)
+            if notes is not None:
+                notes += dict.fromkeys(results.notes)
+        # Ticks and their places are made here, in the sizes of this style.
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+    return figure
+
+
+def animate(folder, picture, by="excess"):
+    """Writes all frames of disks as a GIF."""
+    from . import grains, output, scene
+
+    folder = Path(folder)
+    kept = scene.read_scene(folder)
+    if kept.kind != "granular-disks" or "sweep" in kept.keys:
+        raise PlotError(f"{folder} is no run of disks, of which alone animations are made; fcm-solve report shows spheres in motion")
+    output.write(output.checked(picture, ("gif",)), grains.disks.animation(folder, kept, by))
+
+
+def save(figure, picture):
+    """Writes a figure as PNG, SVG or PDF, as the name of the file says."""
+    from . import output
+
+    output.save(figure, picture)

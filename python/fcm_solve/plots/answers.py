@@ -1,0 +1,93 @@
+"""The answers of a run: quantities in the steady state with their errors and verdicts, of summary.csv."""
+
+import math
+from dataclasses import dataclass
+
+from .csv_table import read_table
+from .text import shown, words
+from .units import labelled, with_error
+
+COLUMNS = ("quantity", "species", "value", "error", "samples", "transient", "verdict", "longer", "unit")
+# Rows of the table in a picture.
+MOST = 12
+ALL = ("", "all")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A quantity, of a species or of all."""
+
+    quantity: str
+    species: str
+    value: float
+    error: float
+    transient: float
+    verdict: str
+    unit: str
+
+    @property
+    def has_value(self):
+        """Whether there is a value that means something."""
+        return math.isfinite(self.value) and self.verdict != "meaningless"
+
+
+def read_answers(folder):
+    """The answers in a folder; none where there is no such file, or where it is the table of a continuum."""
+    path = folder / "summary.csv"
+    table = read_table(path)
+    if table is None or "verdict" not in table:
+        return []
+    table.needs(path, *COLUMNS)
+    words = [[str(cell) if table[name].dtype.kind == "U" else "" for cell in table[name]] for name in ("quantity", "species", "verdict", "unit")]
+    numbers = [_numbers(table[name]) for name in ("value", "error", "transient")]
+    return [Answer(q, s, *n, v, u) for q, s, v, u, n in zip(*words, zip(*numbers))]
+
+
+def _numbers(column):
+    return column.tolist() if column.dtype.kind == "f" else [math.nan] * len(column)
+
+
+def find(answers, quantities, species):
+    """The answer to the first of these quantities, of a species or, for None, of all; None if there is none."""
+    names = ALL if species is None else (species,)
+    for quantity in quantities:
+        for answer in answers:
+            if answer.quantity == quantity and answer.species in names and answer.has_value:
+                return answer
+    return None
+
+
+def rows(answers, units):
+    """Rows of a table of words: the quantity, its value with its error, and the verdict."""
+    several = len({answer.species for answer in answers} - set(ALL)) > 0
+    table = []
+    for answer in answers[:MOST]:
+        factor, unit = units.scale(answer.unit, [answer.value]) if answer.has_value else (1.0, "")
+        name = words(answer.quantity)
+        if several and answer.species not in ALL:
+            name += f" of {shown(answer.species, 20)}"
+        number = with_error(answer.value * factor, answer.error * factor) if answer.has_value else "\u2013"
+        table.append([labelled(name, unit), number, shown(answer.verdict)])
+    if len(answers) > MOST:
+        table.append([f"{len(answers) - MOST} more in summary.csv", "", ""])
+    return table
+
+
+def draw_table(axes, answers, units):
+    """The table of the answers."""
+    axes.set_axis_off()
+    heads = ["quantity", "value", "verdict"]
+    options = {"loc": "upper left", "cellLoc": "left", "edges": "B", "colWidths": [0.5, 0.28, 0.22]}
+    table = axes.table([heads, *rows(answers, units)], bbox=(0, 0, 1, 1), **options)
+    table.auto_set_font_size(False)
+    table.set_fontsize(7)
+    for (row, _), cell in table.get_celld().items():
+        cell.set_linewidth(0.7 if row == 0 else 0.0)
+        cell.PAD = 0.01
+        if row == 0:
+            cell.get_text().set_color("0.35")
+
+
+def height_of_table(answers):
+    """Inches that the table takes."""
+    return 0.17 * (1 + min(len(answers), MOST + 1)) if answers else 0.0

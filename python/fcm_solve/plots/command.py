@@ -1,0 +1,76 @@
+"""The command: draws a picture to judge a run by, of any kind of scene, or the curves of a family of runs."""
+
+import argparse
+import logging
+import pathlib
+import sys
+
+from . import PlotError, animate, draw, save
+from .output import FORMATS, checked
+
+EXAMPLES = """examples:
+  %(prog)s results/my                    results/my/picture.png
+  %(prog)s results/my --format svg       results/my/picture.svg
+  %(prog)s results/my figure.pdf         the picture in another place
+  %(prog)s results/disks --by species    disks gray by species
+"""
+
+
+def parser(program):
+    """The arguments."""
+    options = {"description": __doc__, "epilog": EXAMPLES, "formatter_class": argparse.RawDescriptionHelpFormatter}
+    parser = argparse.ArgumentParser(prog=program, **options)
+    parser.add_argument("folder", type=pathlib.Path, help="the results of a run, or of a family of runs")
+    where = "where it goes, .png, .svg or .pdf; picture.png in the folder by default"
+    parser.add_argument("picture", type=pathlib.Path, nargs="?", help=where)
+    what = "what colours, or the gray of disks, say: excess velocity over the fluid's (the default), speed or species"
+    parser.add_argument("--by", choices=("excess", "speed", "species"), default="excess", help=what)
+    parser.add_argument("--format", choices=FORMATS, help="the format, where no picture is named")
+    parser.add_argument("--animate", action="store_true", help="all frames of disks, as a GIF")
+    return parser
+
+
+def picture_of(arguments):
+    """Where the picture goes."""
+    formats, picture = ("gif",) if arguments.animate else FORMATS, arguments.picture
+    if picture is None:
+        return arguments.folder / f"picture.{formats[0] if arguments.animate else arguments.format or formats[0]}"
+    if arguments.format is not None and picture.suffix.lower() != f".{arguments.format}":
+        raise PlotError(f"{picture} and --format {arguments.format} say two formats; leave --format out")
+    return checked(picture, formats)
+
+
+def carry_out(arguments):
+    """Draws, and says where the picture is and what is not in it."""
+    picture, notes = picture_of(arguments), []
+    if arguments.animate:
+        animate(arguments.folder, picture, arguments.by)
+    else:
+        save(draw(arguments.folder, arguments.by, notes), picture)
+    for note in notes:
+        print(f"left out   {note}")
+    print(f"picture    {picture}")
+
+
+def main(words=None, program="plot"):
+    """Runs the command; the exit status is 1 after an error, which takes one line."""
+    # What matplotlib says of its folders and fonts is no concern of who draws a run.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    arguments = parser(program).parse_args(words)
+    try:
+        carry_out(arguments)
+    except PlotError as error:
+        return _failed(str(error))
+    except ModuleNotFoundError as error:
+        return _failed(f"plots need {error.name}, which is not installed: pip install {error.name}")
+    except KeyboardInterrupt:
+        return 130
+    except Exception as error:  # noqa: BLE001 - a fault of this program; a traceback would say less to who draws
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        return _failed(f"can't draw {arguments.folder} ({what}); its files are damaged, or this is a fault of the program")
+    return 0
+
+
+def _failed(message):
+    print(f"error: {message}", file=sys.stderr)
+    return 1

@@ -1,0 +1,81 @@
+"""Tables in CSV, as a run writes them."""
+
+import csv
+
+import numpy as np
+
+from .error import PlotError, damage
+
+
+class CsvTable:
+    """Columns of equal length by name: numbers where all cells are numbers or empty, text otherwise."""
+
+    def __init__(self, columns):
+        self.columns = columns
+
+    def __contains__(self, name):
+        return name in self.columns
+
+    def __getitem__(self, name):
+        return self.columns[name]
+
+    def __len__(self):
+        return len(next(iter(self.columns.values()), ()))
+
+    def get(self, name):
+        """A column; None if there is none, or if it has no finite number."""
+        column = self.columns.get(name)
+        return column if column is not None and column.dtype.kind == "f" and np.isfinite(column).any() else None
+
+    def where(self, **values):
+        """The rows that have these values."""
+        chosen = np.ones(len(self), dtype=bool)
+        for name, value in values.items():
+            chosen &= self.columns[name] == value
+        return self.at(chosen)
+
+    def at(self, chosen):
+        """The rows of a mask."""
+        return CsvTable({name: column[chosen] for name, column in self.columns.items()})
+
+    def needs(self, path, *names):
+        """Refuses a table without these columns."""
+        missing = [name for name in names if name not in self.columns]
+        if missing:
+            raise PlotError(f"{path} has no column {missing[0]}; write it anew with fcm-solve")
+        return self
+
+
+def read_table(path):
+    """The table in a file; None if there is no file. A last row that is not yet whole is left out."""
+    if not path.is_file():
+        return None
+    with damage(path):
+        text = path.read_text(encoding="utf-8")
+        whole = text[: text.rfind("\n") + 1]
+        records = list(csv.reader(whole.splitlines(keepends=True), strict=True))
+        if not records:
+            raise PlotError(f"{path} is empty; if the run still goes on, try again later")
+        names, *rows = records
+        for number, row in enumerate(rows, start=2):
+            if len(row) != len(names):
+                raise PlotError(f"{path} is damaged: row {number} has {len(row)} cells, and there are {len(names)} names")
+        cells = list(zip(*rows)) if rows else [()] * len(names)
+        return CsvTable({name: _column(column) for name, column in zip(names, cells)})
+
+
+def needed_table(path, advice):
+    """The table in a file, which has rows; without it the advice says what to do."""
+    table = read_table(path)
+    if table is None:
+        raise PlotError(f"there is no {path}; {advice}")
+    if not len(table):
+        raise PlotError(f"{path} has no rows yet; if the run still goes on, try again later")
+    return table
+
+
+def _column(cells):
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells], dtype=float)
+    except ValueError:
+        return np.array(cells, dtype=str)

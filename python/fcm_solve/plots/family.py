@@ -1,0 +1,103 @@
+"""The picture of a family of runs: each quantity over the first swept key, with errors from the spread of the seeds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .csv_table import read_table
+from .error import PlotError
+from .style import PAGE, colours, legend_above
+from .text import shown, words
+from .units import Units, labelled, upright
+
+TABLE = "family.csv"
+FIRST = ("point", "values", "quantity", "species", "verdicts", "unit")
+NUMBERS = ("mean", "error", "seeds", "spread", "claimed_error", "calibration")
+# Panels of a page, and curves of a panel.
+MOST, MOST_CURVES = 8, 8
+# An axis over more than such a ratio is logarithmic.
+WIDE = 30.0
+
+
+@dataclass
+class Family:
+    """The table of a family, and the key that its curves go over: None where no swept key has numbers."""
+
+    table: object
+    keys: list
+    units: Units
+
+    @property
+    def key(self):
+        """The first key that has several values."""
+        several = [key for key in self.keys if len(np.unique(self.table[key])) > 1]
+        return (several or self.keys or [None])[0]
+
+
+def draw(folder, scene):
+    """The figure of a family."""
+    path = folder / TABLE
+    table = read_table(path)
+    if table is None or not len(table):
+        raise PlotError(f"{path} has no answers yet; a family writes them as its runs end: go on with fcm-solve run --continue")
+    table.needs(path, "values", "quantity", "species", "unit", "mean", "error")
+    keys = [name for name in table.columns if name not in (*FIRST, *NUMBERS)]
+    family = Family(table, [key for key in keys if table.get(key) is not None], Units(scene.is_si))
+    quantities = _quantities(table, path)
+    rows, columns = (len(quantities) + 1) // 2, min(2, len(quantities))
+    figure = Figure(figsize=(PAGE * columns / 2, 2.4 * rows + 0.3), layout="constrained")
+    grid = figure.add_gridspec(rows, columns)
+    for number, quantity in enumerate(quantities):
+        _draw_quantity(figure.add_subplot(grid[number // 2, number % 2]), family, quantity)
+    figure.suptitle(scene.title)
+    return figure
+
+
+def _quantities(table, path):
+    """The quantities that have a mean."""
+    means = table["mean"] if table["mean"].dtype.kind == "f" else np.full(len(table), np.nan)
+    found = [q for q in dict.fromkeys(table["quantity"].tolist()) if np.isfinite(means[table["quantity"] == q]).any()]
+    if not found:
+        raise PlotError(f"{path} has no mean that means something: its runs are too short, see the column verdicts")
+    return found[:MOST]
+
+
+def _draw_quantity(axes, family, quantity):
+    rows = family.table.where(quantity=quantity)
+    factor, unit = family.units.scale(str(rows["unit"][0]), rows["mean"])
+    lines = _lines(family, rows)[:MOST_CURVES]
+    for (label, chosen), colour in zip(lines, colours(len(lines))):
+        x = chosen[family.key] if family.key else np.arange(len(chosen), dtype=float)
+        order = np.argsort(x)
+        mean, error = chosen["mean"][order] * factor, np.nan_to_num(chosen["error"][order] * factor, posinf=0)
+        style = {"marker": "o", "markersize": 3, "capsize": 2, "elinewidth": 0.8, "color": colour, "label": label}
+        axes.errorbar(x[order], mean, yerr=error, **style)
+    axes.set_ylabel(upright(labelled(words(quantity), unit)))
+    _scale(axes, family, rows)
+    legend_above(axes)
+
+
+def _lines(family, rows):
+    """The rows of each line, and its label: the species, and the values of the other keys."""
+    names = [_name(family, rows, number) for number in range(len(rows))]
+    marked = np.array(names)
+    return [(name, rows.at(marked == name)) for name in dict.fromkeys(names)]
+
+
+def _name(family, rows, number):
+    species = str(rows["species"][number])
+    values = [value for value in str(rows["values"][number]).split(", ") if value.split(" = ")[0] != family.key]
+    words = ([] if species in ("", "all", "nan") else [species]) + (values if family.key else [])
+    return shown(", ".join(words), 40)
+
+
+def _scale(axes, family, rows):
+    if family.key is None:
+        points = [shown(value, 24) for value in dict.fromkeys(rows["values"].tolist())]
+        axes.set_xticks(range(len(points)), points, rotation=20)
+        return
+    axes.set_xlabel(shown(family.key, 60))
+    x = rows[family.key]
+    if x.min() > 0 and x.max() > WIDE * x.min():
+        axes.set_xscale("log")

@@ -1,0 +1,40 @@
+"""Files of pictures."""
+
+import os
+from pathlib import Path
+
+from .error import PlotError, reason
+
+FORMATS = ("png", "svg", "pdf")
+
+
+def checked(picture, formats):
+    """A path that a picture can be written to."""
+    picture = Path(picture)
+    if picture.suffix.lower().lstrip(".") not in formats:
+        raise PlotError(f"{picture} is to end in one of " + ", ".join(f".{name}" for name in formats))
+    if picture.is_dir():
+        raise PlotError(f"{picture} is a folder; name a file")
+    if not picture.parent.is_dir():
+        raise PlotError(f"{picture} can't be written: there is no folder {picture.parent}")
+    return picture
+
+
+def save(figure, picture):
+    """Writes a figure in the format that the name of the file says."""
+    write(checked(picture, FORMATS), figure.savefig)
+
+
+def write(picture, store):
+    """Writes a picture by a function of its path, whole or not at all."""
+    from . import style
+
+    part = picture.with_name(f".{picture.stem}.part{picture.suffix}")
+    try:
+        with style.applied():
+            store(part)
+        os.replace(part, picture)
+    except OSError as error:
+        raise PlotError(f"can't write {picture}: {reason(error)}") from error
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,89 @@
+"""A panel of a picture: curves over a common axis, with their answers as bands."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .answers import find
+from .style import GRAY, LIGHT, legend_above
+from .units import labelled, upright
+
+
+@dataclass
+class Curve:
+    """A curve, and the answer that belongs to it: quantities by one of these names, of a species or of all."""
+
+    x: np.ndarray
+    y: np.ndarray
+    label: str = ""
+    colour: str = GRAY
+    line: str = "-"
+    error: np.ndarray | None = None
+    quantities: tuple = ()
+    species: str | None = None
+    # What a value of the answer is multiplied by, if it has a unit.
+    factor: float = 1.0
+
+
+@dataclass
+class Panel:
+    """Curves of one dimension over another."""
+
+    run: object
+    x: tuple
+    y: tuple
+    curves: list = field(default_factory=list)
+    log: tuple = (False, False)
+    level: float | None = None
+
+    def add(self, x, y, label="", **options):
+        """Adds a curve, if it has a number."""
+        if x is not None and y is not None and (np.isfinite(x) & np.isfinite(y)).any():
+            self.curves.append(Curve(x, y, label, **options))
+
+    def __bool__(self):
+        return bool(self.curves)
+
+    def draw(self, axes):
+        """Draws it."""
+        x_factor, x_unit = self.run.units.scale(self.x[1], *(curve.x for curve in self.curves))
+        y_factor, y_unit = self.run.units.scale(self.y[1], *(curve.y for curve in self.curves))
+        for curve in self.curves:
+            self._draw_curve(axes, curve, (x_factor, y_factor))
+        axes.set_xlabel(labelled(self.x[0], x_unit))
+        axes.set_ylabel(upright(labelled(self.y[0], y_unit)))
+        self._scale(axes)
+        if self.level is not None:
+            axes.axhline(self.level, color=LIGHT, linewidth=0.7, zorder=0)
+        self._draw_answers(axes, (x_factor, y_factor))
+        legend_above(axes)
+
+    def _draw_curve(self, axes, curve, factors):
+        x, y = curve.x * factors[0], np.where(np.isfinite(curve.y), curve.y, np.nan) * factors[1]
+        marker = "o" if np.count_nonzero(np.isfinite(y)) < 4 else ""
+        axes.plot(x, y, curve.line, color=curve.colour, label=curve.label or None, marker=marker, markersize=3)
+        if curve.error is not None:
+            error = np.where(np.isfinite(curve.error), curve.error, 0) * factors[1]
+            axes.fill_between(x, y - error, y + error, color=curve.colour, alpha=0.25, linewidth=0)
+
+    def _scale(self, axes):
+        for which, is_log in zip("xy", self.log):
+            if is_log:
+                axes.set(**{f"{which}scale": "log"})
+
+    def _draw_answers(self, axes, factors):
+        """The value of each answer with its error as a band from the end of its transient on; the transient is shaded."""
+        ends = []
+        for curve in self.curves:
+            answer = find(self.run.answers, curve.quantities, curve.species)
+            if answer is None or curve.x is not self.run.progress[0]:
+                continue
+            start, end = self.run.progress_at(answer.transient) * factors[0], np.nanmax(curve.x) * factors[0]
+            factor = factors[1] * (curve.factor if answer.unit else 1.0)
+            value, error = answer.value * factor, abs(answer.error * factor) if np.isfinite(answer.error) else 0.0
+            axes.fill_between([start, end], value - error, value + error, color=curve.colour, alpha=0.25, linewidth=0)
+            axes.plot([start, end], [value, value], color=curve.colour, linewidth=0.8, linestyle=(0, (4, 2)))
+            ends.append(start)
+        first = np.nanmin(self.curves[0].x) * factors[0]
+        if ends and max(ends) > first:
+            axes.axvspan(first, max(ends), color="0.93", zorder=-1, linewidth=0)

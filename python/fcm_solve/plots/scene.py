@@ -1,0 +1,119 @@
+"""The scene of a run: what was computed."""
+
+try:
+    import tomllib
+except ImportError:  # Python 3.10
+    tomllib = None
+
+import numpy as np
+
+from .error import PlotError, damage
+from .text import shown
+
+AXES = ("x", "y", "z")
+
+
+class Scene:
+    """A scene as a dictionary, and what plots ask of it."""
+
+    def __init__(self, keys, folder):
+        self.keys = keys
+        self.kind = keys.get("kind", "suspension")
+        self.title = shown(keys.get("title") or folder.resolve().name, 90)
+
+    def check(self):
+        """Raises an error where a key has a value of another type than in scenes."""
+        if len(self.boundaries) != 3 or not isinstance(self.kind, str):
+            raise ValueError("box.boundaries are not three, or kind is no word")
+        numbers = [self.viscosity, self.thermal_energy, self.steady_rate or 0.0]
+        forces = [] if self.kind != "suspension" else [self.force(place, 1.0) for place in range(len(self.species))]
+        if not np.isfinite(numbers).all() or any(force.shape != (3,) for force in forces):
+            raise ValueError("it has values that no scene has")
+
+    def section(self, name):
+        """A section, empty where the scene has none."""
+        section = self.keys.get(name, {})
+        if not isinstance(section, dict):
+            raise ValueError(f"{name} is no section")
+        return section
+
+    @property
+    def flow(self):
+        """The kind of flow."""
+        return self.section("flow").get("kind", "none")
+
+    @property
+    def steady_rate(self):
+        """The rate of a shear that never changes; None otherwise."""
+        flow = self.section("flow")
+        rate = flow.get("rate")
+        changes = {"control", "reversal_at", "oscillation", "stress"} & flow.keys()
+        return float(rate) if self.flow == "shear" and isinstance(rate, (int, float)) and rate and not changes else None
+
+    @property
+    def oscillates(self):
+        """Whether the flow oscillates."""
+        return "oscillation" in self.section("flow")
+
+    @property
+    def viscosity(self):
+        """The viscosity of the fluid."""
+        return float(self.section("fluid").get("viscosity", 1.0))
+
+    @property
+    def thermal_energy(self):
+        """kT; 0 where nothing diffuses."""
+        return float(self.section("fluid").get("thermal_energy", 0.0))
+
+    @property
+    def boundaries(self):
+        """The boundary of each axis."""
+        return list(self.section("box").get("boundaries", ["periodic"] * 3))
+
+    @property
+    def height_axis(self):
+        """The axis across walls or a layer, 0 to 2; None if there is none, or if the fluid is open on all sides."""
+        bounded = [axis for axis, boundary in enumerate(self.boundaries) if boundary != "periodic"]
+        return bounded[0] if len(bounded) == 1 else None
+
+    @property
+    def species(self):
+        """A dictionary for each species."""
+        return list(self.keys.get("species", []))
+
+    def force(self, index, radius):
+        """Force and weight of a sphere of a species, (3,)."""
+        kind = self.species[index]
+        gravity = np.array(self.section("gravity").get("acceleration", [0.0] * 3), dtype=float)
+        weight = 4 / 3 * np.pi * radius**3 * kind.get("density_difference", 0.0) * gravity
+        return np.array(kind.get("force", [0.0] * 3), dtype=float) + weight
+
+    def stokes_velocity(self, index, radius):
+        """Velocity of a sphere of a species, alone in unbounded fluid, under its force and weight, (3,)."""
+        return self.force(index, radius) / (6 * np.pi * self.viscosity * radius)
+
+    @property
+    def is_si(self):
+        """Whether numbers show that units are those of the SI: Earth's gravity or a thermal energy at room temperature with
+        spheres below a centimetre, or a cell for grains of millimetres."""
+        if self.kind.startswith("shear-cell"):
+            return 0 < float(self.section("grains").get("diameter", 1.0)) < 0.05
+        gravity = np.linalg.norm(self.section("gravity").get("acceleration", [0.0] * 3))
+        radii = [kind["radius"] for kind in self.species if isinstance(kind.get("radius"), float)]
+        is_small = bool(radii) and max(radii) < 0.01
+        return is_small and (9.7 < gravity < 9.9 or 1e-21 < self.thermal_energy < 1e-20)
+
+
+def read_scene(folder):
+    """The scene in a folder of results."""
+    if not folder.is_dir():
+        raise PlotError(f"{folder} is no folder; name the one in which a run has left its results")
+    path = folder / "scene.toml"
+    if not path.is_file():
+        raise PlotError(f"{folder} holds no run: it has no scene.toml; name the folder that the run was given by --out")
+    if tomllib is None:
+        raise PlotError("plots need Python 3.11 or later, which reads TOML")
+    with damage(path):
+        scene = Scene(tomllib.loads(path.read_text(encoding="utf-8")), folder)
+        scene.check()
+        return scene

@@ -1,0 +1,104 @@
+"""Panels of channels and layers: profiles across, heights, flux and migration."""
+
+import numpy as np
+
+from ..panel import Panel
+from ..slabs import slab_means, volume_fractions
+from ..style import colours
+from ..text import shown
+from . import motion
+from .double import DoubleProfile
+
+AXES = "xyz"
+# Slabs of a profile that is made of frames.
+SLABS = 24
+
+
+def profile(run):
+    """Volume fraction across, and the velocity along the flow: of the statistics, or of the frames of the later half."""
+    axis = run.scene.height_axis
+    if axis is None:
+        return None
+    table = run.statistics.get("profile")
+    if table is not None and table.get(AXES[axis]) is not None and table.get("volume_fraction") is not None:
+        return _of_statistics(run, table, axis)
+    return _of_frames(run, axis) if run.frames is not None else None
+
+
+def _of_statistics(run, table, axis):
+    rows = table.where(species=table["species"][-1])
+    velocities = {name: rows.get(f"velocity_{AXES[name]}") for name in range(3) if name != axis}
+    velocities = {name: values for name, values in velocities.items() if values is not None}
+    along = max(velocities, key=lambda name: np.nanmean(np.abs(velocities[name])), default=None)
+    along = along if run.scene.flow != "none" else None
+    found = DoubleProfile(run, AXES[axis], rows[AXES[axis]], rows["volume_fraction"])
+    found.error = rows.get("volume_fraction_error")
+    if along is not None:
+        found.velocity, found.along = velocities[along], AXES[along]
+    return found
+
+
+def _of_frames(run, axis):
+    frames = run.frames
+    last, positions, _ = frames.last()
+    low, high = 0.0, frames.lattice(last)[axis, axis]
+    if run.scene.boundaries[axis] != "walls":
+        high = max(high, (positions[:, axis] + frames.radii).max())
+    edges = np.linspace(low, high, SLABS + 1)
+    chosen = range(last // 2, last + 1, max(1, (last - last // 2) // 20))
+    area = abs(np.linalg.det(frames.lattice(last))) / frames.lattice(last)[axis, axis]
+    read = [frames.read(frame) for frame in chosen]
+    fractions = [volume_fractions(positions[:, axis], frames.radii, edges, area) for positions, _ in read]
+    found = DoubleProfile(run, AXES[axis], 0.5 * (edges[1:] + edges[:-1]), np.mean(fractions, axis=0))
+    if run.scene.flow != "none":
+        along = 0 if axis != 0 else 1
+        heights, speeds = (np.concatenate(columns) for columns in zip(*((p[:, axis], v[:, along]) for p, v in read)))
+        found.velocity, found.along = slab_means(heights, speeds, edges), AXES[along]
+    return found
+
+
+def heights(run):
+    """Mean and standard deviation of the heights of each species."""
+    if not motion.has_series(run) or run.scene.height_axis is None:
+        return None
+    axis = AXES[run.scene.height_axis]
+    panel = Panel(run, run.progress[1:], (f"{axis} of the centres, mean \u00b1 deviation", "length"))
+    for name, colour in zip(run.names, colours(len(run.names))):
+        mean, deviation = run.get(f"height_mean[{name}]"), run.get(f"height_deviation[{name}]")
+        label = shown(name) if len(run.names) > 1 else ""
+        panel.add(run.progress[0], mean, label, colour=colour, quantities=("height_mean",), species=name)
+        for sign in (-1, 1) if mean is not None and deviation is not None else ():
+            panel.add(run.progress[0], mean + sign * deviation, colour=colour, line=":")
+    return panel
+
+
+def flux(run):
+    """The volume of spheres through a cross-section, over area and time."""
+    return _by_species(run, [f"particle_flux_{axis}" for axis in AXES], ("particle flux", "length/time"))
+
+
+def migration(run):
+    """How far spheres have gathered in the middle: 1 where they are spread evenly."""
+    return _by_species(run, [f"migration_{axis}" for axis in AXES], ("spread across the channel", ""))
+
+
+def pressure_gradient(run):
+    """The gradient of the pressure that keeps the flux."""
+    if not motion.has_series(run):
+        return None
+    panel = Panel(run, run.progress[1:], ("pressure gradient", "force/length^3"))
+    options = {"colour": colours(1)[0], "quantities": ("pressure_gradient",)}
+    panel.add(run.progress[0], run.get("pressure_gradient"), **options)
+    return panel
+
+
+def _by_species(run, quantities, y):
+    if not motion.has_series(run):
+        return None
+    panel = Panel(run, run.progress[1:], y, level=0)
+    for name, colour in zip(run.names, colours(len(run.names))):
+        for quantity in quantities:
+            label = shown(name) if len(run.names) > 1 else ""
+            options = {"colour": colour, "quantities": (quantity,), "species": name}
+            panel.add(run.progress[0], run.get(f"{quantity}[{name}]"), label, **options)
+    return panel

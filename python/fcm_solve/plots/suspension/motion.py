@@ -1,0 +1,108 @@
+"""Panels on the motion of the spheres: settling, fluctuations, gaps, segregation."""
+
+import numpy as np
+
+from ..bars import Bars
+from ..panel import Panel
+from ..style import colours
+from ..text import shown
+
+
+def settling(run):
+    """The mean velocity of each species along its Stokes velocity, in units of that."""
+    is_diffusing = run.scene.thermal_energy > 0 and run.scene.height_axis is not None
+    if not has_series(run) or is_diffusing or set(run.scene.boundaries) == {"open"}:
+        return None
+    panel = Panel(run, run.progress[1:], ("settling velocity / Stokes velocity", ""), level=0)
+    for number, mean, speed, _ in _along_stokes(run):
+        quantities = ("settling_velocity", "mean_velocity_along_force", "hindered_settling", "settling_ratio")
+        options = {"colour": colours(len(run.names))[number], "quantities": quantities, "species": run.names[number]}
+        panel.add(run.progress[0], mean / speed, label(run, number), factor=1 / speed, **options)
+    return panel
+
+
+def fluctuations(run):
+    """The standard deviations of the velocity: of what settles along and across, else as a whole. Those of
+    Brownian motion are of the step of time, and no property of a suspension."""
+    if not has_series(run) or run.scene.thermal_energy > 0:
+        return None
+    found = list(_along_stokes(run))
+    if not found:
+        return _total_fluctuations(run)
+    panel = Panel(run, run.progress[1:], ("velocity fluctuation / Stokes velocity", ""), level=0)
+    for number, _, speed, variance in found:
+        colour, direction = colours(len(run.names))[number], _direction(run, number)
+        along = variance @ direction**2
+        across = (variance.sum(axis=1) - along) / 2
+        for values, name, line in ((along, "along", "-"), (across, "across", ":")):
+            text = f"{label(run, number)}, {name}" if len(run.names) > 1 else name
+            spread = np.sqrt(np.maximum(values, 0)) / speed
+            panel.add(run.progress[0], spread, text, colour=colour, line=line)
+    return panel
+
+
+def _total_fluctuations(run):
+    panel = Panel(run, run.progress[1:], ("velocity fluctuation", "length/time"), level=0)
+    for number in range(len(run.names)):
+        variance = run.vector("velocity_variance", number)
+        if variance is not None:
+            spread = np.sqrt(np.maximum(variance.sum(axis=1), 0))
+            panel.add(run.progress[0], spread, label(run, number), colour=colours(len(run.names))[number])
+    return panel if any(curve.y.any() for curve in panel.curves) else None
+
+
+def _along_stokes(run):
+    """Of each species that settles: its number, its mean velocity along its Stokes velocity, the size of that, and the variance."""
+    for number, stokes in run.stokes_velocities():
+        mean, variance = run.vector("mean_velocity", number), run.vector("velocity_variance", number)
+        if mean is not None and variance is not None:
+            speed = float(np.linalg.norm(stokes))
+            yield number, mean @ (stokes / speed), speed, variance
+
+
+def _direction(run, number):
+    stokes = dict(run.stokes_velocities())[number]
+    return stokes / np.linalg.norm(stokes)
+
+
+def smallest_gap(run):
+    """The smallest gap between surfaces."""
+    if not has_series(run):
+        return None
+    panel = Panel(run, run.progress[1:], ("smallest gap", "length"), level=0)
+    panel.add(run.progress[0], run.get("smallest_gap"))
+    return panel
+
+
+def segregation(run):
+    """How far species have separated."""
+    if not has_series(run):
+        return None
+    panel = Panel(run, run.progress[1:], ("segregation of the species", ""), level=0)
+    panel.add(run.progress[0], run.get("segregation"), colour=colours(1)[0], quantities=("segregation",))
+    return panel if len({curve.y.std() for curve in panel.curves} - {0.0}) else None
+
+
+def fluctuation_tensor(run):
+    """The components of the fluctuation tensor of each species, of the statistics."""
+    summary = run.statistics.get("summary")
+    if run.scene.thermal_energy > 0 or summary is None or not {"quantity", "species", "value", "error"} <= summary.columns.keys():
+        return None
+    names = [f"T_{component}" for component in ("xx", "yy", "zz", "xy", "xz", "yz")]
+    rows = {(q, s): i for i, (q, s) in enumerate(zip(summary["quantity"], summary["species"]))}
+    species = [s for q, s in rows if q == names[0] and all((name, s) in rows for name in names)]
+    bars = Bars(run, [name[2:] for name in names], ("fluctuation tensor", "length^2/time^2"))
+    for name, colour in zip(species, colours(len(species))):
+        chosen = [rows[component, name] for component in names]
+        bars.add(summary["value"][chosen], summary["error"][chosen], shown(name), colour)
+    return bars
+
+
+def has_series(run):
+    """Whether there is a time series."""
+    return run.series is not None
+
+
+def label(run, number):
+    """The label of a species; none where there is one alone."""
+    return shown(run.names[number]) if len(run.names) > 1 else ""

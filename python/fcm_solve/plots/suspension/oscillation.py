@@ -1,0 +1,46 @@
+"""Panels of a flow that oscillates: stress against strain, and the moduli."""
+
+import numpy as np
+
+from ..bars import Bars
+from ..style import colours
+from ..units import labelled, upright
+
+
+class Loops:
+    """The stress of the suspension against the strain, the later the darker."""
+
+    def __init__(self, run, strain, stress):
+        self.run, self.strain, self.stress = run, strain, stress
+
+    def draw(self, axes):
+        """Draws it."""
+        factor, unit = self.run.units.scale("force/length^2", self.stress)
+        axes.plot(self.strain, self.stress * factor, color="0.8", linewidth=0.8)
+        last = self.run.get("time") >= self._start_of_last_period()
+        axes.plot(self.strain[last], self.stress[last] * factor, color=colours(1)[0], label="last period")
+        axes.set(xlabel="strain", ylabel=upright(labelled("shear stress", unit)))
+
+    def _start_of_last_period(self):
+        time = self.run.get("time")
+        period = 2 * np.pi / float(self.run.scene.section("flow")["oscillation"]["frequency"])
+        return time[-1] - period
+
+
+def stress_against_strain(run):
+    """The loop of Lissajous."""
+    strain, stress = run.get("strain"), run.get("shear_stress")
+    return Loops(run, strain, stress) if run.scene.oscillates and strain is not None and stress is not None else None
+
+
+def moduli(run):
+    """Storage and loss modulus of the harmonics, of the statistics."""
+    table = run.statistics.get("harmonics")
+    columns = ("harmonic", "storage_modulus", "loss_modulus")
+    if table is None or any(table.get(name) is None for name in columns):
+        return None
+    bars = Bars(run, [f"{number:g}" for number in table["harmonic"]], ("modulus of the harmonic", "force/length^2"))
+    for name, label, colour in zip(columns[1:], ("storage modulus G\u2032", "loss modulus G\u2033"), colours(2)):
+        errors = table.get(f"{name}_error")
+        bars.add(table[name], errors if errors is not None else 0 * table[name], label, colour)
+    return bars
