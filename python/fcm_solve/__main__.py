@@ -12,7 +12,9 @@ def main(words):
     if words[:1] == ["plot"]:
         return command.main(words[1:], "python -m fcm_solve plot")
     is_help = words[:1] in (["-h"], ["--help"])
-    print(USAGE if is_help else f"error: there is one command, plot\n{USAGE}", file=sys.stdout if is_help else sys.stderr)
+    print(
+        USAGE if is_help else f"error: there is one command, plot\n{USAGE}", file=sys.stdout if is_help else sys.stderr
+    )
     return 0 if is_help else 2
 
 

@@ -40,8 +40,12 @@ def main():
     print(f"Mean settling velocity over Stokes velocity, at a volume fraction of {fraction:.3f}:")
     for name, mean in found:
         print(f"  {name:20s} {np.mean(mean[late]):6.3f}   (times {time[late][0]:g} to {time[-1]:g})")
-    print(f"  Richardson & Zaki    {(1 - fraction) ** EXPONENT:6.3f}   ((1 - phi)^{EXPONENT}, experiments with equal spheres)")
-    print("The experiments differ: here the places are still nearly random, and the periodic images take a few hundredths.")
+    print(
+        f"  Richardson & Zaki    {(1 - fraction) ** EXPONENT:6.3f}   ((1 - phi)^{EXPONENT}, experiments with equal spheres)"
+    )
+    print(
+        "The experiments differ: here the places are still nearly random, and the periodic images take a few hundredths."
+    )
     if not run.scene.section("hydrodynamics").get("lubrication"):
         print("The spheres are resolved up to dipoles, without lubrication.")
 

@@ -3,7 +3,6 @@
 import os
 import pathlib
 import subprocess
-import sys
 import tempfile
 import unittest
 from concurrent.futures import ThreadPoolExecutor
@@ -14,7 +13,7 @@ import numpy as np
 from program import ROOT, run
 from test_scenes import SMALLER
 
-PLOT = ROOT / "scripts" / "python" / "plot.py"
+PLOT = ROOT / "scripts" / "plot"
 # Pictures need no more than a few rows.
 SHORTER = {
     "extension": {"time.duration": 0.04},
@@ -30,7 +29,7 @@ SETTLING = {
     "output.trajectory_every": 1,
     "output.observables_every": 1,
 }
-NAMES = '''
+NAMES = """
 [box]
 edges = [20.0, 20.0, 20.0]
 [fluid]
@@ -54,7 +53,7 @@ trajectory_every = 1
 observables_every = 1
 [statistics]
 every = 1
-'''
+"""
 
 
 def made(scene, out, sets):
@@ -66,7 +65,7 @@ def made(scene, out, sets):
 
 def draw(*words):
     """What the command of plots came to."""
-    return subprocess.run([sys.executable, PLOT, *map(str, words)], capture_output=True, text=True)
+    return subprocess.run([PLOT, *map(str, words)], capture_output=True, text=True)
 
 
 class Plots(unittest.TestCase):

@@ -1,7 +1,7 @@
 """Pictures of results: runs of every kind of scene, and families of runs.
 
-They need numpy and matplotlib, h5py where a run has a trajectory, and no other part of the package, so that a checkout draws
-without building anything.
+They need numpy and matplotlib, h5py where a run has a trajectory, and no other part of the package, so that a
+checkout draws without building anything.
 """
 
 from pathlib import Path
@@ -15,7 +15,8 @@ def draw(folder, by="excess", notes=None):
     """The picture of the results in a folder, as a figure of matplotlib.
 
     folder  that of a run or of a family of runs
-    by      what colours, or the gray of disks, say: "excess" velocity over the fluid's or along the force, "speed", "species"
+    by      what colours, or the gray of disks, say: "excess" velocity over the fluid's or along the force, "speed", or
+            "species"
     notes   a list to which what is left out is added, and why
     """
     from . import family, grains, page, run, scene, style
@@ -23,7 +24,7 @@ def draw(folder, by="excess", notes=None):
     folder = Path(folder)
     kept = scene.read_scene(folder)
     with style.applied():
-        if (folder / family.TABLE).is_file() or "ensemble" in kept.keys:
+        if family.is_one(folder, kept):
             figure = family.draw(folder, kept)
         elif kept.kind in grains.KINDS:
             figure = grains.draw(folder, kept, by)
@@ -45,7 +46,9 @@ def animate(folder, picture, by="excess"):
     folder = Path(folder)
     kept = scene.read_scene(folder)
     if kept.kind != "granular-disks" or "sweep" in kept.keys:
-        raise PlotError(f"{folder} is no run of disks, of which alone animations are made; fcm-solve report shows spheres in motion")
+        raise PlotError(
+            f"{folder} is no run of disks, of which alone animations are made; fcm-solve report shows spheres in motion"
+        )
     output.write(output.checked(picture, ("gif",)), grains.disks.animation(folder, kept, by))
 
 

@@ -22,8 +22,15 @@ class Answer:
     value: float
     error: float
     transient: float
+    longer: float
     verdict: str
     unit: str
+
+    @property
+    def judged(self):
+        """The verdict, and how much longer the run would need to be."""
+        needs = f": {self.longer:.2g} times as long" if self.verdict == "too short" and self.longer > 1 else ""
+        return shown(self.verdict) + needs
 
     @property
     def has_value(self):
@@ -38,9 +45,18 @@ def read_answers(folder):
     if table is None or "verdict" not in table:
         return []
     table.needs(path, *COLUMNS)
-    words = [[str(cell) if table[name].dtype.kind == "U" else "" for cell in table[name]] for name in ("quantity", "species", "verdict", "unit")]
-    numbers = [_numbers(table[name]) for name in ("value", "error", "transient")]
-    return [Answer(q, s, *n, v, u) for q, s, v, u, n in zip(*words, zip(*numbers))]
+    texts = [_words(table[name]) for name in ("quantity", "species", "verdict", "unit")]
+    numbers = [_numbers(table[name]) for name in ("value", "error", "transient", "longer")]
+    return [Answer(q, s, *n, v, u) for q, s, v, u, n in zip(*texts, zip(*numbers))]
+
+
+def _words(column):
+    """Cells as text; a name that is a number keeps it."""
+    return [str(cell) if column.dtype.kind == "U" else _name(cell) for cell in column.tolist()]
+
+
+def _name(number):
+    return "" if math.isnan(number) else f"{number:g}"
 
 
 def _numbers(column):
@@ -65,9 +81,9 @@ def rows(answers, units):
         factor, unit = units.scale(answer.unit, [answer.value]) if answer.has_value else (1.0, "")
         name = words(answer.quantity)
         if several and answer.species not in ALL:
-            name += f" of {shown(answer.species, 20)}"
+            name += f", {shown(answer.species, 20)}"
         number = with_error(answer.value * factor, answer.error * factor) if answer.has_value else "\u2013"
-        table.append([labelled(name, unit), number, shown(answer.verdict)])
+        table.append([labelled(name, unit), number, answer.judged])
     if len(answers) > MOST:
         table.append([f"{len(answers) - MOST} more in summary.csv", "", ""])
     return table
@@ -77,7 +93,7 @@ def draw_table(axes, answers, units):
     """The table of the answers."""
     axes.set_axis_off()
     heads = ["quantity", "value", "verdict"]
-    options = {"loc": "upper left", "cellLoc": "left", "edges": "B", "colWidths": [0.5, 0.28, 0.22]}
+    options = {"loc": "upper left", "cellLoc": "left", "edges": "B", "colWidths": [0.48, 0.24, 0.28]}
     table = axes.table([heads, *rows(answers, units)], bbox=(0, 0, 1, 1), **options)
     table.auto_set_font_size(False)
     table.set_fontsize(7)
@@ -86,6 +102,20 @@ def draw_table(axes, answers, units):
         cell.PAD = 0.01
         if row == 0:
             cell.get_text().set_color("0.35")
+
+
+def band(axes, span, value_and_error, colour):
+    """The value with its error over a part of an axis."""
+    value, error = value_and_error
+    error = abs(error) if math.isfinite(error) else 0.0
+    axes.fill_between(span, value - error, value + error, color=colour, alpha=0.25, linewidth=0)
+    axes.plot(span, [value, value], color=colour, linewidth=0.8, linestyle=(0, (4, 2)))
+
+
+def shade(axes, start, end):
+    """Shades the transient, which is left out."""
+    if end > start:
+        axes.axvspan(start, end, color="0.93", zorder=-1, linewidth=0)
 
 
 def height_of_table(answers):

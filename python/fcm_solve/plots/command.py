@@ -67,7 +67,9 @@ def main(words=None, program="plot"):
         return 130
     except Exception as error:  # noqa: BLE001 - a fault of this program; a traceback would say less to who draws
         what = " ".join(f"{type(error).__name__}: {error}".split())
-        return _failed(f"can't draw {arguments.folder} ({what}); its files are damaged, or this is a fault of the program")
+        return _failed(
+            f"can't draw {arguments.folder} ({what}); its files are damaged, or this is a fault of the program"
+        )
     return 0
 
 

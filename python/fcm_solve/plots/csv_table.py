@@ -59,7 +59,9 @@ def read_table(path):
         names, *rows = records
         for number, row in enumerate(rows, start=2):
             if len(row) != len(names):
-                raise PlotError(f"{path} is damaged: row {number} has {len(row)} cells, and there are {len(names)} names")
+                raise PlotError(
+                    f"{path} is damaged: row {number} has {len(row)} cells, and there are {len(names)} names"
+                )
         cells = list(zip(*rows)) if rows else [()] * len(names)
         return CsvTable({name: _column(column) for name, column in zip(names, cells)})
 

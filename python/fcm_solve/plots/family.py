@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from .csv_table import read_table
 from .error import PlotError
+from .sheet import in_rows, sheet
 from .style import PAGE, colours, legend_above
 from .text import shown, words
 from .units import Units, labelled, upright
@@ -35,21 +35,27 @@ class Family:
         return (several or self.keys or [None])[0]
 
 
+def is_one(folder, scene):
+    """Whether a folder holds a family. Sweeps of disks of former versions have a table of their own."""
+    is_former = "sweep" in scene.keys and (folder / "averages.csv").is_file()
+    return (folder / TABLE).is_file() or "ensemble" in scene.keys or ("sweep" in scene.keys and not is_former)
+
+
 def draw(folder, scene):
     """The figure of a family."""
     path = folder / TABLE
     table = read_table(path)
     if table is None or not len(table):
-        raise PlotError(f"{path} has no answers yet; a family writes them as its runs end: go on with fcm-solve run --continue")
+        raise PlotError(
+            f"{path} has no answers yet; a family writes them as its runs end: go on with fcm-solve run --continue"
+        )
     table.needs(path, "values", "quantity", "species", "unit", "mean", "error")
     keys = [name for name in table.columns if name not in (*FIRST, *NUMBERS)]
     family = Family(table, [key for key in keys if table.get(key) is not None], Units(scene.is_si))
     quantities = _quantities(table, path)
-    rows, columns = (len(quantities) + 1) // 2, min(2, len(quantities))
-    figure = Figure(figsize=(PAGE * columns / 2, 2.4 * rows + 0.3), layout="constrained")
-    grid = figure.add_gridspec(rows, columns)
-    for number, quantity in enumerate(quantities):
-        _draw_quantity(figure.add_subplot(grid[number // 2, number % 2]), family, quantity)
+    figure, places = sheet(in_rows(len(quantities)), 2.4, width=PAGE if len(quantities) > 1 else PAGE / 2)
+    for axes, quantity in zip(places, quantities):
+        _draw_quantity(axes, family, quantity)
     figure.suptitle(scene.title)
     return figure
 
@@ -68,11 +74,11 @@ def _draw_quantity(axes, family, quantity):
     factor, unit = family.units.scale(str(rows["unit"][0]), rows["mean"])
     lines = _lines(family, rows)[:MOST_CURVES]
     for (label, chosen), colour in zip(lines, colours(len(lines))):
-        x = chosen[family.key] if family.key else np.arange(len(chosen), dtype=float)
+        x = chosen[family.key] if family.key else _places(chosen, rows)
         order = np.argsort(x)
         mean, error = chosen["mean"][order] * factor, np.nan_to_num(chosen["error"][order] * factor, posinf=0)
         style = {"marker": "o", "markersize": 3, "capsize": 2, "elinewidth": 0.8, "color": colour, "label": label}
-        axes.errorbar(x[order], mean, yerr=error, **style)
+        axes.errorbar(x[order], mean, yerr=error, linestyle="-" if family.key else "", **style)
     axes.set_ylabel(upright(labelled(words(quantity), unit)))
     _scale(axes, family, rows)
     legend_above(axes)
@@ -88,14 +94,26 @@ def _lines(family, rows):
 def _name(family, rows, number):
     species = str(rows["species"][number])
     values = [value for value in str(rows["values"][number]).split(", ") if value.split(" = ")[0] != family.key]
-    words = ([] if species in ("", "all", "nan") else [species]) + (values if family.key else [])
-    return shown(", ".join(words), 40)
+    parts = ([] if species in ("", "all", "nan") else [species]) + (values if family.key else [])
+    return shown(", ".join(parts), 40)
+
+
+def _places(chosen, rows):
+    """Where points stand that no number orders: as they come in the table."""
+    order = list(dict.fromkeys(rows["values"].tolist()))
+    return np.array([order.index(value) for value in chosen["values"].tolist()], dtype=float)
+
+
+def _values(text):
+    """The values of a point without their keys, of which a panel has one or a few."""
+    return shown(", ".join(part.split(" = ")[-1].strip('"') for part in text.split(", ")), 20)
 
 
 def _scale(axes, family, rows):
     if family.key is None:
-        points = [shown(value, 24) for value in dict.fromkeys(rows["values"].tolist())]
-        axes.set_xticks(range(len(points)), points, rotation=20)
+        points = [_values(str(value)) for value in dict.fromkeys(rows["values"].tolist())]
+        axes.set_xticks(range(len(points)), points, rotation=20 if len(points) > 2 else 0)
+        axes.set_xlim(-0.5, len(points) - 0.5)
         return
     axes.set_xlabel(shown(family.key, 60))
     x = rows[family.key]

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .answers import find
+from .answers import band, find, shade
 from .style import GRAY, LIGHT, legend_above
 from .units import labelled, upright
 
@@ -72,7 +72,8 @@ class Panel:
                 axes.set(**{f"{which}scale": "log"})
 
     def _draw_answers(self, axes, factors):
-        """The value of each answer with its error as a band from the end of its transient on; the transient is shaded."""
+        """The value of each answer with its error as a band from the end of its transient on; the transient is
+        shaded."""
         ends = []
         for curve in self.curves:
             answer = find(self.run.answers, curve.quantities, curve.species)
@@ -80,10 +81,7 @@ class Panel:
                 continue
             start, end = self.run.progress_at(answer.transient) * factors[0], np.nanmax(curve.x) * factors[0]
             factor = factors[1] * (curve.factor if answer.unit else 1.0)
-            value, error = answer.value * factor, abs(answer.error * factor) if np.isfinite(answer.error) else 0.0
-            axes.fill_between([start, end], value - error, value + error, color=curve.colour, alpha=0.25, linewidth=0)
-            axes.plot([start, end], [value, value], color=curve.colour, linewidth=0.8, linestyle=(0, (4, 2)))
+            band(axes, (start, end), (answer.value * factor, answer.error * factor), curve.colour)
             ends.append(start)
-        first = np.nanmin(self.curves[0].x) * factors[0]
-        if ends and max(ends) > first:
-            axes.axvspan(first, max(ends), color="0.93", zorder=-1, linewidth=0)
+        if ends:
+            shade(axes, np.nanmin(self.curves[0].x) * factors[0], max(ends))

@@ -1,4 +1,5 @@
-"""A run of a suspension: its scene, and what its files hold. What a file says is taken from inside it, never from its name."""
+"""A run of a suspension: its scene, and what its files hold. What a file says is taken from inside it, never from its
+name."""
 
 from functools import cached_property
 
@@ -115,7 +116,8 @@ class Run:
 
     @cached_property
     def progress(self):
-        """What series are shown over, its label and its dimension: the strain of a flow that goes on, or the time. Strains add
+        """What series are shown over, its label and its dimension: the strain of a flow that goes on, or the time.
+        Strains add
         up where the flow is reversed."""
         strain, rate, time = self.get("strain"), self.scene.steady_rate, self.get("time")
         if strain is not None and not self.scene.oscillates:

@@ -1,9 +1,7 @@
 """The scene of a run: what was computed."""
 
-try:
-    import tomllib
-except ImportError:  # Python 3.10
-    tomllib = None
+from importlib import import_module
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -94,7 +92,8 @@ class Scene:
 
     @property
     def is_si(self):
-        """Whether numbers show that units are those of the SI: Earth's gravity or a thermal energy at room temperature with
+        """Whether numbers show that units are those of the SI: Earth's gravity or a thermal energy at room
+        temperature with
         spheres below a centimetre, or a cell for grains of millimetres."""
         if self.kind.startswith("shear-cell"):
             return 0 < float(self.section("grains").get("diameter", 1.0)) < 0.05
@@ -111,9 +110,9 @@ def read_scene(folder):
     path = folder / "scene.toml"
     if not path.is_file():
         raise PlotError(f"{folder} holds no run: it has no scene.toml; name the folder that the run was given by --out")
-    if tomllib is None:
-        raise PlotError("plots need Python 3.11 or later, which reads TOML")
+    # Python 3.10 has no reader of TOML.
+    toml = import_module("tomllib" if find_spec("tomllib") else "tomli")
     with damage(path):
-        scene = Scene(tomllib.loads(path.read_text(encoding="utf-8")), folder)
+        scene = Scene(toml.loads(path.read_text(encoding="utf-8")), folder)
         scene.check()
         return scene

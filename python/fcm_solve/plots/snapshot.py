@@ -40,7 +40,8 @@ class Snapshot:
         axes.set_title(f"time {self.frames.times[frame] * factor:.4g} {unit}".rstrip())
 
     def _origin(self, positions, lattice):
-        """Where the box begins: at the origin, but where it is open on both sides, so that these positions are in its middle."""
+        """Where the box begins: at the origin, but where it is open on both sides, so that these positions are in its
+        middle."""
         middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0) - np.diagonal(lattice))
         return np.where([boundary == "open" for boundary in self.run.scene.boundaries], middle, 0.0)
 
@@ -72,7 +73,9 @@ class Snapshot:
     def _draw_bar(self, axes):
         if self.norm is not None:
             mappable = matplotlib.cm.ScalarMappable(self.norm, "viridis")
-            bar = axes.figure.colorbar(mappable, cax=axes.inset_axes([0.2, -0.04, 0.6, 0.025]), orientation="horizontal")
+            bar = axes.figure.colorbar(
+                mappable, cax=axes.inset_axes([0.2, -0.04, 0.6, 0.025]), orientation="horizontal"
+            )
             bar.set_label(self.label)
             return
         if len(self.run.names) < 2:

@@ -5,6 +5,8 @@ import numpy as np
 AZIMUTH, ELEVATION = np.radians(-60.0), np.radians(18.0)
 LIGHT = np.array([-0.45, 0.65, 0.62])
 AMBIENT = 0.35
+# Of more spheres than this only the foremost of each column are drawn, so many of them.
+MANY, DEPTH = 20_000, 10
 
 
 def view():
@@ -22,10 +24,24 @@ def corners(lattice):
     return np.array(pairs) @ lattice @ view().T[:, :2]
 
 
+def nearest_to_viewer(places, radii):
+    """The numbers of the spheres that may be seen: of many, the nearest ones in each column as wide as the largest."""
+    if len(places) <= MANY:
+        return np.arange(len(places))
+    columns = np.floor(places[:, :2] / (2 * radii.max())).astype(int)
+    order = np.lexsort((-places[:, 2], columns[:, 1], columns[:, 0]))
+    is_first = np.any(np.diff(columns[order], axis=0, prepend=columns[order[:1]] - 1) != 0, axis=1)
+    starts = np.maximum.accumulate(np.where(is_first, np.arange(len(order)), 0))
+    return order[np.arange(len(order)) - starts < DEPTH]
+
+
 def render(positions, radii, colours, lattice, pixels):
-    """An image (height, width, 4) of the spheres, transparent where there are none, and its extent (left, right, bottom,
+    """An image (height, width, 4) of the spheres, transparent where there are none, and its extent (left, right,
+    bottom,
     top) on the picture. Each pixel shows the sphere nearest to the viewer, lit from the upper left."""
     places = positions @ view().T
+    chosen = nearest_to_viewer(places, radii)
+    places, radii, colours = places[chosen], radii[chosen], colours[chosen]
     margin = radii.max()
     low = corners(lattice).min(axis=(0, 1)) - margin
     high = corners(lattice).max(axis=(0, 1)) + margin

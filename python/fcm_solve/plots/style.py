@@ -1,4 +1,5 @@
-"""How pictures look: as wide as a journal's page, with letters that can be read there, in colours that all tell apart."""
+"""How pictures look: as wide as a journal's page, with letters that can be read there, in colours that all tell
+apart."""
 
 import logging
 import warnings
@@ -77,7 +78,8 @@ def _width(labels, columns):
 
 
 def legend_above(axes, room=46):
-    """A legend above the axes, where it covers no data, in lines of so many letters; none for fewer than two entries."""
+    """A legend above the axes, where it covers no data, in lines of so many letters; none for fewer than two
+    entries."""
     handles, labels = axes.get_legend_handles_labels()
     if len(handles) > 1:
         columns = next((n for n in range(min(4, len(labels)), 1, -1) if _width(labels, n) <= room), 1)

@@ -4,7 +4,8 @@ LONGEST = 32
 
 
 def shown(text, longest=LONGEST):
-    """A name without mathematics, line breaks and excess length. Labels that begin with `_` would be left out of legends."""
+    """A name without mathematics, line breaks and excess length. Labels that begin with `_` would be left out of
+    legends."""
     text = " ".join("".join(c if c.isprintable() else " " for c in str(text)).split())
     text = text if len(text) <= longest else text[: longest - 1].rstrip() + "\u2026"
     text = text.replace("$", r"\$")

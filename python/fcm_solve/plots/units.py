@@ -5,7 +5,8 @@ import textwrap
 
 import numpy as np
 
-# Expressions in terms of length, time and force, as files of results have them: the name in the SI, and the power of its
+# Expressions in terms of length, time and force, as files of results have them: the name in the SI, and the power of
+# its
 # first unit, by which a prefix counts.
 NAMES = {
     "length": ("m", 1),
@@ -33,7 +34,8 @@ class Units:
         self.is_si = is_si
 
     def scale(self, dimension, *arrays):
-        """The factor for values of a dimension, and the name of their unit after it: `(1e6, "\u00b5m")`, or `(1, "")`."""
+        """The factor for values of a dimension, and the name of their unit after it: `(1e6, "\u00b5m")`, or `(1,
+        "")`."""
         if not self.is_si or dimension not in NAMES:
             return 1.0, ""
         name, power = NAMES[dimension]
@@ -78,4 +80,6 @@ def with_error(value, error):
 
 
 def _superscript(number):
-    return str(number).translate(str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"))
+    return str(number).translate(
+        str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079")
+    )

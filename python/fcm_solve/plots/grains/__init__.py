@@ -1,4 +1,5 @@
-"""Pictures of grains: disks as the paper shows them, the averages of a shear cell, and profiles of its kinetic theory."""
+"""Pictures of grains: disks as the paper shows them, the averages of a shear cell, and profiles of its kinetic
+theory."""
 
 from . import cell, continuum, disks, sweep
 

@@ -1,10 +1,11 @@
 """The shear cell: wall stresses in the course of time, profiles across the gap, and the map of the solid fraction."""
 
 import numpy as np
-from matplotlib.figure import Figure
 
+from ..answers import read_answers
 from ..csv_table import read_table
 from ..error import PlotError
+from ..sheet import in_rows, sheet
 from ..style import PAGE, colours, legend_above
 from ..units import Units, labelled, upright
 
@@ -28,12 +29,10 @@ def draw(folder, scene):
         parts.append(lambda axes: _draw_map(axes, cells, units))
     if not parts:
         raise PlotError(f"{folder} has no averages yet; if the run still goes on, try again after time.settle")
-    rows = (len(parts) + 1) // 2
-    figure = Figure(figsize=(PAGE if len(parts) > 1 else PAGE / 2, 2.5 * rows), layout="constrained")
-    for part, axes in zip(parts, figure.subplots(rows, min(2, len(parts)), squeeze=False).flat):
+    width = PAGE if len(parts) > 1 else PAGE / 2
+    figure, places = sheet(in_rows(len(parts)), 2.5, read_answers(folder), units, width)
+    for part, axes in zip(parts, places):
         part(axes)
-    for unused in figure.axes[len(parts) : 2 * rows]:
-        unused.set_axis_off() if not unused.has_data() else None
     figure.suptitle(scene.title)
     return figure
 

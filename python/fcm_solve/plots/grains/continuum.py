@@ -4,10 +4,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..csv_table import needed_table
-from ..style import PAGE, colours, legend_above
+from ..style import PAGE, colours
 from ..units import Units, labelled, upright
 
-PROFILES = (("solid_fraction", 0, "solid fraction"), ("velocity", 1, "velocity / U"), ("temperature", 2, "temperature / U\u00b2"))
+PROFILES = (
+    ("solid_fraction", 0, "solid fraction"),
+    ("velocity", 1, "velocity / U"),
+    ("temperature", 2, "temperature / U\u00b2"),
+)
 # Cases that can still be told apart.
 MOST = 12
 

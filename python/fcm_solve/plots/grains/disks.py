@@ -5,10 +5,13 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
+from ..answers import band, find, read_answers, shade
 from ..csv_table import read_table
 from ..error import PlotError
 from ..frames import Frames
+from ..sheet import in_rows, sheet
 from ..style import GRAY, PAGE, colours, legend_above
+from ..units import Units
 
 FRAMES_A_SECOND = 8
 
@@ -60,23 +63,32 @@ def draw(folder, scene, by):
     has_series = series is not None and series.get("segregation") is not None and series.get("strain") is not None
     disks = Disks(folder, scene, by) if (folder / "trajectory.h5").is_file() else None
     if disks is None and not has_series:
-        raise PlotError(f"{folder} has neither time series nor trajectory; set output.observables_every and run it anew")
+        raise PlotError(
+            f"{folder} has neither time series nor trajectory; set output.observables_every and run it anew"
+        )
     parts = [part for part in (disks, series if has_series else None) if part is not None]
-    figure = Figure(figsize=(PAGE if len(parts) == 2 else PAGE / 2, 3.5), layout="constrained")
-    axes = figure.subplots(1, len(parts), squeeze=False)[0]
+    answers = read_answers(folder)
+    figure, axes = sheet(in_rows(len(parts)), 3.3, answers, Units(scene.is_si), PAGE if len(parts) == 2 else PAGE / 2)
     if disks is not None:
         disks.draw(axes[0], disks.frames.last()[0])
     if has_series:
-        _draw_segregation(axes[-1], series)
+        _draw_segregation(axes[-1], series, find(answers, ("segregation",), None))
     figure.suptitle(scene.title)
     return figure
 
 
-def _draw_segregation(axes, series):
+def _draw_segregation(axes, series, answer):
     marker = "o" if len(series) < 4 else ""
-    for name, label, colour in (("segregation", "segregation", GRAY), ("lane_peak", "peak of the lanes", colours(1)[0])):
+    for name, label, colour in (
+        ("segregation", "segregation", GRAY),
+        ("lane_peak", "peak of the lanes", colours(1)[0]),
+    ):
         if series.get(name) is not None:
             axes.plot(series["strain"], series[name], color=colour, label=label, marker=marker, markersize=3)
+    if answer is not None:
+        start, end = np.interp(answer.transient, series["time"], series["strain"]), series["strain"].max()
+        band(axes, (start, end), (answer.value, answer.error), GRAY)
+        shade(axes, series["strain"].min(), start)
     axes.set(xlabel="strain", ylabel="order", ylim=(0, None))
     legend_above(axes)
 

@@ -15,7 +15,8 @@ SLABS = 24
 
 
 def profile(run):
-    """Volume fraction across, and the velocity along the flow: of the statistics, or of the frames of the later half."""
+    """Volume fraction across, and the velocity along the flow: of the statistics, or of the frames of the later
+    half."""
     axis = run.scene.height_axis
     if axis is None:
         return None
@@ -66,7 +67,7 @@ def heights(run):
     for name, colour in zip(run.names, colours(len(run.names))):
         mean, deviation = run.get(f"height_mean[{name}]"), run.get(f"height_deviation[{name}]")
         label = shown(name) if len(run.names) > 1 else ""
-        panel.add(run.progress[0], mean, label, colour=colour, quantities=("height_mean",), species=name)
+        panel.add(run.progress[0], mean, label, colour=colour, quantities=("mean_height",), species=name)
         for sign in (-1, 1) if mean is not None and deviation is not None else ():
             panel.add(run.progress[0], mean + sign * deviation, colour=colour, line=":")
     return panel

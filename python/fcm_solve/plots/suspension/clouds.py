@@ -7,7 +7,12 @@ from ..style import colours
 from ..text import shown
 from . import motion
 
-EXTENTS = (("cloud_radius", "radius", "-"), ("cloud_major", "major", "--"), ("cloud_middle", "middle", "-."), ("cloud_minor", "minor", ":"))
+EXTENTS = (
+    ("cloud_radius", "radius", "-"),
+    ("cloud_major", "major", "--"),
+    ("cloud_middle", "middle", "-."),
+    ("cloud_minor", "minor", ":"),
+)
 ENERGIES = (("bond_energy", "of bonds"), ("trap_energy", "of traps"))
 
 
@@ -31,7 +36,11 @@ def settling(run):
     for number, stokes in run.stokes_velocities():
         mean, square = run.vector("mean_velocity", number), float(stokes @ stokes)
         if mean is not None:
-            options = {"quantities": ("settling_velocity",), "species": run.names[number], "factor": 1 / np.sqrt(square)}
+            options = {
+                "quantities": ("settling_velocity",),
+                "species": run.names[number],
+                "factor": 1 / np.sqrt(square),
+            }
             colour = colours(len(run.names))[number]
             panel.add(run.progress[0], mean @ stokes / square, motion.label(run, number), colour=colour, **options)
     return panel
@@ -43,5 +52,5 @@ def bonds(run):
         return None
     panel = Panel(run, run.progress[1:], ("elastic energy", "force*length"), level=0)
     for (name, label), colour in zip(ENERGIES, colours(2)):
-        panel.add(run.progress[0], run.get(name), label, colour=colour)
+        panel.add(run.progress[0], run.get(name), label, colour=colour, quantities=(name,))
     return panel

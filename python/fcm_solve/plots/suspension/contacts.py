@@ -4,7 +4,11 @@ from ..panel import Panel
 from ..style import colours
 from . import motion
 
-SHARES = (("contacts_per_particle", "contacts of a sphere"), ("frictional_contacts", "share with friction"), ("sliding_contacts", "share that slides"))
+SHARES = (
+    ("contacts_per_particle", "contacts of a sphere"),
+    ("frictional_contacts", "share with friction"),
+    ("sliding_contacts", "share that slides"),
+)
 
 
 def numbers(run):

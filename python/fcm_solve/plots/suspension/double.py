@@ -19,7 +19,9 @@ class DoubleProfile:
         heights, (first, second) = self.heights * factor, colours(2)
         if self.error is not None:
             error = np.where(np.isfinite(self.error), self.error, 0)
-            axes.fill_betweenx(heights, self.fraction - error, self.fraction + error, color=first, alpha=0.25, linewidth=0)
+            axes.fill_betweenx(
+                heights, self.fraction - error, self.fraction + error, color=first, alpha=0.25, linewidth=0
+            )
         axes.plot(self.fraction, heights, color=first)
         axes.set_ylabel(upright(labelled(self.axis, unit)))
         axes.set_xlabel("volume fraction", color=first)

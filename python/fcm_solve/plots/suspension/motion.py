@@ -7,6 +7,8 @@ from ..panel import Panel
 from ..style import colours
 from ..text import shown
 
+PARALLEL, PERPENDICULAR = "velocity_fluctuation_parallel", "velocity_fluctuation_perpendicular"
+
 
 def settling(run):
     """The mean velocity of each species along its Stokes velocity, in units of that."""
@@ -15,9 +17,9 @@ def settling(run):
         return None
     panel = Panel(run, run.progress[1:], ("settling velocity / Stokes velocity", ""), level=0)
     for number, mean, speed, _ in _along_stokes(run):
-        quantities = ("settling_velocity", "mean_velocity_along_force", "hindered_settling", "settling_ratio")
-        options = {"colour": colours(len(run.names))[number], "quantities": quantities, "species": run.names[number]}
-        panel.add(run.progress[0], mean / speed, label(run, number), factor=1 / speed, **options)
+        options = {"quantities": ("settling_velocity",), "species": run.names[number], "factor": 1 / speed}
+        colour = colours(len(run.names))[number]
+        panel.add(run.progress[0], mean / speed, label(run, number), colour=colour, **options)
     return panel
 
 
@@ -34,10 +36,11 @@ def fluctuations(run):
         colour, direction = colours(len(run.names))[number], _direction(run, number)
         along = variance @ direction**2
         across = (variance.sum(axis=1) - along) / 2
-        for values, name, line in ((along, "along", "-"), (across, "across", ":")):
+        for values, name, line, quantity in ((along, "along", "-", PARALLEL), (across, "across", ":", PERPENDICULAR)):
             text = f"{label(run, number)}, {name}" if len(run.names) > 1 else name
             spread = np.sqrt(np.maximum(values, 0)) / speed
-            panel.add(run.progress[0], spread, text, colour=colour, line=line)
+            options = {"quantities": (quantity,), "species": run.names[number], "factor": 1 / speed}
+            panel.add(run.progress[0], spread, text, colour=colour, line=line, **options)
     return panel
 
 
@@ -52,7 +55,8 @@ def _total_fluctuations(run):
 
 
 def _along_stokes(run):
-    """Of each species that settles: its number, its mean velocity along its Stokes velocity, the size of that, and the variance."""
+    """Of each species that settles: its number, its mean velocity along its Stokes velocity, the size of that, and
+    the variance."""
     for number, stokes in run.stokes_velocities():
         mean, variance = run.vector("mean_velocity", number), run.vector("velocity_variance", number)
         if mean is not None and variance is not None:
@@ -86,7 +90,11 @@ def segregation(run):
 def fluctuation_tensor(run):
     """The components of the fluctuation tensor of each species, of the statistics."""
     summary = run.statistics.get("summary")
-    if run.scene.thermal_energy > 0 or summary is None or not {"quantity", "species", "value", "error"} <= summary.columns.keys():
+    if (
+        run.scene.thermal_energy > 0
+        or summary is None
+        or not {"quantity", "species", "value", "error"} <= summary.columns.keys()
+    ):
         return None
     names = [f"T_{component}" for component in ("xx", "yy", "zz", "xy", "xz", "yz")]
     rows = {(q, s): i for i, (q, s) in enumerate(zip(summary["quantity"], summary["species"]))}

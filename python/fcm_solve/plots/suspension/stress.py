@@ -19,13 +19,14 @@ def viscosity(run):
         return None
     name = "relative extensional viscosity" if "extension" in run.scene.flow else "relative viscosity"
     panel = Panel(run, run.progress[1:], (name, ""))
-    options = {"quantities": ("relative_viscosity", "viscosity", "extensional_viscosity"), "colour": colours(1)[0]}
-    panel.add(run.progress[0], run.get("relative_viscosity"), factor=1 / run.scene.viscosity, **options)
+    options = {"quantities": ("relative_viscosity", "relative_extensional_viscosity"), "colour": colours(1)[0]}
+    panel.add(run.progress[0], run.get("relative_viscosity"), **options)
     return panel
 
 
 def normal_stresses(run):
-    """Differences of normal stresses and particle pressure: over viscosity and rate where the rate is the same all the time."""
+    """Differences of normal stresses and particle pressure: over viscosity and rate where the rate is the same all
+    the time."""
     if not has_series(run):
         return None
     rate = run.scene.steady_rate or _constant(run.get("extension_rate")) or _constant(run.get("shear_rate"))
