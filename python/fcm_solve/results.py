@@ -70,8 +70,8 @@ class Run:
         return {path.stem: pandas.read_csv(path) for path in paths if path.name != "observables.csv"}
 
     def plot(self, path: str | PathLike | None = None, by: str = "excess") -> matplotlib.figure.Figure:
-        """A picture to judge the run by, as `python -m fcm_solve plot` draws it: spheres, what a scene of its kind is run
-        for, and the answers.
+        """A picture to judge the run by, as `python -m fcm_solve plot` draws it: spheres, the series and statistics that a
+        scene of its kind is run for, and the answers.
 
         path  where it is written too, by its suffix as PNG, SVG or PDF
         by    what colours, or the gray of disks, say: "excess" velocity over the fluid's, "speed", or "species"

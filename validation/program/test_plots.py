@@ -64,7 +64,7 @@ def made(scene, out, sets):
 
 
 def draw(*words):
-    """What the command of plots came to."""
+    """The ended process of the command of plots."""
     return subprocess.run([PLOT, *map(str, words)], capture_output=True, text=True)
 
 

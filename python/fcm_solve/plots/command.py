@@ -1,4 +1,4 @@
-"""The command: draws a picture to judge a run by, of any kind of scene, or the curves of a family of runs."""
+"""The command that draws results."""
 
 import argparse
 import logging
@@ -8,6 +8,7 @@ import sys
 from . import PlotError, animate, draw, save
 from .output import FORMATS, checked
 
+DESCRIPTION = "Draws a picture to judge a run by, of any kind of scene, or the curves of a family of runs."
 EXAMPLES = """examples:
   %(prog)s results/my                    results/my/picture.png
   %(prog)s results/my --format svg       results/my/picture.svg
@@ -18,7 +19,7 @@ EXAMPLES = """examples:
 
 def parser(program):
     """The arguments."""
-    options = {"description": __doc__, "epilog": EXAMPLES, "formatter_class": argparse.RawDescriptionHelpFormatter}
+    options = {"description": DESCRIPTION, "epilog": EXAMPLES, "formatter_class": argparse.RawDescriptionHelpFormatter}
     parser = argparse.ArgumentParser(prog=program, **options)
     parser.add_argument("folder", type=pathlib.Path, help="the results of a run, or of a family of runs")
     where = "where it goes, .png, .svg or .pdf; picture.png in the folder by default"
@@ -31,7 +32,7 @@ def parser(program):
 
 
 def picture_of(arguments):
-    """Where the picture goes."""
+    """The path of the picture."""
     formats, picture = ("gif",) if arguments.animate else FORMATS, arguments.picture
     if picture is None:
         return arguments.folder / f"picture.{formats[0] if arguments.animate else arguments.format or formats[0]}"
@@ -54,7 +55,7 @@ def carry_out(arguments):
 
 def main(words=None, program="plot"):
     """Runs the command; the exit status is 1 after an error, which takes one line."""
-    # What matplotlib says of its folders and fonts is no concern of who draws a run.
+    # Remarks of matplotlib on its folders and fonts are no concern of who draws a run.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     arguments = parser(program).parse_args(words)
     try:

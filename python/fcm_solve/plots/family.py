@@ -99,7 +99,7 @@ def _name(family, rows, number):
 
 
 def _places(chosen, rows):
-    """Where points stand that no number orders: as they come in the table."""
+    """Places of points that no number orders: as they come in the table."""
     order = list(dict.fromkeys(rows["values"].tolist()))
     return np.array([order.index(value) for value in chosen["values"].tolist()], dtype=float)
 

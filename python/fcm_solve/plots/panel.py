@@ -21,7 +21,7 @@ class Curve:
     error: np.ndarray | None = None
     quantities: tuple = ()
     species: str | None = None
-    # What a value of the answer is multiplied by, if it has a unit.
+    # Factor for a value of the answer that has a unit.
     factor: float = 1.0
 
 

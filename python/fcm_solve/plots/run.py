@@ -21,7 +21,7 @@ class Run:
         self.notes = []
 
     def _read(self, what, read):
-        """What a function reads; None, with a note, where the file is damaged."""
+        """The table or trajectory that a function reads; None, with a note, where the file is damaged."""
         try:
             return read()
         except PlotError as error:
@@ -116,9 +116,9 @@ class Run:
 
     @cached_property
     def progress(self):
-        """What series are shown over, its label and its dimension: the strain of a flow that goes on, or the time.
-        Strains add
-        up where the flow is reversed."""
+        """The values that series are shown over, their label and their dimension: the time, or the strain of a flow that goes
+        on, whose parts add up where it is reversed.
+        """
         strain, rate, time = self.get("strain"), self.scene.steady_rate, self.get("time")
         if strain is not None and not self.scene.oscillates:
             added = np.cumsum(np.abs(np.diff(strain, prepend=strain[0])))

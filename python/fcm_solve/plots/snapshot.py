@@ -40,8 +40,7 @@ class Snapshot:
         axes.set_title(f"time {self.frames.times[frame] * factor:.4g} {unit}".rstrip())
 
     def _origin(self, positions, lattice):
-        """Where the box begins: at the origin, but where it is open on both sides, so that these positions are in its
-        middle."""
+        """The corner of the box: the origin, but along open axes such that these positions are in the middle of the box."""
         middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0) - np.diagonal(lattice))
         return np.where([boundary == "open" for boundary in self.run.scene.boundaries], middle, 0.0)
 
@@ -60,7 +59,7 @@ class Snapshot:
         return matplotlib.colormaps["viridis"](self.norm(values))
 
     def _values(self, velocities):
-        """What colours say, its label and its dimension."""
+        """The values that colours show, their label and their dimension."""
         moving = self.run.stokes_velocities()
         if self.by == "speed":
             return np.linalg.norm(velocities, axis=1), "speed", "length/time"

@@ -1,4 +1,4 @@
-"""How pictures look: as wide as a journal's page, with letters that can be read there, in colours that all tell
+"""The look of pictures: as wide as a journal's page, with letters that can be read there, in colours that all tell
 apart."""
 
 import logging

@@ -79,7 +79,7 @@ def flux(run):
 
 
 def migration(run):
-    """How far spheres have gathered in the middle: 1 where they are spread evenly."""
+    """The migration of spheres to the middle: 1 where they are spread evenly."""
     return _by_species(run, [f"migration_{axis}" for axis in AXES], ("spread across the channel", ""))
 
 

@@ -79,7 +79,7 @@ def smallest_gap(run):
 
 
 def segregation(run):
-    """How far species have separated."""
+    """The segregation of the species: 0 where they are mixed."""
     if not has_series(run):
         return None
     panel = Panel(run, run.progress[1:], ("segregation of the species", ""), level=0)
