@@ -40,7 +40,7 @@ class Snapshot:
         axes.set_title(f"time {self.frames.times[frame] * factor:.4g} {unit}".rstrip())
 
     def _origin(self, positions, lattice):
-        """The corner of the box: the origin, but along open axes such that these positions are in the middle of the box."""
+        """The corner of the box: the origin, but along open axes such that these positions are in the middle."""
         middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0) - np.diagonal(lattice))
         return np.where([boundary == "open" for boundary in self.run.scene.boundaries], middle, 0.0)
 
