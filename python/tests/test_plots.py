@@ -144,6 +144,18 @@ def test_names_of_any_letters_are_labels(tmp_path, name):
     assert len(labels) == 2 and all(len(label) <= 33 for label in labels)
 
 
+def test_species_without_names_are_those_of_their_numbers(tmp_path):
+    folder = folders.run(tmp_path / "run", folders.SETTLING.replace('name = "heavy"\n', ""))
+    columns, rows = folders.series(np.linspace(0, 1, 5))
+    folders.write_csv(folder / "observables.csv", [column.replace("heavy", "1") for column in columns], rows)
+    (folder / "statistics").mkdir()
+    pairs = [("1", "1", 2.0, 1.5), ("1", "1", 3.0, 1.0)]
+    folders.write_csv(folder / "statistics" / "pairs.csv", ["first", "second", "distance", "g"], pairs)
+    figure = plots.draw(folder)
+    assert len(panel(figure, "settling").lines[0].get_xdata()) == 5
+    np.testing.assert_allclose(panel(figure, "pair distribution").lines[0].get_xydata(), [[2, 1.5], [3, 1]])
+
+
 def test_what_is_missing_or_damaged_is_left_out_and_named(tmp_path, capsys):
     folder = folders.run(tmp_path / "run", frames=0)
     status, said, errors = command(capsys, folder)

@@ -45,18 +45,9 @@ def read_answers(folder):
     if table is None or "verdict" not in table:
         return []
     table.needs(path, *COLUMNS)
-    texts = [_words(table[name]) for name in ("quantity", "species", "verdict", "unit")]
+    texts = [table[name].tolist() for name in ("quantity", "species", "verdict", "unit")]
     numbers = [_numbers(table[name]) for name in ("value", "error", "transient", "longer")]
     return [Answer(q, s, *n, v, u) for q, s, v, u, n in zip(*texts, zip(*numbers))]
-
-
-def _words(column):
-    """Cells as text; a name that is a number keeps it."""
-    return [str(cell) if column.dtype.kind == "U" else _name(cell) for cell in column.tolist()]
-
-
-def _name(number):
-    return "" if math.isnan(number) else f"{number:g}"
 
 
 def _numbers(column):

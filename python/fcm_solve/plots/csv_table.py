@@ -7,8 +7,12 @@ import numpy as np
 from .error import PlotError, damage
 
 
+# Columns of words, among which names of species may look like numbers.
+WORDS = {"point", "values", "quantity", "species", "first", "second", "verdict", "verdicts", "unit", "wall", "axis"}
+
+
 class CsvTable:
-    """Columns of equal length by name: numbers where all cells are numbers or empty, text otherwise."""
+    """Columns of equal length by name: numbers where all cells are numbers or empty, words otherwise."""
 
     def __init__(self, columns):
         self.columns = columns
@@ -27,6 +31,10 @@ class CsvTable:
         column = self.columns.get(name)
         return column if column is not None and column.dtype.kind == "f" and np.isfinite(column).any() else None
 
+    def has(self, *names):
+        """Whether it has all of these columns, those of numbers with at least one that is finite."""
+        return all(name in self.columns if name in WORDS else self.get(name) is not None for name in names)
+
     def where(self, **values):
         """The rows that have these values."""
         chosen = np.ones(len(self), dtype=bool)
@@ -43,6 +51,14 @@ class CsvTable:
         missing = [name for name in names if name not in self.columns]
         if missing:
             raise PlotError(f"{path} has no column {missing[0]}; write it anew with fcm-solve")
+        return self
+
+    def needs_numbers(self, path, *names):
+        """Refuses a table that lacks one of these columns, or has words in it."""
+        self.needs(path, *names)
+        wordy = [name for name in names if self.columns[name].dtype.kind != "f"]
+        if wordy:
+            raise PlotError(f"{path} is damaged: its column {wordy[0]} has words among the numbers")
         return self
 
 
@@ -63,7 +79,7 @@ def read_table(path):
                     f"{path} is damaged: row {number} has {len(row)} cells, and there are {len(names)} names"
                 )
         cells = list(zip(*rows)) if rows else [()] * len(names)
-        return CsvTable({name: _column(column) for name, column in zip(names, cells)})
+        return CsvTable({name: _column(name, column) for name, column in zip(names, cells)})
 
 
 def needed_table(path, advice):
@@ -76,7 +92,9 @@ def needed_table(path, advice):
     return table
 
 
-def _column(cells):
+def _column(name, cells):
+    if name in WORDS:
+        return np.array(cells, dtype=str)
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells], dtype=float)
     except ValueError:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .answers import ALL
 from .csv_table import read_table
 from .error import PlotError
 from .sheet import in_rows, sheet
@@ -49,7 +50,7 @@ def draw(folder, scene):
         raise PlotError(
             f"{path} has no answers yet; a family writes them as its runs end: go on with fcm-solve run --continue"
         )
-    table.needs(path, "values", "quantity", "species", "unit", "mean", "error")
+    table.needs(path, "values", "quantity", "species", "unit").needs_numbers(path, "mean", "error")
     keys = [name for name in table.columns if name not in (*FIRST, *NUMBERS)]
     family = Family(table, [key for key in keys if table.get(key) is not None], Units(scene.is_si))
     quantities = _quantities(table, path)
@@ -62,8 +63,8 @@ def draw(folder, scene):
 
 def _quantities(table, path):
     """The quantities that have a mean."""
-    means = table["mean"] if table["mean"].dtype.kind == "f" else np.full(len(table), np.nan)
-    found = [q for q in dict.fromkeys(table["quantity"].tolist()) if np.isfinite(means[table["quantity"] == q]).any()]
+    quantities = dict.fromkeys(table["quantity"].tolist())
+    found = [q for q in quantities if np.isfinite(table["mean"][table["quantity"] == q]).any()]
     if not found:
         raise PlotError(f"{path} has no mean that means something: its runs are too short, see the column verdicts")
     return found[:MOST]
@@ -71,7 +72,7 @@ def _quantities(table, path):
 
 def _draw_quantity(axes, family, quantity):
     rows = family.table.where(quantity=quantity)
-    factor, unit = family.units.scale(str(rows["unit"][0]), rows["mean"])
+    factor, unit = family.units.scale(rows["unit"][0], rows["mean"])
     lines = _lines(family, rows)[:MOST_CURVES]
     for (label, chosen), colour in zip(lines, colours(len(lines))):
         x = chosen[family.key] if family.key else _places(chosen, rows)
@@ -92,9 +93,9 @@ def _lines(family, rows):
 
 
 def _name(family, rows, number):
-    species = str(rows["species"][number])
-    values = [value for value in str(rows["values"][number]).split(", ") if value.split(" = ")[0] != family.key]
-    parts = ([] if species in ("", "all", "nan") else [species]) + (values if family.key else [])
+    species = rows["species"][number]
+    values = [value for value in rows["values"][number].split(", ") if value.split(" = ")[0] != family.key]
+    parts = ([] if species in ALL else [species]) + (values if family.key else [])
     return shown(", ".join(parts), 40)
 
 
@@ -111,7 +112,7 @@ def _values(text):
 
 def _scale(axes, family, rows):
     if family.key is None:
-        points = [_values(str(value)) for value in dict.fromkeys(rows["values"].tolist())]
+        points = [_values(value) for value in dict.fromkeys(rows["values"].tolist())]
         axes.set_xticks(range(len(points)), points, rotation=20 if len(points) > 2 else 0)
         axes.set_xlim(-0.5, len(points) - 0.5)
         return

@@ -116,8 +116,8 @@ class Run:
 
     @cached_property
     def progress(self):
-        """The values that series are shown over, their label and their dimension: the time, or the strain of a flow that
-        goes on, whose parts add up where it is reversed.
+        """The values that series are shown over, their label and their dimension: the time, or the strain of a flow
+        that goes on, whose parts add up where it is reversed.
         """
         strain, rate, time = self.get("strain"), self.scene.steady_rate, self.get("time")
         if strain is not None and not self.scene.oscillates:

@@ -14,6 +14,7 @@ STRESSES = (
     ("wall_stress_normal[top]", "normal, top"),
     ("wall_stress_along[top]", "shear, top"),
 )
+PROFILE = ("y", "solid_fraction", "velocity_x", "temperature")
 
 
 def draw(folder, scene):
@@ -21,11 +22,11 @@ def draw(folder, scene):
     units = Units(scene.is_si)
     series, profile, cells = (read_table(folder / name) for name in ("observables.csv", "profile.csv", "map.csv"))
     parts = []
-    if series is not None and any(series.get(name) is not None for name, _ in STRESSES):
+    if series is not None and series.get("time") is not None and any(series.get(s) is not None for s, _ in STRESSES):
         parts.append(lambda axes: _draw_stresses(axes, series, units))
-    if profile is not None and profile.get("y") is not None:
+    if profile is not None and profile.has(*PROFILE):
         parts += [lambda axes: _draw_fraction(axes, profile, units), lambda axes: _draw_motion(axes, profile, units)]
-    if cells is not None and cells.get("solid_fraction") is not None:
+    if cells is not None and cells.has("z", "y", "solid_fraction"):
         parts.append(lambda axes: _draw_map(axes, cells, units))
     if not parts:
         raise PlotError(f"{folder} has no averages yet; if the run still goes on, try again after time.settle")
@@ -68,6 +69,7 @@ def _draw_motion(axes, profile, units):
 
 
 def _draw_map(axes, cells, units):
+    cells = cells.at(np.isfinite(cells["z"]) & np.isfinite(cells["y"]))
     (z, columns), (y, rows) = (np.unique(cells[name], return_inverse=True) for name in ("z", "y"))
     values = np.full((len(y), len(z)), np.nan)
     values[rows, columns] = cells["solid_fraction"]

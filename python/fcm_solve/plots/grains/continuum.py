@@ -20,7 +20,7 @@ def draw(folder, scene):
     """Solid fraction, velocity and temperature by height."""
     path, units = folder / "profile.csv", Units(scene.is_si)
     profile = needed_table(path, "run the scene anew, which takes seconds")
-    profile.needs(path, "speed", "pressure", "y", *(name for name, _, _ in PROFILES))
+    profile.needs_numbers(path, "speed", "pressure", "y", *(name for name, _, _ in PROFILES))
     cases = np.unique(np.stack([profile["speed"], profile["pressure"]], axis=1), axis=0)[:MOST]
     figure = Figure(figsize=(PAGE, 2.8), layout="constrained")
     panels = figure.subplots(1, 3, sharey=True)

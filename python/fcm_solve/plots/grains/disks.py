@@ -85,7 +85,7 @@ def _draw_segregation(axes, series, answer):
     ):
         if series.get(name) is not None:
             axes.plot(series["strain"], series[name], color=colour, label=label, marker=marker, markersize=3)
-    if answer is not None:
+    if answer is not None and series.get("time") is not None:
         start, end = np.interp(answer.transient, series["time"], series["strain"]), series["strain"].max()
         band(axes, (start, end), (answer.value, answer.error), GRAY)
         shade(axes, series["strain"].min(), start)

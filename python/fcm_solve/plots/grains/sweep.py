@@ -15,7 +15,7 @@ def draw(folder, scene):
     """Mean segregation over the seeds of each branch."""
     path = folder / "averages.csv"
     averages = needed_table(path, "a sweep writes it when its cases are finished: go on with fcm-solve resume")
-    averages.needs(path, "strain", "segregation", "segregation_error", *(name for name, _ in OF))
+    averages.needs_numbers(path, "strain", "segregation", "segregation_error", *(name for name, _ in OF))
     figure = Figure(figsize=(PAGE * 0.6, 3.2), layout="constrained")
     axes = figure.subplots()
     branches = np.unique(np.stack([averages[name] for name, _ in OF], axis=1), axis=0)[:MOST]

@@ -21,7 +21,7 @@ def profile(run):
     if axis is None:
         return None
     table = run.statistics.get("profile")
-    if table is not None and table.get(AXES[axis]) is not None and table.get("volume_fraction") is not None:
+    if table is not None and table.has("species", AXES[axis], "volume_fraction"):
         return _of_statistics(run, table, axis)
     return _of_frames(run, axis) if run.frames is not None else None
 
@@ -63,7 +63,7 @@ def heights(run):
     if not motion.has_series(run) or run.scene.height_axis is None:
         return None
     axis = AXES[run.scene.height_axis]
-    panel = Panel(run, run.progress[1:], (f"{axis} of the centres, mean \u00b1 deviation", "length"))
+    panel = Panel(run, run.progress[1:], (f"height {axis}, mean \u00b1 deviation", "length"))
     for name, colour in zip(run.names, colours(len(run.names))):
         mean, deviation = run.get(f"height_mean[{name}]"), run.get(f"height_deviation[{name}]")
         label = shown(name) if len(run.names) > 1 else ""

@@ -11,7 +11,7 @@ from . import motion
 def displacements(run):
     """The mean square displacement by lag, a component, and that of a single sphere in unbounded fluid."""
     heat, lags = run.scene.thermal_energy, run.statistics.get("lags")
-    if heat <= 0 or lags is None or "species" not in lags or lags.get("time") is None:
+    if heat <= 0 or lags is None or not lags.has("species", "time"):
         return None
     panel = Panel(run, ("time lag", "time"), ("mean square displacement", "length^2"), log=(True, True))
     axes = [axis for axis in "xyz" if run.scene.flow == "none" or axis != "x"]

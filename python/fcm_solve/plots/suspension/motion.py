@@ -90,11 +90,8 @@ def segregation(run):
 def fluctuation_tensor(run):
     """The components of the fluctuation tensor of each species, of the statistics."""
     summary = run.statistics.get("summary")
-    if (
-        run.scene.thermal_energy > 0
-        or summary is None
-        or not {"quantity", "species", "value", "error"} <= summary.columns.keys()
-    ):
+    columns = ("quantity", "species", "value", "error")
+    if run.scene.thermal_energy > 0 or summary is None or not summary.has(*columns):
         return None
     names = [f"T_{component}" for component in ("xx", "yy", "zz", "xy", "xz", "yz")]
     rows = {(q, s): i for i, (q, s) in enumerate(zip(summary["quantity"], summary["species"]))}

@@ -37,9 +37,11 @@ def moduli(run):
     """Storage and loss modulus of the harmonics, of the statistics."""
     table = run.statistics.get("harmonics")
     columns = ("harmonic", "storage_modulus", "loss_modulus")
-    if table is None or any(table.get(name) is None for name in columns):
+    if table is None or not table.has(*columns):
         return None
-    bars = Bars(run, [f"{number:g}" for number in table["harmonic"]], ("modulus of the harmonic", "force/length^2"))
+    bars = Bars(
+        run, [f"{number:g}" for number in table["harmonic"].tolist()], ("modulus of the harmonic", "force/length^2")
+    )
     for name, label, colour in zip(columns[1:], ("storage modulus G\u2032", "loss modulus G\u2033"), colours(2)):
         errors = table.get(f"{name}_error")
         bars.add(table[name], errors if errors is not None else 0 * table[name], label, colour)

@@ -11,7 +11,7 @@ MOST = 6
 def distribution(run):
     """The pair distribution of each pair of species, of the statistics."""
     table = run.statistics.get("pairs")
-    if table is None or table.get("distance") is None or table.get("g") is None:
+    if table is None or not table.has("first", "second", "distance", "g"):
         return None
     panel = Panel(run, ("distance", "length"), ("pair distribution g(r)", ""), level=1)
     pairs = list(dict.fromkeys(zip(table["first"].tolist(), table["second"].tolist())))[:MOST]
