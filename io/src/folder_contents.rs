@@ -57,7 +57,8 @@ impl FolderContents {
 
     /// What is damaged, by file.
     pub fn damage(&self) -> Vec<String> {
-        let of = |file: &FolderFile| (!file.damage.is_empty()).then(|| format!("{}: {}", file.name, file.damage.join("; ")));
+        let of =
+            |file: &FolderFile| (!file.damage.is_empty()).then(|| format!("{}: {}", file.name, file.damage.join("; ")));
         self.files.iter().filter_map(of).collect()
     }
 }

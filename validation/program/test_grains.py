@@ -191,10 +191,13 @@ class Grains(unittest.TestCase):
                 self.assertTrue(list(out.glob("checkpoint-*.bin")))
 
     def test_grains_that_jam_end_a_run_with_what_to_change(self):
-        said = self.run_scene("shear-cell", {"collisions": '"time-stepped"', "time.collision_step": 5e-13}, expect=1)
-        self.assertIn("time.collision_step is 5e-13, of which time.step takes", said)
         said = self.run_scene("shear-cell", {"cell.length": 0.005, "cell.width": 0.005, "grains.solid_fraction": 0.57}, expect=1)
         self.assertRegex(said, r"the grains jam at time 0\.0\d+: .*; lower grains\.solid_fraction, let the top go with")
+
+    def test_a_check_does_not_wait_for_a_long_step(self):
+        """Of a step that would take hours no time is told."""
+        said = run(["check", *words("shear-cell", {"collisions": "time-stepped", "time.collision_step": 5e-15})])
+        self.assertNotIn("\ntime ", said)
 
     def test_threads_do_not_change_a_run(self):
         ends = []

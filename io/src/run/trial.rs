@@ -3,7 +3,7 @@
 use super::{RunError, start};
 use crate::checkpoint;
 use crate::{GranularDisksScene, Kind, Output, Scene, SceneRecord, SuspensionScene, Trajectory};
-use domain::{Comm, Number, readable_bytes};
+use domain::{Comm, Interrupt, Number, readable_bytes};
 use simulation::{Outline, Schedule, Simulation, Table};
 use std::time::{Duration, Instant};
 use suspension::{Forecast, Observed, Start, StatisticsOfRank};
@@ -29,6 +29,9 @@ pub struct Trial {
 const TIME: Duration = Duration::from_millis(300);
 const PART: f64 = 0.05;
 const MOST_TIME: Duration = Duration::from_secs(1);
+
+/// When a step is given up that a single rank takes.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Steps that are not timed: nothing is known yet to extrapolate from.
 const WARM_UP: u64 = 6;
@@ -109,6 +112,9 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     // Steps and times at the end of each advance.
     let mut ends = Vec::new();
     let began = Instant::now();
+    if comm.size() == 1 {
+        simulation.listen(Interrupt::when(move || began.elapsed() > PATIENCE));
+    }
     loop {
         let (step, time) = (simulation.clock().step(), agreed(began, comm));
         ends.push((step, time));

@@ -101,9 +101,6 @@ fn top(raw: &raw::Top) -> Result<Top, Fault> {
     }
 }
 
-/// Collision steps within a step, between which nothing can be said of a run.
-const MOST_COLLISION_STEPS: f64 = 1e7;
-
 fn collisions(raw: &Raw) -> Result<Collisions, Fault> {
     let key = "time.collision_step";
     match (raw.collisions, raw.time.collision_step) {
@@ -111,14 +108,6 @@ fn collisions(raw: &Raw) -> Result<Collisions, Fault> {
         (raw::Collisions::EventDriven, Some(_)) => {
             Err(Fault::new(key, "goes with collisions = \"time-stepped\" only; leave it out or change that"))
         }
-        (raw::Collisions::TimeStepped, Some(step)) if raw.time.step > MOST_COLLISION_STEPS * step => Err(Fault::new(
-            key,
-            format!(
-                "is {}, of which time.step takes {:.3}, more than {MOST_COLLISION_STEPS:.0e}: make it longer, or time.step shorter",
-                Number(step),
-                Number(raw.time.step / step)
-            ),
-        )),
         (raw::Collisions::TimeStepped, Some(step)) => Ok(Collisions::TimeStepped { step }),
         (raw::Collisions::TimeStepped, None) => Err(Fault::new(key, "is missing; time-stepped collisions need it")),
     }
