@@ -76,8 +76,8 @@ pub use run::{
     with_start_file,
 };
 pub use scene::{
-    ContinuumScene, Difference, GranularDisksScene, Kind, Output, Scene, SceneChange, SceneError, ShearCellScene,
-    SuspensionScene, TEMPLATES, Template, Time, check_accepted, scene_schema, some_of,
+    ContinuumScene, Difference, Family, GranularDisksScene, Kind, Member, Output, Scene, SceneChange, SceneError, SceneFile,
+    ShearCellScene, SuspensionScene, TEMPLATES, Template, Time, check_accepted, scene_schema, some_of,
 };
 pub use series::Series;
 pub use tables::{read_rows, write_tables};

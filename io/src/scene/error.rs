@@ -1,6 +1,6 @@
 //! Errors in scenes, as messages for their authors.
 
-use super::overrides;
+use super::{Member, overrides};
 use crate::document::{Misfit, Node, bounded, excerpt, line};
 use domain::ParameterError;
 
@@ -30,7 +30,7 @@ pub enum SceneError {
         name: String,
         /// The line that the key stands on, where the file has it.
         line: Option<usize>,
-        /// What is set on the command line, as ` with --set time.step=0.1`; empty if nothing is.
+        /// What is set on the command line, as ` with --set time.step=0.1`, or the member of a family; empty if there is neither.
         with: String,
         /// The key, what was found, what is allowed.
         message: String,
@@ -41,6 +41,20 @@ pub enum SceneError {
         /// The override and what is wrong with it.
         message: String,
     },
+}
+
+impl SceneError {
+    /// The same about a member of the family in the file `name`.
+    pub(super) fn of_member(self, name: &str, member: &Member) -> Self {
+        let with = format!(", {member}");
+        match self {
+            Self::Invalid { name, line, message, .. } => Self::Invalid { name, line, with, message },
+            Self::Override { message } => {
+                Self::Invalid { name: name.to_owned(), line: None, with, message: format!("sweep can't set {message}") }
+            }
+            other => other,
+        }
+    }
 }
 
 fn place(name: &str, line: Option<usize>) -> String {
@@ -111,6 +125,6 @@ impl Explain<'_> {
 }
 
 /// Whether a key is another one or in it.
-fn is_in(key: &str, other: &str) -> bool {
+pub(super) fn is_in(key: &str, other: &str) -> bool {
     key.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }

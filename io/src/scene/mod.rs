@@ -4,6 +4,7 @@ mod changes;
 mod checks;
 mod differences;
 mod error;
+mod family;
 mod granular_disks;
 mod kept_paths;
 mod overrides;
@@ -24,6 +25,7 @@ pub use differences::Difference;
 pub(crate) use differences::differences_of;
 pub use error::SceneError;
 use error::{Explain, Fault};
+pub use family::{Family, Member, SceneFile};
 pub use granular_disks::GranularDisksScene;
 pub use schema::scene_schema;
 pub use shear_cell::ShearCellScene;
@@ -75,25 +77,37 @@ impl Scene {
 
     /// Checks the text of a scene. `name` is the file's, for messages and as the place that paths start from.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        Self::parse_in(Path::new(name).parent().unwrap_or(Path::new("")), text, name, overrides)
+        Self::parse_in(Path::new(name).parent().unwrap_or(Path::new("")), text, name, (overrides, &[]))
     }
 
     /// The same scene with keys that are set for a purpose, for messages; its paths are still relative to the folder that it
     /// is from.
     pub fn with(&self, purpose: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        Self::parse_in(&self.folder, &self.text, &format!("the scene with {purpose}"), overrides)
+        Self::parse_in(&self.folder, &self.text, &format!("the scene with {purpose}"), (overrides, &[]))
     }
 
-    fn parse_in(folder: &Path, text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
+    /// The scene of a member of a family, whose text this is.
+    fn parse_member(folder: &Path, text: &str, name: &str, settings: &[String]) -> Result<Self, SceneError> {
+        Self::parse_in(folder, text, name, (settings, &family::SECTIONS))
+    }
+
+    /// With the keys of `overrides` set, and without some sections.
+    fn parse_in(
+        folder: &Path,
+        text: &str,
+        name: &str,
+        (overrides, without): (&[String], &[&str]),
+    ) -> Result<Self, SceneError> {
         let explain = Explain { text, written: None, name, overrides: &[] };
         let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
         let explain = Explain { written: Some(&written), overrides, ..explain };
         let set = |text: &str, keys: &[String]| {
-            let text = overrides::apply(text, keys).map_err(|message| SceneError::Override { message })?;
+            let text = overrides::apply(text, keys, without).map_err(|message| SceneError::Override { message })?;
             let document = Node::of_toml(&text).map_err(|error| explain.syntax(&error))?;
             Ok((text, document))
         };
-        let mut changed = if overrides.is_empty() { None } else { Some(set(text, overrides)?) };
+        let is_as_written = overrides.is_empty() && without.is_empty();
+        let mut changed = if is_as_written { None } else { Some(set(text, overrides)?) };
         let document = changed.as_ref().map_or(&written, |(_, document)| document);
         if let Some(edges) = start_box::missing_edges(document, folder).map_err(|fault| explain.fault(&fault))? {
             changed = Some(set(changed.as_ref().map_or(text, |(text, _)| text), &[edges])?);
@@ -123,6 +137,10 @@ struct Reading<'a> {
 impl Reading<'_> {
     /// The scene of this text.
     fn scene(&self, text: &str) -> Result<Scene, SceneError> {
+        if let Some(section) = family::section_of(self.document, text) {
+            let message = "makes a family of many runs, which `fcm-solve run`, `check` and `resume` take, but which is no scene of one";
+            return Err(self.explain.fault(&Fault::new(section, message)));
+        }
         let kind = match self.document.get("kind").and_then(Node::text).unwrap_or(KINDS[0]) {
             "suspension" => Kind::Suspension(self.check(SuspensionScene::checked)?),
             "granular-disks" => {
@@ -188,6 +206,11 @@ impl Kind {
             Self::ShearCell(scene) => scene.experiment.seed,
             Self::Continuum(_) => 0,
         }
+    }
+
+    /// Whether it has random numbers.
+    pub fn has_seed(&self) -> bool {
+        !matches!(self, Self::Continuum(_))
     }
 
     /// The last step.

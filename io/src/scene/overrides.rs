@@ -4,9 +4,10 @@ use crate::document::excerpt;
 use toml::{Table, Value};
 
 /// The text of a scene with the keys of `overrides` set, each `key=value` with a dotted key such as
-/// `species[0].radius` and a TOML value; a bare word is a string. Comments are lost.
-pub(super) fn apply(text: &str, overrides: &[String]) -> Result<String, String> {
-    let table: Table = toml::from_str(text).map_err(|e| e.to_string())?;
+/// `species[0].radius` and a TOML value; a bare word is a string. The sections of `without` and comments are left out.
+pub(super) fn apply(text: &str, overrides: &[String], without: &[&str]) -> Result<String, String> {
+    let mut table: Table = toml::from_str(text).map_err(|e| e.to_string())?;
+    table.retain(|key, _| !without.contains(&key));
     let mut root = Value::Table(table);
     for item in overrides {
         let shown = excerpt(item);
@@ -29,6 +30,11 @@ pub(super) fn key_of(item: &str) -> String {
         }
     }
     written
+}
+
+/// `Err` for a key that is not written as `species[0].radius`.
+pub(super) fn check_key(key: &str) -> Result<(), String> {
+    parts(key).map(drop)
 }
 
 fn value_of(text: &str) -> Value {
@@ -112,7 +118,7 @@ mod tests {
     const TEXT: &str = "title = 'a'\n[time]\nstep = 1\n[[species]]\nradius = 1.0\n[[species]]\nradius = 2.0\n";
 
     fn with(item: &str) -> Result<Table, String> {
-        apply(TEXT, &[item.to_owned()]).map(|text| toml::from_str(&text).unwrap())
+        apply(TEXT, &[item.to_owned()], &[]).map(|text| toml::from_str(&text).unwrap())
     }
 
     #[test]
@@ -121,7 +127,7 @@ mod tests {
         assert_eq!(with("species[1].radius = 3").unwrap()["species"][1]["radius"], Value::Integer(3));
         assert_eq!(with("species.0.force=[0, 0, -1]").unwrap()["species"][0]["force"].as_array().unwrap().len(), 3);
         assert_eq!(with("hydrodynamics.method=direct").unwrap()["hydrodynamics"]["method"].as_str(), Some("direct"));
-        let ended = apply("[time]\nduration = 2.0\n", &["time.steps=3".to_owned()]).unwrap();
+        let ended = apply("[time]\nduration = 2.0\n", &["time.steps=3".to_owned()], &[]).unwrap();
         assert_eq!(ended.trim(), "[time]\nsteps = 3");
         assert_eq!(with("title=two words").unwrap()["title"].as_str(), Some("two words"));
     }

@@ -1,0 +1,170 @@
+//! Families: scenes that stand for many runs, one for each seed of `[ensemble]` at each point of `[sweep]`.
+
+mod lists;
+mod member;
+#[cfg(test)]
+mod tests;
+
+use super::error::{Explain, Fault};
+use super::{KINDS, Scene, SceneError, kept_paths, overrides, text_size};
+use crate::document::{Node, excerpt};
+use lists::Lists;
+pub use member::Member;
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// The sections that make a family of a scene.
+pub(super) const SECTIONS: [&str; 2] = ["ensemble", "sweep"];
+
+/// Members of a family at most.
+const MOST: usize = 10_000;
+
+/// A scene file as a user gives it: a scene, or a family of scenes.
+#[derive(Debug)]
+pub enum SceneFile {
+    /// One run.
+    Scene(Box<Scene>),
+    /// Many.
+    Family(Family),
+}
+
+/// A family of scenes of which every member has been checked.
+#[derive(Debug)]
+pub struct Family {
+    text: String,
+    name: String,
+    folder: PathBuf,
+    keys: Vec<String>,
+    members: Vec<Member>,
+}
+
+impl SceneFile {
+    /// Reads a file and sets the keys of `overrides`, as [`Scene::read`] does.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
+        let name = path.display().to_string();
+        let file = std::fs::File::open(path).map_err(|reason| SceneError::Unreadable { name: name.clone(), reason })?;
+        Self::read_from(file, &name, overrides)
+    }
+
+    /// The same from any source, as [`Scene::read_from`] does.
+    pub fn read_from(from: impl std::io::Read, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        Self::parse(&text_size::read(from, name)?, name, overrides)
+    }
+
+    /// The same of a text, as [`Scene::parse`] does.
+    pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        let is_family = sections(text) || overrides.iter().any(|set| is_of_family(&overrides::key_of(set)));
+        if !is_family {
+            return Ok(Self::Scene(Box::new(Scene::parse(text, name, overrides)?)));
+        }
+        Family::parse(text, name, overrides).map(Self::Family)
+    }
+}
+
+/// Whether a text has a section of families.
+fn sections(text: &str) -> bool {
+    toml::from_str::<Table>(text).is_ok_and(|table| is_family(&table))
+}
+
+fn is_family(table: &Table) -> bool {
+    table.contains_key("ensemble") || table.get("sweep").is_some_and(|sweep| !is_of_disks(table, sweep))
+}
+
+fn is_of_family(key: &str) -> bool {
+    SECTIONS.iter().any(|section| key == *section || key.starts_with(&format!("{section}.")))
+}
+
+/// Lists of values of the runs of sheared disks that one process makes.
+const OF_DISKS: [&str; 4] = ["seeds", "viscosities", "rates", "area_fractions"];
+
+/// Whether a sweep is one of those.
+fn is_of_disks(table: &Table, sweep: &Value) -> bool {
+    let is_one = |sweep: &Table| sweep.keys().all(|key| OF_DISKS.contains(&key.as_str()));
+    table.get("kind").and_then(Value::as_str) == Some(KINDS[1]) && sweep.as_table().is_some_and(is_one)
+}
+
+/// The section that makes a family of a document, if there is one.
+pub(super) fn section_of(document: &Node, text: &str) -> Option<&'static str> {
+    let is_there = |section: &&&str| document.get(section).is_some();
+    SECTIONS.iter().find(is_there).copied().filter(|_| sections(text))
+}
+
+impl Family {
+    /// Checks the text of a family, and each of its members. `name` is the file's, for messages and as the place that paths
+    /// start from.
+    fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        let explain = Explain { text, written: None, name, overrides };
+        let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
+        let explain = Explain { written: Some(&written), ..explain };
+        let text = match overrides {
+            [] => text.to_owned(),
+            set => overrides::apply(text, set, &[]).map_err(|message| SceneError::Override { message })?,
+        };
+        let folder = Path::new(name).parent().unwrap_or(Path::new("")).to_owned();
+        let text = kept_paths::with_absolute_paths(&text, &folder).unwrap_or(text);
+        let lists = Lists::read(&text).map_err(|fault| explain.fault(&fault))?;
+        let mut family = Self { text, name: name.to_owned(), folder, keys: lists.keys.clone(), members: Vec::new() };
+        family.members = family.members_of(lists, &explain)?;
+        family.members.iter().try_for_each(|member| family.scene(member).map(drop))?;
+        Ok(family)
+    }
+
+    /// One for each seed at each point, those of a point one after another.
+    fn members_of(&self, Lists { seeds, points, keys }: Lists, explain: &Explain) -> Result<Vec<Member>, SceneError> {
+        let first = Member::new(0, (&keys, &points[0]), None);
+        let scene = self.scene(&first)?;
+        let seeds = match seeds {
+            Some(_) if !scene.kind().has_seed() => {
+                let message = format!("goes with scenes that have random numbers; one of kind \"{}\" has none", scene.kind().name());
+                return Err(explain.fault(&Fault::new("ensemble", message)));
+            }
+            Some(seeds) => seeds.from(scene.kind().seed()).map_err(|fault| explain.fault(&fault))?.into_iter().map(Some).collect(),
+            None => vec![scene.kind().has_seed().then(|| scene.kind().seed())],
+        };
+        let count = points.len().saturating_mul(seeds.len());
+        if count > MOST {
+            let message = format!("makes {count} runs; a family has at most {MOST}: list fewer values or seeds");
+            return Err(explain.fault(&Fault::new(if points.len() > 1 { "sweep" } else { "ensemble" }, message)));
+        }
+        let of_point = |(place, values): (usize, &Vec<Value>)| {
+            seeds.iter().map(|seed| Member::new(place, (&keys, values), *seed)).collect::<Vec<_>>()
+        };
+        Ok(points.iter().enumerate().flat_map(of_point).collect())
+    }
+
+    /// The family as TOML, with the overrides in it: what to keep with the results.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The swept keys, in the order in which they are written.
+    pub fn keys(&self) -> &[String] {
+        &self.keys
+    }
+
+    /// The members: those of a point follow each other.
+    pub fn members(&self) -> &[Member] {
+        &self.members
+    }
+
+    /// The members of each point.
+    pub fn points(&self) -> impl Iterator<Item = &[Member]> {
+        self.members.chunk_by(|one, other| one.point == other.point)
+    }
+
+    /// The scene of a member.
+    pub fn scene(&self, member: &Member) -> Result<Scene, SceneError> {
+        Scene::parse_member(&self.folder, &self.text, &self.name, member.settings()).map_err(|e| e.of_member(&self.name, member))
+    }
+
+    /// The folder that the family names for its results.
+    pub fn output_folder(&self) -> Option<PathBuf> {
+        let table = toml::from_str::<Table>(&self.text).ok()?;
+        table.get("output")?.get("folder")?.as_str().map(PathBuf::from)
+    }
+}
+
+/// A value in messages and names.
+fn shown(value: &Value) -> String {
+    excerpt(&value.to_string())
+}
