@@ -1,10 +1,12 @@
 //! `fcm-solve check`: the plan, memory and cost of a scene.
 
+use crate::family;
 use crate::part_progress::PartProgress;
-use crate::scene_file::read;
+use crate::scene_file::read_any;
 use crate::streams::{self, json};
+use anyhow::ensure;
 use domain::Comm;
-use io::{RunError, Scene};
+use io::{RunError, Scene, SceneFile};
 use simulation::Outline;
 use std::path::PathBuf;
 use suspension::{Asked, Ranks};
@@ -33,7 +35,17 @@ pub struct Args {
 
 /// Checks the scene and prints how it would be computed. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let (scene, notes) = io::with_start_file(read(&args.scene, &args.overrides, comm)?, comm)?;
+    let scene = match read_any(&args.scene, &args.overrides, comm)? {
+        SceneFile::Scene(scene) => *scene,
+        SceneFile::Family(family) => {
+            ensure!(
+                args.ranks.is_none(),
+                "--ranks goes with single scenes: each run of a family has one; leave it out"
+            );
+            return streams::print(comm, &family::check(&family, !args.no_trial, args.json)?);
+        }
+    };
+    let (scene, notes) = io::with_start_file(scene, comm)?;
     let scene = io::on_this_machine(scene, comm)?;
     let placing = PartProgress::start(comm, "the particles are placed");
     let outline = io::outline(scene.kind(), asked(args, comm), comm)?;

@@ -1,16 +1,17 @@
 //! `fcm-solve info`: the contents of a result file, or of the folder of a run.
 
 use crate::causes::in_full;
+use crate::family;
 use crate::streams::{self, json};
 use anyhow::{Context, anyhow, ensure};
 use domain::Comm;
-use io::{Contents, FolderContents};
+use io::{Contents, FamilyFolder, FolderContents};
 use std::path::{Path, PathBuf};
 
 /// Which file.
 #[derive(clap::Args)]
 pub struct Args {
-    /// An HDF5 file of a run, or its folder
+    /// An HDF5 file of a run, or its folder, or that of a family
     #[arg(value_name = "FILE|DIR")]
     file: PathBuf,
     /// Print the scene that the file comes from
@@ -48,6 +49,10 @@ fn describe(args: &Args) -> anyhow::Result<Described> {
         let scene = path.join("scene.toml");
         let text = std::fs::read_to_string(&scene).with_context(|| format!("can't read {}", scene.display()))?;
         return Ok(Described { text, damage: Vec::new() });
+    }
+    if FamilyFolder::holds_family(path) {
+        let (text, values) = family::info(path)?;
+        return Ok(Described { text: if args.json { json(&values) } else { text }, damage: Vec::new() });
     }
     if path.is_dir() {
         let contents = FolderContents::read(path)?;

@@ -11,6 +11,7 @@ mod check;
 mod commands;
 mod continuation;
 mod export;
+mod family;
 mod info;
 mod launch;
 mod manual;

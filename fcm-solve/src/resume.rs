@@ -3,10 +3,13 @@
 use crate::causes::in_full;
 use crate::commands::resume_command;
 use crate::continuation::{go_on, kept_scene};
+use crate::family::{self, Part, Work};
+use crate::scene_file::read_any;
 use crate::signals::{Signals, StopArgs};
 use crate::whole_scene::carry_out;
+use anyhow::{bail, ensure};
 use domain::Comm;
-use io::{Resumption, RunFolder, WholeScene};
+use io::{ExistingRun, FamilyFolder, Resumption, RunFolder, SceneFile, WholeScene};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -30,6 +33,9 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let command = resume_command(&args.folder, args.steps);
     let signals = comm.agree(Signals::watch(comm, command, &args.stops))?;
     comm.agree(io::check_accepted(&args.accept))?;
+    if comm.any(comm.is_first() && FamilyFolder::holds_family(&args.folder)) {
+        return resume_family(args, comm, &signals);
+    }
     let folder = comm.agree(RunFolder::reopen(&args.folder, comm).map_err(|e| in_full(&e.into())))?;
     let scene = kept_scene(&folder, args.steps, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
@@ -37,4 +43,16 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
         return carry_out(&work, (&scene, &folder), (comm, &signals));
     }
     go_on(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
+}
+
+/// Goes on with the members of a family that are missing. Collective.
+fn resume_family(args: &Args, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+    ensure!(args.steps.is_none(), "--steps goes with single runs; change the end in the scene of the family");
+    match read_any(&args.folder.join("scene.toml"), &[], comm)? {
+        SceneFile::Family(family) => {
+            let work = Work { family: &family, part: Part::WHOLE, accepted: &args.accept };
+            family::run(&work, (&args.folder, ExistingRun::Continue), signals)
+        }
+        SceneFile::Scene(_) => bail!("{} holds no family any more", args.folder.display()),
+    }
 }

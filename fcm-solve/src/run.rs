@@ -3,15 +3,19 @@
 use crate::causes::in_full;
 use crate::commands::{quoted, resume_command};
 use crate::continuation::go_on;
+use crate::family::{self, Part, Work};
 use crate::part_progress::PartProgress;
 use crate::run_loop::run_to_end;
-use crate::scene_file::read;
+use crate::scene_file::{read, read_any};
 use crate::signals::{Signals, StopArgs};
 use crate::whole_scene::carry_out;
 use crate::{prepared_scene::prepared, streams};
 use anyhow::ensure;
 use domain::Comm;
-use io::{Checkpoints, Difference, ExistingRun, Recorder, Resumption, RunFolder, Scene, WholeScene, some_of};
+use io::{
+    Checkpoints, Difference, ExistingRun, Family, Recorder, Resumption, RunFolder, Scene, SceneFile, WholeScene,
+    some_of,
+};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -35,15 +39,22 @@ pub struct Args {
     /// Go on with another value of this key, fluid.viscosity or one of the section repulsion; may be repeated
     #[arg(long, value_name = "KEY", requires = "goes_on")]
     accept: Vec<String>,
+    /// Make the part K of N of a family's runs, beside programs that make the others in the same folder
+    #[arg(long, value_name = "K/N", conflicts_with = "force", allow_hyphen_values = true)]
+    part: Option<Part>,
     #[command(flatten)]
     stops: StopArgs,
 }
 
-/// Runs the scene. Collective.
+/// Runs the scene, or the members of a family. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
-    let scene = read(&args.scene, &args.overrides, comm)?;
+    let scene = match read_any(&args.scene, &args.overrides, comm)? {
+        SceneFile::Scene(scene) => *scene,
+        SceneFile::Family(family) => return run_family(args, &family, comm),
+    };
     comm.agree(io::check_accepted(&args.accept))?;
-    let path = args.folder(&scene);
+    ensure!(args.part.is_none(), "--part goes with families, scenes with [ensemble] or [sweep]; leave it out");
+    let path = args.folder(scene.kind().folder());
     let signals = Signals::watch(comm, args.command(&path), &args.stops);
     let signals = comm.agree(signals)?;
     let folder = comm.agree(RunFolder::claim(&path, comm, args.former()).map_err(|e| in_full(&e.into())))?;
@@ -51,6 +62,17 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
         return start_or_go_on(scene, folder, &args.accept, (comm, &signals));
     }
     start(scene, folder, comm, &signals)
+}
+
+/// The members of a family that are missing.
+fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitCode> {
+    io::check_accepted(&args.accept).map_err(anyhow::Error::msg)?;
+    let path = args.folder(family.output_folder().as_deref());
+    let signals = Signals::watch(comm, args.command(&path), &args.stops)?;
+    let work = Work { family, part: args.part.unwrap_or(Part::WHOLE), accepted: &args.accept };
+    // Each part comes to a folder that others may have made.
+    let former = if args.part.is_some() { ExistingRun::Continue } else { args.former() };
+    family::run(&work, (&path, former), &signals)
 }
 
 /// A run from its start. Collective.
@@ -122,8 +144,8 @@ fn refuse_another(differences: impl Iterator<Item = Difference>, folder: &Path) 
 }
 
 impl Args {
-    fn folder(&self, scene: &Scene) -> PathBuf {
-        let named = self.out.clone().or_else(|| scene.kind().folder().map(Path::to_owned));
+    fn folder(&self, of_scene: Option<&Path>) -> PathBuf {
+        let named = self.out.clone().or_else(|| of_scene.map(Path::to_owned));
         named.unwrap_or_else(|| default_folder(&self.scene))
     }
 
@@ -138,10 +160,11 @@ impl Args {
     /// The command that starts this run again, or continues it.
     fn command(&self, folder: &Path) -> String {
         let how = if self.force { "force" } else { "continue" };
+        let part = self.part.map_or_else(String::new, |part| format!(" --part {part}"));
         let accepts: String = self.accept.iter().fold(String::new(), |all, key| all + " --accept " + &quoted(key));
         let sets: String = self.overrides.iter().fold(String::new(), |sets, set| sets + " --set " + &quoted(set));
         let [scene, folder] = [&self.scene, folder].map(|path| quoted(&path.display().to_string()));
-        format!("fcm-solve run {scene} --out {folder}{sets}{accepts} --{how}")
+        format!("fcm-solve run {scene} --out {folder}{sets}{accepts}{part} --{how}")
     }
 }
 

@@ -1,21 +1,48 @@
 //! Scenes that are read on the first rank.
 
-use anyhow::Context;
+use crate::causes::in_full;
+use anyhow::{Context, bail, ensure};
 use domain::Comm;
-use io::{Scene, SceneError};
+use io::{Scene, SceneError, SceneFile};
 use std::path::Path;
 
 /// Reads a scene on the first rank and shares it. Collective.
 pub fn read(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<Scene> {
-    let read = if comm.is_first() { read_here(path, overrides).map(Some) } else { Ok(None) };
-    let read = comm.agree(read)?;
-    let text = comm.broadcast_text(read.as_ref().map_or("", |scene| scene.text()));
-    read.map_or_else(|| Scene::parse(&text, &path.display().to_string(), &[]).context("as the first rank sent it"), Ok)
+    match read_any(path, overrides, comm)? {
+        SceneFile::Scene(scene) => Ok(*scene),
+        SceneFile::Family(_) => bail!("{} is a family of runs; name one of its runs", path.display()),
+    }
 }
 
-fn read_here(path: &Path, overrides: &[String]) -> Result<Scene, SceneError> {
-    if path != Path::new("-") {
-        return Scene::read(path, overrides);
+/// Reads a file on the first rank: a scene, which is shared, or a family of scenes, which a single rank makes. Collective.
+pub fn read_any(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<SceneFile> {
+    let read = if comm.is_first() { read_here(path, overrides, comm).map(Some) } else { Ok(None) };
+    let read = comm.agree(read.map_err(|e| in_full(&e)))?;
+    let text = comm.broadcast_text(match &read {
+        Some(SceneFile::Scene(scene)) => scene.text(),
+        _ => "",
+    });
+    let shared = || Scene::parse(&text, &path.display().to_string(), &[]).context("as the first rank sent it");
+    read.map_or_else(|| Ok(SceneFile::Scene(Box::new(shared()?))), Ok)
+}
+
+fn read_here(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<SceneFile> {
+    let file = any_of(path, overrides)?;
+    if let SceneFile::Family(family) = &file {
+        ensure!(
+            comm.size() == 1,
+            "{} is a family of {} runs, which one process makes side by side on its cores: start it without mpirun, or as one \
+             task with many cores; on several machines start a --part K/N on each",
+            path.display(),
+            family.members().len()
+        );
     }
-    Scene::read_from(std::io::stdin(), "standard input", overrides)
+    Ok(file)
+}
+
+fn any_of(path: &Path, overrides: &[String]) -> Result<SceneFile, SceneError> {
+    if path != Path::new("-") {
+        return SceneFile::read(path, overrides);
+    }
+    SceneFile::read_from(std::io::stdin(), "standard input", overrides)
 }

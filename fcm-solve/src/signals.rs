@@ -137,6 +137,16 @@ impl Signals {
         pace.checkpoint = pace.checkpoint.max(time);
     }
 
+    /// Stops for a reason that was seen elsewhere.
+    pub fn stop(&self, stop: Stop) {
+        self.requests.ask(stop);
+    }
+
+    /// The time until the run has to be over, if it has an end.
+    pub fn time_left(&self) -> Option<Duration> {
+        self.requests.end.map(|end| end.saturating_duration_since(Instant::now()))
+    }
+
     /// Sets the command that continues the run.
     pub fn go_on_with(&self, command: String) {
         *self.requests.command() = command;

@@ -101,7 +101,7 @@ pub use model::{
     ShearRates, SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
 pub use observed::Observed;
-pub use outline::{Asked, outline, plan_values};
+pub use outline::{Asked, outline, plan_values, predicted_memory};
 pub use overlaps::Overlaps;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
 pub use single_evaluation::SingleEvaluation;

@@ -71,6 +71,14 @@ pub fn outline(
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
 
+/// The bytes that the rank of a run that needs the most takes at its peak, before any particle is placed; nothing where a file
+/// says which particles there are.
+pub fn predicted_memory(model: &Model, ranks: Ranks) -> Result<Option<f64>, StartError> {
+    let Some(planned) = Planned::of_model(model)? else { return Ok(None) };
+    let needs = memory::needs(model, (&planned.radii, &planned.plan), ranks);
+    Ok(needs.iter().map(|need| need.resident).reduce(f64::max))
+}
+
 /// The stiffness of contacts, where the scene says no number.
 fn with_stiffness(outline: Outline, model: &Model) -> Outline {
     let Some(contacts) = model.contacts.filter(|contacts| contacts.stiffness.is_none()) else { return outline };

@@ -115,7 +115,7 @@ impl Manifest {
         }
         listed.prepare(&self.folder)?;
         listed.entries.scene = Some(digest.clone());
-        listed.add(&self.folder, &Entry::Scene(digest))
+        listed.add(&self.folder, &[Entry::Scene(digest)])
     }
 
     /// Enters a file that is about to be made, changed or replaced. `Err` if one of that name is there that is not listed.
@@ -131,7 +131,7 @@ impl Manifest {
         }
         listed.prepare(&self.folder)?;
         listed.entries.files.insert(name.clone());
-        listed.add(&self.folder, &Entry::File(name))
+        listed.add(&self.folder, &[Entry::File(name)])
     }
 
     /// The same in a folder that may have no manifest: there, one of that name is replaced if `is_ours` says so.
@@ -153,10 +153,53 @@ impl Manifest {
             }
             listed.prepare(&self.folder)?;
             if listed.entries.folders.insert(name.clone()) {
-                listed.add(&self.folder, &Entry::Folder(name))?;
+                listed.add(&self.folder, &[Entry::Folder(name)])?;
             }
         }
         std::fs::create_dir_all(path).map_err(|e| FileError::write(path, &e))
+    }
+
+    /// Makes folders, and enters them and files that will be made in them, with a single wait for the disk. What is there and
+    /// not listed is `Err`.
+    pub(crate) fn make_folders(&self, folders: &[String], files: &[String]) -> Result<(), FileError> {
+        let Some(mut listed) = self.listed() else { return Ok(()) };
+        listed.prepare(&self.folder)?;
+        let Entries { folders: known_folders, files: known_files, .. } = &listed.entries;
+        let folders: Vec<&String> = folders.iter().filter(|name| !known_folders.contains(*name)).collect();
+        let files: Vec<&String> = files.iter().filter(|name| !known_files.contains(*name)).collect();
+        let is_in_the_way = |name: &&&String| found(&self.folder.join(name)).is_some();
+        if let Some(name) = folders.iter().chain(&files).find(is_in_the_way) {
+            return Err(in_the_way(&self.folder.join(name)));
+        }
+        let of_folders = folders.iter().map(|name| Entry::Folder((*name).clone()));
+        let entries: Vec<Entry> = of_folders.chain(files.iter().map(|name| Entry::File((*name).clone()))).collect();
+        let [folders, files] = [folders, files].map(|names| names.into_iter().cloned().collect::<Vec<_>>());
+        if !entries.is_empty() {
+            listed.add(&self.folder, &entries)?;
+        }
+        listed.entries.folders.extend(folders);
+        listed.entries.files.extend(files);
+        let all: Vec<String> = listed.entries.folders.iter().cloned().collect();
+        drop(listed);
+        all.iter().try_for_each(|name| {
+            let path = self.folder.join(name);
+            self.check_parents(&format!("{name}/x"), &path)?;
+            std::fs::create_dir_all(&path).map_err(|e| FileError::write(&path, &e))
+        })
+    }
+
+    /// The folders that are listed.
+    pub(crate) fn folders(&self) -> Vec<PathBuf> {
+        self.listed().iter().flat_map(|listed| &listed.entries.folders).map(|name| self.folder.join(name)).collect()
+    }
+
+    /// Removes the manifest itself, once all that it lists is gone.
+    pub(crate) fn discard(self) -> Result<(), FileError> {
+        let path = self.folder.join(MANIFEST);
+        if self.listed.is_none() || found(&path).is_none() {
+            return Ok(());
+        }
+        std::fs::remove_file(&path).map_err(|e| FileError::write(&path, &e))
     }
 
     /// Whether a file is listed.
@@ -174,7 +217,7 @@ impl Manifest {
         listed.prepare(&self.folder)?;
         std::fs::remove_file(path).map_err(|e| FileError::write(path, &e))?;
         listed.entries.files.remove(&name);
-        listed.add(&self.folder, &Entry::Removed(name))
+        listed.add(&self.folder, &[Entry::Removed(name)])
     }
 
     /// The files that are listed.
@@ -269,16 +312,17 @@ impl Listed {
             return Ok(());
         }
         self.file = Some(whole_lines(&path).and_then(|file| WatchedFile::new(&path, file)).map_err(failed)?);
-        if self.entries.writers.insert(mark.clone()) { self.add(folder, &Entry::Writer(mark)) } else { Ok(()) }
+        if self.entries.writers.insert(mark.clone()) { self.add(folder, &[Entry::Writer(mark)]) } else { Ok(()) }
     }
 
-    /// Adds a line, which is on the disk when this returns.
-    fn add(&mut self, folder: &Path, entry: &Entry) -> Result<(), FileError> {
+    /// Adds lines, which are on the disk when this returns.
+    fn add(&mut self, folder: &Path, entries: &[Entry]) -> Result<(), FileError> {
         let Some(file) = &mut self.file else { return Ok(()) };
         file.check()?;
-        let written = file.file().write_all(entry.line().as_bytes()).and_then(|()| match entry {
+        let lines: String = entries.iter().map(Entry::line).collect();
+        let written = file.file().write_all(lines.as_bytes()).and_then(|()| match entries {
             // Names of files that are gone do no harm.
-            Entry::Removed(_) => Ok(()),
+            [Entry::Removed(_)] => Ok(()),
             _ => atomic_file::sync(file.file()),
         });
         written.map_err(|e| FileError::write(&folder.join(MANIFEST), &e))?;

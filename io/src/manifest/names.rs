@@ -6,7 +6,7 @@ use std::path::Path;
 pub(crate) const SCENE: &str = "scene.toml";
 
 /// Files that commands leave in the folder of a run, besides its checkpoints.
-const FILES: [&str; 21] = [
+const FILES: [&str; 23] = [
     SCENE,
     "report.html",
     "trajectory.h5",
@@ -28,6 +28,8 @@ const FILES: [&str; 21] = [
     "summary.csv",
     "sweep.h5",
     "branches.csv",
+    "family.csv",
+    "family.h5",
 ];
 
 /// Folders in it, with what names of files in them start and end with around the digits of a step or a number.
@@ -60,7 +62,8 @@ const STATISTICS: [&str; 10] = [
 
 /// Whether a file or a folder in the folder of a run has a name of results.
 pub(super) fn is_of_results(name: &str) -> bool {
-    FILES.contains(&name) || FOLDERS.iter().any(|(folder, ..)| *folder == name) || is_checkpoint(name)
+    let is_point = has_number(name, "point-", "");
+    FILES.contains(&name) || FOLDERS.iter().any(|(folder, ..)| *folder == name) || is_checkpoint(name) || is_point
 }
 
 /// Whether a file in a folder of results has a name of results.
@@ -93,7 +96,8 @@ mod tests {
 
     #[test]
     fn names_of_results_are_told_from_others() {
-        for name in ["scene.toml", "fields", "checkpoint-0000000012.bin", "stats", "report.html", "cases"] {
+        for name in ["scene.toml", "fields", "checkpoint-0000000012.bin", "stats", "report.html", "cases", "point-0001"]
+        {
             assert!(is_of_results(name), "{name}");
         }
         for name in ["notes.txt", "checkpoint-best.bin", "checkpoint-.bin", "my-fields", "scene.toml.bak"] {

@@ -1,7 +1,7 @@
 //! The scene of a run, as the report needs it.
 
 use super::playback::Colours;
-use crate::{Kind, Scene};
+use crate::{Family, Kind, SceneFile};
 use domain::Vector;
 use drivers::disks::Flow as DiskFlow;
 use suspension::Flow;
@@ -9,20 +9,31 @@ use toml::Table;
 
 /// The scene of a run. If this version can't read it, as that of a later version, it has a text only.
 pub(super) struct About {
-    scene: Option<Scene>,
+    file: Option<SceneFile>,
     table: Table,
 }
 
 impl About {
     /// Reads the text of a scene.
     pub(super) fn of(text: &str) -> Self {
-        let scene = Scene::parse(text, "the scene of the run", &[]).ok();
-        Self { scene, table: text.parse().unwrap_or_default() }
+        let file = SceneFile::parse(text, "the scene of the run", &[]).ok();
+        Self { file, table: text.parse().unwrap_or_default() }
     }
 
     /// What it computes.
     pub(super) fn kind(&self) -> Option<&Kind> {
-        self.scene.as_ref().map(Scene::kind)
+        match self.file.as_ref()? {
+            SceneFile::Scene(scene) => Some(scene.kind()),
+            SceneFile::Family(_) => None,
+        }
+    }
+
+    /// The family, if it is one.
+    pub(super) fn family(&self) -> Option<&Family> {
+        match self.file.as_ref()? {
+            SceneFile::Family(family) => Some(family),
+            SceneFile::Scene(_) => None,
+        }
     }
 
     /// The kind's name.

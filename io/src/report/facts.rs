@@ -3,7 +3,7 @@
 use super::about::About;
 use super::observables::Observables;
 use super::playback::Playback;
-use crate::{Kind, Provenance, TrajectoryReader};
+use crate::{Family, Kind, Provenance, TrajectoryReader};
 use domain::Number;
 
 /// A name and what it is.
@@ -32,6 +32,7 @@ pub(super) fn facts(about: &About, provenance: &Provenance, course: &Course) -> 
     let ranks = if provenance.ranks == 1 { "1 rank".to_owned() } else { format!("{} ranks", provenance.ranks) };
     let facts = [
         ("kind", Some(about.kind_name().to_owned())),
+        ("runs", about.family().map(runs)),
         ("particles", course.trajectory.map(|(recorded, _)| particles(about, recorded))),
         ("box", shown.and_then(Playback::box_in_words)),
         ("steps", last.map(|last| format!("{last} of {steps}"))),
@@ -39,6 +40,11 @@ pub(super) fn facts(about: &About, provenance: &Provenance, course: &Course) -> 
         ("seed", has_seed.then(|| provenance.seed.to_string())),
     ];
     facts.into_iter().filter_map(|(name, fact)| Some((name, fact?))).collect()
+}
+
+/// How many runs a family has.
+fn runs(family: &Family) -> String {
+    format!("{} at {} points", family.members().len(), family.points().count())
 }
 
 /// How many particles there are of each kind, and of which radii.

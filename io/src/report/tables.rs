@@ -17,6 +17,10 @@ fn shown(stored: &StoredTable) -> Option<(&'static str, String)> {
             "Solutions",
             columns(stored, &["speed", "pressure", "mean_solid_fraction", "slip", "shear_stress", "residual"]),
         )),
+        "family" => {
+            let names = ["values", "quantity", "species", "mean", "error", "unit", "seeds", "spread", "claimed_error"];
+            Some(("Means over the seeds", columns(stored, &[&names[..], &["calibration", "verdicts"]].concat())))
+        }
         "walls" => Some((
             "Stresses on the walls",
             columns(stored, &["wall", "normal", "normal_error", "along", "along_error", "across", "across_error"]),

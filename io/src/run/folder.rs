@@ -36,11 +36,27 @@ impl RunFolder {
             return Ok(Self::elsewhere(path));
         }
         std::fs::create_dir_all(path).map_err(|source| failed("make the folder", path, source))?;
+        Self::claim_by(path, former, || lock(path))
+    }
+
+    /// The same where other programs may be busy in the folder for a moment, for which it waits.
+    pub(super) fn claim_when_free(path: &Path, former: ExistingRun) -> Result<Self, RunError> {
+        std::fs::create_dir_all(path).map_err(|source| failed("make the folder", path, source))?;
+        let held = lock_when_free(path)?;
+        Self::claim_by(path, former, || Ok(held))
+    }
+
+    fn claim_by(
+        path: &Path,
+        former: ExistingRun,
+        lock: impl FnOnce() -> Result<File, RunError>,
+    ) -> Result<Self, RunError> {
+        let hold = |manifest| Ok(Self { path: path.to_owned(), manifest, _lock: Some(lock()?) });
         if former == ExistingRun::Continue
             && path.join(SCENE).exists()
             && let Some(manifest) = known_files(path)?
         {
-            return Self::hold(path, manifest);
+            return hold(manifest);
         }
         let manifest = Manifest::open(path)?;
         let has_results = manifest.as_ref().is_some_and(|manifest| manifest.files().iter().any(|file| file.exists()));
@@ -48,7 +64,7 @@ impl RunFolder {
             return Err(RunError::Refused(kept(path)));
         }
         refuse_obstacles(path, manifest.as_ref())?;
-        Self::hold(path, manifest.unwrap_or_else(|| Manifest::none(path)))
+        hold(manifest.unwrap_or_else(|| Manifest::none(path)))
     }
 
     /// Locks the folder of a run that is continued.
@@ -63,7 +79,7 @@ impl RunFolder {
             )));
         }
         match known_files(path)? {
-            Some(manifest) => Self::hold(path, manifest),
+            Some(manifest) => Ok(Self { path: path.to_owned(), manifest, _lock: Some(lock(path)?) }),
             None => Err(RunError::Refused(format!(
                 "{name} holds no run to go on with: it has a {SCENE}, but neither {MANIFEST} nor any other file that a run \
                  has written; start one in another folder by `fcm-solve run {name}/{SCENE} --out DIR`"
@@ -74,10 +90,6 @@ impl RunFolder {
     /// On a rank that writes nothing.
     fn elsewhere(path: &Path) -> Self {
         Self { path: path.to_owned(), manifest: Manifest::none(path), _lock: None }
-    }
-
-    fn hold(path: &Path, manifest: Manifest) -> Result<Self, RunError> {
-        Ok(Self { path: path.to_owned(), manifest, _lock: Some(lock(path)?) })
     }
 
     /// Where it is.
@@ -118,6 +130,13 @@ impl RunFolder {
         self.manifest = Manifest::begin(&self.path, scene, Some(former))?;
         self.manifest.remove_temporary_files();
         self.keep(scene)
+    }
+
+    /// Removes what a run has left here.
+    pub(super) fn clear(self) -> Result<(), RunError> {
+        self.manifest.remove_temporary_files();
+        self.manifest.remove_all()?;
+        Ok(self.manifest.discard()?)
     }
 
     /// Writes the scene of this run.
@@ -169,12 +188,12 @@ fn refuse_obstacles(path: &Path, manifest: Option<&Manifest>) -> Result<(), RunE
     )))
 }
 
+/// The file by which a folder is locked.
+const LOCK: &str = ".lock";
+
 /// Locks the file `.lock`, which is made if need be and otherwise left as it is.
 fn lock(path: &Path) -> Result<File, RunError> {
-    let name = path.join(".lock");
-    let (mut options, flags) = (OpenOptions::new(), libc::O_NOFOLLOW | libc::O_NONBLOCK);
-    options.read(true).write(true).create(true).truncate(false).custom_flags(flags);
-    let file = options.open(&name).map_err(|source| failed("lock the folder by", &name, source))?;
+    let file = lock_file(path)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(RunError::Refused(format!(
             "another run is writing to {}: wait for it, stop it, or name another folder with --out",
@@ -183,6 +202,27 @@ fn lock(path: &Path) -> Result<File, RunError> {
         // Some file systems have no locks.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
+}
+
+/// The same once no other program has the lock.
+pub(super) fn lock_when_free(path: &Path) -> Result<File, RunError> {
+    let file = lock_file(path)?;
+    // Some file systems have no locks.
+    let _ = file.lock();
+    Ok(file)
+}
+
+/// Whether a program is writing to a folder.
+pub(super) fn is_locked(path: &Path) -> bool {
+    let file = File::open(path.join(LOCK));
+    file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
+fn lock_file(path: &Path) -> Result<File, RunError> {
+    let name = path.join(LOCK);
+    let (mut options, flags) = (OpenOptions::new(), libc::O_NOFOLLOW | libc::O_NONBLOCK);
+    options.read(true).write(true).create(true).truncate(false).custom_flags(flags);
+    options.open(&name).map_err(|source| failed("lock the folder by", &name, source))
 }
 
 fn failed(what: &'static str, path: &Path, source: std::io::Error) -> RunError {

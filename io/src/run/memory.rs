@@ -7,6 +7,7 @@ use drivers::continuum::Problem;
 use drivers::disks::{Record, run_bytes};
 use drivers::shear_cell::Experiment;
 use simulation::{Frame, Outline, Table};
+use suspension::Ranks;
 
 /// The memory of a run at its peak.
 pub fn need(kind: &Kind) -> Need {
@@ -19,6 +20,14 @@ pub fn need(kind: &Kind) -> Need {
     // Tables are written at once, everything else into files that stay open.
     let process = Process { writes: !matches!(kind, Kind::Continuum(_)), ..Process::ALONE };
     Need { resident: process.resident(peak.most), ..Need::default() }
+}
+
+/// The bytes that a run in one process takes at its peak, as far as they are known before its particles are placed.
+pub fn predicted_memory(kind: &Kind, threads: usize) -> Result<Option<f64>, RunError> {
+    match kind {
+        Kind::Suspension(scene) => Ok(suspension::predicted_memory(&scene.model, Ranks { count: 1, threads })?),
+        other => Ok(Some(need(other).resident)),
+    }
 }
 
 /// Refuses a scene of grains for which memory is insufficient; suspensions are checked when they are planned.

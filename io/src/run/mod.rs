@@ -3,6 +3,7 @@
 mod calibration;
 mod continuum;
 mod error;
+mod family;
 mod folder;
 mod listener;
 mod machine;
@@ -20,14 +21,15 @@ mod whole_scene;
 
 pub use calibration::with_least_repulsion;
 pub use error::RunError;
+pub use family::{FamilyFolder, MemberState};
 pub use folder::{ExistingRun, RunFolder};
 pub use listener::Listener;
 pub use machine::{keep_costs, kept_costs, on_this_machine};
-pub use memory::check_memory;
+pub use memory::{check_memory, predicted_memory};
 pub use outline::outline;
 pub use recorder::{Recorder, provenance};
 pub use resumption::Resumption;
 pub use start::{resume, start, start_positions};
 pub use start_file::with_start_file;
-pub use trial::{Trial, trial};
+pub use trial::{Trial, time_in_words, trial};
 pub use whole_scene::WholeScene;

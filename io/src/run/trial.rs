@@ -317,7 +317,8 @@ impl Trial {
             Some(count) => format!("{} steps of {count} like them", self.tried),
             None => format!("its first {} steps", self.tried),
         };
-        let text = format!("about {} a step and {} for the run, by {of}", in_words(self.step), in_words(self.run));
+        let text =
+            format!("about {} a step and {} for the run, by {of}", time_in_words(self.step), time_in_words(self.run));
         outline
             .line("time", text)
             .line("output", format_args!("about {}", readable_bytes(self.bytes)))
@@ -329,7 +330,7 @@ impl Trial {
 }
 
 /// A time as one says it.
-fn in_words(seconds: f64) -> String {
+pub fn time_in_words(seconds: f64) -> String {
     let (factor, unit) = match seconds {
         s if s < 1e-3 => (1e6, "microseconds"),
         s if s < 1.0 => (1e3, "ms"),
@@ -355,7 +356,7 @@ mod tests {
 
     #[test]
     fn times_are_said_in_units_that_fit() {
-        let words = [3.2e-5, 0.012, 1.0, 119.0, 600.0, 36_000.0, 864_000.0].map(in_words);
+        let words = [3.2e-5, 0.012, 1.0, 119.0, 600.0, 36_000.0, 864_000.0].map(time_in_words);
         assert_eq!(words[0], "32 microseconds");
         assert_eq!(words[1..4], ["12 ms", "1 s", "119 s"].map(str::to_owned));
         assert_eq!(words[4..], ["10 minutes", "10 hours", "10 days"].map(str::to_owned));

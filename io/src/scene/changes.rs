@@ -150,11 +150,20 @@ impl Scene {
 
     /// The differences from the scene that a run has kept, of keys that can't change in its course.
     pub fn fixed_differences(&self, kept: &Self) -> Vec<Difference> {
+        self.other_than_added(kept).filter(|difference| rule(&difference.key) == Rule::Fixed).collect()
+    }
+
+    /// Whether a run that has kept a scene is a run of this one, whatever its end and its output.
+    pub(crate) fn is_of_run(&self, kept: &Self) -> bool {
+        self.other_than_added(kept).all(|difference| rule(&difference.key) == Rule::Taken)
+    }
+
+    /// The differences from the scene that a run has kept, but for what runs add to it.
+    fn other_than_added(&self, kept: &Self) -> impl Iterator<Item = Difference> {
         let calibrates = self.calibrates();
-        let is_found = |key: &str| calibrates && FOUND.contains(&key);
+        let is_found = move |key: &str| calibrates && FOUND.contains(&key);
         let is_added = |d: &Difference| d.values[0].is_none() && OWN.iter().any(|own| d.key.starts_with(own));
-        let stays = |d: &Difference| rule(&d.key) == Rule::Fixed && !is_none(d) && !is_added(d) && !is_found(&d.key);
-        self.differences(kept).into_iter().filter(stays).collect()
+        self.differences(kept).into_iter().filter(move |d| !is_none(d) && !is_added(d) && !is_found(&d.key))
     }
 
     /// The scene with which the run of a folder goes on: this one, with what the run has added to the one that is kept there.

@@ -2,6 +2,7 @@
 
 mod continuum;
 mod disks;
+mod family;
 mod over_time;
 mod shear_cell;
 mod statistics;
@@ -21,6 +22,7 @@ pub(super) fn charts(about: &About, series: &Observables, tables: &[StoredTable]
     charts.extend(shear_cell::charts(series, table("profile")));
     charts.extend(continuum::charts(table("profile")));
     charts.extend(sweep::charts(table("averages"), table("branches")));
+    charts.extend(family::charts(about.family(), table("family")));
     charts.extend(statistics::charts(&table));
     charts
 }

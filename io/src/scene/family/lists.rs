@@ -46,7 +46,10 @@ impl Lists {
             Some(Value::Table(lists)) => grid(in_order(lists, text))?,
             Some(Value::Array(points)) if points.iter().all(Value::is_table) => listed(points, text)?,
             Some(other) => {
-                let message = format!("is {}; write a section of keys with lists of values, or [[sweep]] sections with a value for each key", shown(&other));
+                let message = format!(
+                    "is {}; write a section of keys with lists of values, or [[sweep]] sections with a value for each key",
+                    shown(&other)
+                );
                 return Err(Fault::new("sweep", message));
             }
         };
@@ -81,7 +84,9 @@ fn seeds(ensemble: &Value) -> Result<Seeds, Fault> {
                 None => Ok(Seeds::Listed(list)),
             }
         }
-        Some(other) => Err(Fault::new(key, format!("is {}; give the number of seeds, or a list of them", shown(other)))),
+        Some(other) => {
+            Err(Fault::new(key, format!("is {}; give the number of seeds, or a list of them", shown(other))))
+        }
     }
 }
 
@@ -95,7 +100,9 @@ impl Seeds {
             Self::Listed(seeds) => Ok(seeds),
             Self::Count(count) => match first.checked_add(count - 1).filter(|last| i64::try_from(*last).is_ok()) {
                 Some(last) => Ok((first..=last).collect()),
-                None => Err(Fault::new("ensemble.seeds", format!("is {count}; from seed {first} there are not so many"))),
+                None => {
+                    Err(Fault::new("ensemble.seeds", format!("is {count}; from seed {first} there are not so many")))
+                }
             },
         }
     }
@@ -106,7 +113,10 @@ type Points = (Vec<String>, Vec<Vec<Value>>);
 /// Every combination of the values of some keys; the last key changes first.
 fn grid(lists: Vec<(String, Value)>) -> Result<Points, Fault> {
     if lists.is_empty() {
-        return Err(Fault::new("sweep", "has no keys; write a key in quotes and a list of its values, or leave it out"));
+        return Err(Fault::new(
+            "sweep",
+            "has no keys; write a key in quotes and a list of its values, or leave it out",
+        ));
     }
     let mut points = vec![Vec::new()];
     for (key, values) in &lists {
@@ -117,11 +127,15 @@ fn grid(lists: Vec<(String, Value)>) -> Result<Points, Fault> {
         if values.is_empty() {
             return Err(Fault::new(named(key), EMPTY));
         }
-        check_different(std::slice::from_ref(key), &values.iter().map(|value| vec![value.clone()]).collect::<Vec<_>>())?;
+        check_different(
+            std::slice::from_ref(key),
+            &values.iter().map(|value| vec![value.clone()]).collect::<Vec<_>>(),
+        )?;
         if points.len().saturating_mul(values.len()) > super::MOST {
             return Err(Fault::new("sweep", format!("has more than {} points; list fewer values", super::MOST)));
         }
-        let with = |point: &Vec<Value>| values.iter().map(|value| [&point[..], &[value.clone()]].concat()).collect::<Vec<_>>();
+        let with =
+            |point: &Vec<Value>| values.iter().map(|value| [&point[..], &[value.clone()]].concat()).collect::<Vec<_>>();
         points = points.iter().flat_map(with).collect();
     }
     Ok((lists.into_iter().map(|(key, _)| key).collect(), points))
@@ -141,7 +155,8 @@ fn listed(points: Vec<Value>, text: &str) -> Result<Points, Fault> {
         let mut leaves = leaves(point);
         let taken = keys.iter().map(|key| {
             let found = leaves.iter().position(|(other, _)| other == key);
-            let missing = || Fault::new(format!("sweep[{place}]"), format!("has no {key}; each point sets the same keys"));
+            let missing =
+                || Fault::new(format!("sweep[{place}]"), format!("has no {key}; each point sets the same keys"));
             found.map(|found| leaves.swap_remove(found).1).ok_or_else(missing)
         });
         let values = taken.collect::<Result<Vec<_>, _>>()?;
@@ -216,7 +231,8 @@ fn check_different(keys: &[String], points: &[Vec<Value>]) -> Result<(), Fault> 
         (None, _) => Ok(()),
         (Some(point), [key]) => Err(Fault::new(named(key), format!("has {} {TWICE}", shown(&point[0])))),
         (Some(point), _) => {
-            let values: Vec<String> = keys.iter().zip(point).map(|(key, value)| format!("{key} = {}", shown(value))).collect();
+            let values: Vec<String> =
+                keys.iter().zip(point).map(|(key, value)| format!("{key} = {}", shown(value))).collect();
             Err(Fault::new("sweep", format!("has the point {} {TWICE}", values.join(", "))))
         }
     }

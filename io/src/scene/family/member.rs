@@ -34,14 +34,27 @@ impl Member {
 
     /// The name of its folder in that of the family: `point-0002/seed-0003`.
     pub fn folder(&self) -> String {
-        let point = format!("point-{:04}", self.point + 1);
+        let point = self.point_name();
         self.seed.map_or(point.clone(), |seed| format!("{point}/seed-{seed:04}"))
+    }
+
+    /// The name of its point: `point-0002`.
+    pub fn point_name(&self) -> String {
+        format!("point-{:04}", self.point + 1)
     }
 
     /// The values of the swept keys in words; empty where nothing is swept.
     pub fn described(&self) -> String {
-        let values = self.settings.iter().take(self.values.len()).zip(&self.values);
-        let words = values.map(|(set, value)| format!("{} = {}", set.split('=').next().unwrap_or_default(), shown(value)));
+        self.described_but(self.values.len())
+    }
+
+    /// The same without the key at a place.
+    pub(crate) fn described_but(&self, place: usize) -> String {
+        let values = self.settings.iter().zip(&self.values).enumerate().filter(|(other, _)| *other != place);
+        let words = values.map(|(_, (set, value))| {
+            let key = set.split('=').next().unwrap_or_default();
+            format!("{key} = {}", shown(value))
+        });
         words.collect::<Vec<_>>().join(", ")
     }
 }

@@ -115,10 +115,15 @@ impl Family {
         let scene = self.scene(&first)?;
         let seeds = match seeds {
             Some(_) if !scene.kind().has_seed() => {
-                let message = format!("goes with scenes that have random numbers; one of kind \"{}\" has none", scene.kind().name());
+                let message = format!(
+                    "goes with scenes that have random numbers; one of kind \"{}\" has none",
+                    scene.kind().name()
+                );
                 return Err(explain.fault(&Fault::new("ensemble", message)));
             }
-            Some(seeds) => seeds.from(scene.kind().seed()).map_err(|fault| explain.fault(&fault))?.into_iter().map(Some).collect(),
+            Some(seeds) => {
+                seeds.from(scene.kind().seed()).map_err(|fault| explain.fault(&fault))?.into_iter().map(Some).collect()
+            }
             None => vec![scene.kind().has_seed().then(|| scene.kind().seed())],
         };
         let count = points.len().saturating_mul(seeds.len());
@@ -130,6 +135,11 @@ impl Family {
             seeds.iter().map(|seed| Member::new(place, (&keys, values), *seed)).collect::<Vec<_>>()
         };
         Ok(points.iter().enumerate().flat_map(of_point).collect())
+    }
+
+    /// Whether a text is that of a family, right or wrong.
+    pub fn is_text_of_one(text: &str) -> bool {
+        sections(text)
     }
 
     /// The family as TOML, with the overrides in it: what to keep with the results.
@@ -154,7 +164,8 @@ impl Family {
 
     /// The scene of a member.
     pub fn scene(&self, member: &Member) -> Result<Scene, SceneError> {
-        Scene::parse_member(&self.folder, &self.text, &self.name, member.settings()).map_err(|e| e.of_member(&self.name, member))
+        Scene::parse_member(&self.folder, &self.text, &self.name, member.settings())
+            .map_err(|e| e.of_member(&self.name, member))
     }
 
     /// The folder that the family names for its results.

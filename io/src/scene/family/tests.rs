@@ -17,7 +17,8 @@ fn members(sections: &str) -> Vec<String> {
 
 #[test]
 fn a_grid_has_every_combination_in_the_order_in_which_keys_are_written() {
-    let grid = "[sweep]\n\"species[0].volume_fraction\" = [0.1, 0.2]\nfluid.viscosity = [1, 2.0]\n[ensemble]\nseeds = 2\n";
+    let grid =
+        "[sweep]\n\"species[0].volume_fraction\" = [0.1, 0.2]\nfluid.viscosity = [1, 2.0]\n[ensemble]\nseeds = 2\n";
     let family = family(grid).unwrap();
     assert_eq!(family.keys(), ["species[0].volume_fraction", "fluid.viscosity"]);
     let members: Vec<String> = family.members().iter().map(ToString::to_string).collect();
@@ -30,7 +31,9 @@ fn a_grid_has_every_combination_in_the_order_in_which_keys_are_written() {
 
 #[test]
 fn a_member_is_the_scene_with_its_keys_and_no_family() {
-    let family = family("[ensemble]\nseeds = [3, 1]\n[[sweep]]\n\"time.duration\" = 0.5\n[[sweep]]\ntime.duration = 1\n").unwrap();
+    let family =
+        family("[ensemble]\nseeds = [3, 1]\n[[sweep]]\n\"time.duration\" = 0.5\n[[sweep]]\ntime.duration = 1\n")
+            .unwrap();
     let scene = family.scene(&family.members()[3]).unwrap();
     let alone = Scene::parse(SCENE, "f.toml", &["time.duration=1".to_owned(), "seed=1".to_owned()]).unwrap();
     assert_eq!(scene.differences(&alone), []);
@@ -40,9 +43,14 @@ fn a_member_is_the_scene_with_its_keys_and_no_family() {
 
 #[test]
 fn seeds_alone_are_a_family_of_one_point_and_values_alone_have_the_seed_of_the_scene() {
-    assert_eq!(members("[ensemble]\nseeds = 3\n"), ["point-0001/seed-0005", "point-0001/seed-0006", "point-0001/seed-0007"]);
+    assert_eq!(
+        members("[ensemble]\nseeds = 3\n"),
+        ["point-0001/seed-0005", "point-0001/seed-0006", "point-0001/seed-0007"]
+    );
     assert_eq!(members("[sweep]\n\"fluid.viscosity\" = [2.0]\n"), ["point-0001/seed-0005 (fluid.viscosity = 2.0)"]);
-    let Ok(SceneFile::Scene(_)) = SceneFile::parse(SCENE, "f.toml", &[]) else { panic!("a scene without either section") };
+    let Ok(SceneFile::Scene(_)) = SceneFile::parse(SCENE, "f.toml", &[]) else {
+        panic!("a scene without either section")
+    };
 }
 
 #[test]
@@ -68,7 +76,10 @@ fn what_makes_no_family_is_refused_by_key() {
         ("[sweep]\n\"fluid.viscosity\" = []\n", "sweep.\"fluid.viscosity\" is empty"),
         ("[sweep]\n\"fluid.viscosity\" = 1.0\n", "sweep.\"fluid.viscosity\" is 1.0; list its values"),
         ("[sweep]\n\"fluid.viscosity\" = [1, 1.0]\n", "sweep.\"fluid.viscosity\" has 1.0 more than once"),
-        ("[sweep]\n\"fluid.viscocity\" = [1.0]\n", "fluid.viscocity is not a key of a scene; did you mean \"viscosity\""),
+        (
+            "[sweep]\n\"fluid.viscocity\" = [1.0]\n",
+            "fluid.viscocity is not a key of a scene; did you mean \"viscosity\"",
+        ),
         ("[sweep]\n\"species[1].radius\" = [1.0]\n", "sweep can't set species[1].radius=1.0: there is no item 1"),
         ("[sweep]\n\"species[0\" = [1.0]\n", "write it as in species[0].radius"),
         ("[sweep]\nseed = [1, 2]\n", "sweep.\"seed\" is not swept: list seeds by [ensemble]"),
@@ -77,7 +88,10 @@ fn what_makes_no_family_is_refused_by_key() {
         ("[sweep]\nensemble.seeds = [1]\n", "a member of a family is no family"),
         ("[sweep]\n\"fluid.viscosity\" = [1]\nfluid.viscosity = [2]\n", "is swept twice"),
         ("[[sweep]]\nfluid.viscosity = 1\n[[sweep]]\ntime.step = 2\n", "sweep[1] has no fluid.viscosity"),
-        ("[[sweep]]\nfluid.viscosity = 1\n[[sweep]]\nfluid.viscosity = 2\ntime.step = 1\n", "sweep[1] has time.step besides"),
+        (
+            "[[sweep]]\nfluid.viscosity = 1\n[[sweep]]\nfluid.viscosity = 2\ntime.step = 1\n",
+            "sweep[1] has time.step besides",
+        ),
         (
             "[[sweep]]\nfluid.viscosity = 1\ntime.step = 1\n[[sweep]]\nfluid.viscosity = 1\ntime.step = 1.0\n",
             "sweep has the point fluid.viscosity = 1, time.step = 1.0 more than once",

@@ -1,0 +1,97 @@
+//! `fcm-solve check` of a family: every member, how many runs, and how long in all.
+
+use super::at_once;
+use crate::streams::json;
+use anyhow::anyhow;
+use domain::{Comm, Number, readable_bytes};
+use io::{Family, Member, Trial};
+use serde_json::{Value, json};
+use simulation::Outline;
+use std::fmt::Write as _;
+
+/// A point of a family, by its first member.
+struct Checked<'a> {
+    member: &'a Member,
+    runs: usize,
+    outline: Outline,
+    trial: Option<Trial>,
+}
+
+/// The outline of a family, in words or as JSON. Every member has been read, and the first of each point is planned, placed and,
+/// unless `is_tried` is not set, tried on one core.
+pub fn check(family: &Family, is_tried: bool, as_json: bool) -> anyhow::Result<String> {
+    let points = family.points().map(|members| point(members, family, is_tried)).collect::<anyhow::Result<Vec<_>>>()?;
+    let members: Vec<&Member> = family.members().iter().collect();
+    let at_once = at_once(family, &members)?.min(members.len());
+    let seconds = points.iter().map(|point| point.trial.as_ref().map(|trial| trial.run * point.runs as f64));
+    let seconds = seconds.sum::<Option<f64>>().map(|seconds| seconds / at_once as f64);
+    Ok(if as_json { json(&values(&points, at_once, seconds)) } else { words(&points, at_once, seconds) })
+}
+
+fn point<'a>(members: &'a [Member], family: &Family, is_tried: bool) -> anyhow::Result<Checked<'a>> {
+    let member = &members[0];
+    let of_member = |error: io::RunError| anyhow!("{member}: {}", io::in_full(&error));
+    let work = || {
+        let comm = Comm::alone();
+        let (scene, _) = io::with_start_file(family.scene(member)?, &comm)?;
+        let scene = io::on_this_machine(scene, &comm)?;
+        let asked = suspension::Asked { ranks: suspension::Ranks { count: 1, threads: 1 }, on_a_machine: 1 };
+        let outline = io::outline(scene.kind(), asked, &comm)?;
+        let trial = if is_tried { io::trial(&scene, &comm) } else { Ok(None) };
+        Ok::<_, io::RunError>(match trial {
+            Err(io::RunError::Simulation(error)) => {
+                (outline.warnings([format!("the first steps fail in a trial: {}", io::in_full(&error))]), None)
+            }
+            trial => (outline, trial?),
+        })
+    };
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let (outline, trial) = one.install(work).map_err(of_member)?;
+    Ok(Checked { member, runs: members.len(), outline, trial })
+}
+
+fn words(points: &[Checked], at_once: usize, seconds: Option<f64>) -> String {
+    let runs: usize = points.iter().map(|point| point.runs).sum();
+    let mut text = format!("family     {runs} runs: {} points, {} each\n", points.len(), points[0].runs);
+    for Checked { member, outline, trial, .. } in points {
+        let values = outline.to_json();
+        let particles = values["particles"].as_u64().map(|count| format!("{count} particles"));
+        let time = trial.as_ref().map(|trial| format!("about {} a run", io::time_in_words(trial.run)));
+        let about = [Some(member.described()), particles, time].into_iter().flatten().filter(|words| !words.is_empty());
+        writeln!(text, "{} {}", member.point_name(), about.collect::<Vec<_>>().join(", ")).expect("text grows");
+        for warning in values["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+            writeln!(text, "warning: {}: {warning}", member.point_name()).expect("text grows");
+        }
+    }
+    let memory =
+        points.iter().filter_map(|point| point.outline.to_json()["memory_bytes"][0].as_f64()).fold(0.0, f64::max);
+    writeln!(text, "memory     about {} at most of each run, {at_once} at a time", readable_bytes(memory))
+        .expect("text grows");
+    match seconds {
+        Some(seconds) => {
+            writeln!(text, "time       about {} in all, {at_once} runs at a time", io::time_in_words(seconds))
+        }
+        None => writeln!(text, "time       unknown: not every point was tried"),
+    }
+    .expect("text grows");
+    text
+}
+
+fn values(points: &[Checked], at_once: usize, seconds: Option<f64>) -> Value {
+    let of_point = |point: &Checked| {
+        let mut values = point.outline.to_json();
+        values["point"] = point.member.point_name().into();
+        values["values"] = point.member.described().into();
+        values["runs"] = point.runs.into();
+        values["seconds_of_run"] = point.trial.as_ref().map(|trial| trial.run).into();
+        values
+    };
+    let runs: usize = points.iter().map(|point| point.runs).sum();
+    json!({
+        "kind": "family",
+        "runs": runs,
+        "runs_at_a_time": at_once,
+        "seconds": seconds.map(|seconds| Number(seconds).0),
+        "points": points.iter().map(of_point).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,107 @@
+//! Families of runs: each member is a process of this program, a core each where there are as many.
+
+mod check;
+mod child;
+mod info;
+mod outcome;
+mod part;
+mod pool;
+
+use crate::part_progress::PartProgress;
+use crate::signals::Signals;
+use crate::streams;
+use anyhow::{bail, ensure};
+pub use check::check;
+use domain::{AvailableMemory, Comm};
+pub use info::info;
+use io::{ExistingRun, Family, FamilyFolder, Member, MemberState};
+pub use part::Part;
+use pool::Pool;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// The members of a family that this program makes, and how.
+pub struct Work<'a> {
+    /// The family.
+    pub family: &'a Family,
+    /// The part of it.
+    pub part: Part,
+    /// Keys of which members go on with other values.
+    pub accepted: &'a [String],
+}
+
+/// Failures that are named at the end.
+const NAMED: usize = 10;
+
+/// Makes the runs of a family that are missing, and the table of their answers.
+pub fn run(work: &Work, (path, former): (&Path, ExistingRun), signals: &Signals) -> anyhow::Result<ExitCode> {
+    let family = work.family;
+    let folder = FamilyFolder::claim(path, family, former)?;
+    let members = work.part.of(family.members());
+    let mut missing = Vec::new();
+    for member in &members {
+        if folder.state(member, &family.scene(member)?) != MemberState::Finished {
+            missing.push(*member);
+        }
+    }
+    let at_once = at_once(family, &missing)?.min(missing.len()).max(1);
+    let mut progress = PartProgress::start(&Comm::alone(), "all runs");
+    progress.say(&described(work, (members.len(), missing.len()), at_once));
+    progress.say(&format!("results    {}", folder.path().display()));
+    let done = members.len() - missing.len();
+    progress.show(done as f64 / members.len().max(1) as f64);
+    let mut pool = Pool::new(work, &folder, (at_once, signals), progress);
+    pool.make(&missing, (done, members.len()))?;
+    folder.write_table(family)?;
+    end(&pool, &folder, (members.len(), signals))
+}
+
+/// What there is to do.
+fn described(work: &Work, (all, missing): (usize, usize), at_once: usize) -> String {
+    let Work { family, part, .. } = work;
+    let points = family.points().count();
+    let part = part.described(family.members().len());
+    let finished = if all > missing { format!(", {} finished before", all - missing) } else { String::new() };
+    format!("family     {all} runs{part}, {points} points{finished}; {at_once} at a time")
+}
+
+/// Runs that go on at a time: one a core, as many as there is memory for. Every member is planned first.
+fn at_once(family: &Family, missing: &[&Member]) -> anyhow::Result<usize> {
+    let cores = rayon::current_num_threads();
+    let mut most = 0.0_f64;
+    for members in missing.chunk_by(|one, other| one.point == other.point) {
+        let scene = family.scene(members[0])?;
+        let bytes = io::predicted_memory(scene.kind(), 1)
+            .map_err(|e| anyhow::anyhow!("{}: {}", members[0], io::in_full(&e)))?;
+        most = most.max(bytes.unwrap_or_default());
+    }
+    let room = AvailableMemory::of_machine().map_or(f64::INFINITY, |room| room.bytes);
+    Ok(if most > 0.0 { cores.min((room / most) as usize) } else { cores }.max(1))
+}
+
+/// Says what failed, or how to go on.
+fn end(pool: &Pool, folder: &FamilyFolder, (all, signals): (usize, &Signals)) -> anyhow::Result<ExitCode> {
+    signals.tell_steps_taken(pool.steps_taken());
+    if let Some(stop) = signals.received() {
+        ensure!(
+            !pool.is_in_vain(stop),
+            "the family's time is too short for a step of any run: give it more time (--walltime, or the job's limit)"
+        );
+        streams::log(format_args!("stopped by {stop}; go on with: {}", signals.command()));
+        return Ok(stop.into());
+    }
+    let failures = pool.failures();
+    if failures.is_empty() {
+        streams::log(format_args!("finished; results in {}", folder.path().display()));
+        return Ok(ExitCode::SUCCESS);
+    }
+    for failure in failures.iter().take(NAMED) {
+        streams::log(failure);
+    }
+    bail!(
+        "{} of {all} runs failed{}; the others are finished; try those again with: {}",
+        failures.len(),
+        if failures.len() > NAMED { format!(", of which {NAMED} are named") } else { String::new() },
+        signals.command()
+    );
+}

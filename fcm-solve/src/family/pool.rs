@@ -1,0 +1,159 @@
+//! The members that are run side by side.
+
+use super::Work;
+use super::child::{Launch, Running};
+use super::outcome::Outcome;
+use crate::part_progress::PartProgress;
+use crate::signals::Signals;
+use crate::stop::Stop;
+use domain::Number;
+use io::{FamilyFolder, Member};
+use std::collections::VecDeque;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// Time between two looks at the processes.
+const PAUSE: Duration = Duration::from_millis(3);
+/// The table is written so many times less often than it takes to write.
+const RARELY: u32 = 50;
+/// How long a member that another program is working on is waited for, once nothing else is left to start.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Time with which it is worth to start a member.
+const LEAST_TIME: Duration = Duration::from_secs(2);
+
+/// Processes of members, on the cores of this one.
+pub struct Pool<'a> {
+    work: &'a Work<'a>,
+    folder: &'a FamilyFolder,
+    signals: &'a Signals,
+    progress: PartProgress,
+    at_once: usize,
+    running: Vec<Running<'a>>,
+    written: Option<(Instant, Duration)>,
+    failures: Vec<String>,
+    finished: u64,
+    steps: u64,
+}
+
+impl<'a> Pool<'a> {
+    /// A pool of so many processes at a time.
+    pub fn new(
+        work: &'a Work<'a>,
+        folder: &'a FamilyFolder,
+        (at_once, signals): (usize, &'a Signals),
+        progress: PartProgress,
+    ) -> Self {
+        let (running, failures) = (Vec::new(), Vec::new());
+        Self { work, folder, signals, progress, at_once, running, written: None, failures, finished: 0, steps: 0 }
+    }
+
+    /// Runs members, one after another where there are more than at a time; `done` of `all` are finished before.
+    pub fn make(&mut self, members: &[&'a Member], (done, all): (usize, usize)) -> anyhow::Result<()> {
+        self.signals.run_begins(self.signals.command());
+        let mut waiting: VecDeque<&Member> = members.iter().copied().collect();
+        let mut is_asked = false;
+        let mut idle_since = Instant::now();
+        loop {
+            if self.signals.received().is_some() {
+                waiting.clear();
+                if !std::mem::replace(&mut is_asked, true) {
+                    self.running.iter().for_each(Running::ask_to_stop);
+                }
+            }
+            if !self.running.is_empty() {
+                idle_since = Instant::now();
+            }
+            self.start(&mut waiting, idle_since.elapsed() > PATIENCE)?;
+            if self.running.is_empty() && waiting.is_empty() {
+                return Ok(());
+            }
+            std::thread::sleep(PAUSE);
+            self.collect((done, all))?;
+        }
+    }
+
+    /// Starts as many as there are cores for. Those that another program works on are passed over, unless `anyway`.
+    fn start(&mut self, waiting: &mut VecDeque<&'a Member>, anyway: bool) -> anyhow::Result<()> {
+        while self.running.len() < self.at_once {
+            let is_free = |member: &&Member| anyway || !self.folder.is_running(member);
+            let Some(place) = waiting.iter().position(is_free) else { return Ok(()) };
+            let time = self.signals.time_left();
+            if time.is_some_and(|time| time < LEAST_TIME) {
+                self.signals.stop(Stop::TimeIsUp);
+                return Ok(());
+            }
+            let slots = (self.at_once - self.running.len()).min(waiting.len());
+            let used: usize = self.running.iter().map(|running| running.threads).sum();
+            let threads = (rayon::current_num_threads().saturating_sub(used) / slots).max(1);
+            let launch = Launch {
+                family: self.work.family,
+                folder: self.folder,
+                accepted: self.work.accepted,
+                time: time.map(|time| time.saturating_sub(LEAST_TIME / 2)),
+            };
+            if let Some(member) = waiting.remove(place) {
+                self.running.push(Running::start(member, threads, &launch)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes which have ended.
+    fn collect(&mut self, (done, all): (usize, usize)) -> anyhow::Result<()> {
+        let mut place = 0;
+        while place < self.running.len() {
+            match self.running[place].outcome(self.folder)? {
+                None => place += 1,
+                Some(outcome) => {
+                    let ended = self.running.swap_remove(place);
+                    self.note(&ended, outcome, (done, all));
+                }
+            }
+        }
+        let is_due = self.written.is_none_or(|(when, took)| when.elapsed() > took * RARELY);
+        if self.finished > 0 && is_due {
+            let began = Instant::now();
+            self.folder.write_table(self.work.family)?;
+            self.written = Some((Instant::now(), began.elapsed()));
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, Running { member, began, .. }: &Running, outcome: Outcome, (done, all): (usize, usize)) {
+        match outcome {
+            Outcome::Finished => {
+                self.finished += 1;
+                self.signals.stored_results().fetch_add(1, Ordering::SeqCst);
+                let seconds = Number(began.elapsed().as_secs_f64());
+                let number = done + self.finished as usize;
+                self.progress.say(&format!("run {number} of {all}: {member}, {seconds:.2} s"));
+                self.progress.show(number as f64 / all as f64);
+            }
+            Outcome::Stopped(steps) => {
+                self.steps += steps;
+                // By its time, if nobody asked: that of all is over, too.
+                self.signals.stop(Stop::TimeIsUp);
+            }
+            Outcome::Failed(why) => {
+                let failure = format!("{member} failed: {why}; its log is {}", self.folder.log(member).display());
+                self.progress.say(&failure);
+                self.failures.push(failure);
+            }
+        }
+    }
+
+    /// Which failed, and why.
+    pub fn failures(&self) -> &[String] {
+        &self.failures
+    }
+
+    /// Steps that were taken by runs that stopped, and runs that are finished.
+    pub fn steps_taken(&self) -> u64 {
+        self.steps + self.finished
+    }
+
+    /// Whether time was up before anything new was reached.
+    pub fn is_in_vain(&self, stop: Stop) -> bool {
+        stop == Stop::TimeIsUp && self.steps_taken() == 0
+    }
+}

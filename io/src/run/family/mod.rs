@@ -1,0 +1,12 @@
+//! Families of runs: their folder, the state of each member, and the table of means over the seeds.
+
+mod answers;
+mod folder;
+mod spread;
+mod state;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use folder::FamilyFolder;
+pub use state::MemberState;
