@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Which run, and where the page goes.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The folder of a run
+    /// The folder of a run, or of a family
     folder: PathBuf,
     /// The page [default: report.html in the folder of the run]
     #[arg(long, value_name = "FILE")]

@@ -16,7 +16,7 @@ use std::process::ExitCode;
 /// Which run to go on with.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The folder of the run
+    /// The folder of the run, or of a family
     folder: PathBuf,
     /// Go on until this step instead of the scene's last
     #[arg(long, value_name = "N", allow_hyphen_values = true)]

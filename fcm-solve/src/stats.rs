@@ -1,12 +1,13 @@
 //! `fcm-solve stats`: statistics of a run from its trajectory.
 
 use crate::causes::in_full;
+use crate::family;
 use crate::number::{finite, positive};
 use crate::sampled_frames::SampledFrames;
 use crate::streams::{self, json};
 use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, Need, Particles, Partition, Process};
-use io::{Kind, Manifest, Provenance, Scene, TrajectoryReader, provenance, write_tables};
+use io::{FamilyFolder, Kind, Manifest, Provenance, Scene, TrajectoryReader, provenance, write_tables};
 use serde_json::json;
 use simulation::Table;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ use suspension::{
 /// Which run, and what of it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The folder of a run
+    /// The folder of a run, or of a family
     folder: PathBuf,
     /// Leave out what was before this time
     #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
@@ -46,6 +47,9 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 }
 
 fn take(args: &Args) -> anyhow::Result<()> {
+    if FamilyFolder::holds_family(&args.folder) {
+        return streams::print_here(&family::stats(&args.folder, args.json)?);
+    }
     let trajectory = args.folder.join("trajectory.h5");
     let recorded = TrajectoryReader::open(&trajectory)?;
     let scene = Scene::parse(&recorded.provenance().scene, "the scene of the run", &[])?;

@@ -42,11 +42,15 @@ seeds = 3
 MEMBERS = [f"point-{point:04}/seed-{seed:04}" for point in (1, 2) for seed in (4, 5, 6)]
 
 
+def series(out):
+    """The rows of a time series, but for the seconds that they took."""
+    with open(out / "observables.csv") as file:
+        return [[value for key, value in row.items() if "seconds" not in key] for row in csv.DictReader(file)]
+
+
 def results(out):
-    """What the members of a family have found, and its table."""
-    files = {name: (out / name / "observables.csv").read_bytes() for name in MEMBERS}
-    with open(out / "family.csv") as file:
-        return files | {"family.csv": list(csv.reader(file))}
+    """The series of the members of a family, and its table."""
+    return [series(out / name) for name in MEMBERS], (out / "family.csv").read_text()
 
 
 def states(out):
@@ -75,14 +79,15 @@ class Families(unittest.TestCase):
         expected = self.whole(scene, "--threads", 1)
         said = run(["run", scene, "--out", self.out, "--threads", 2])
         self.assertIn("family     6 runs, 2 points; 2 at a time", said)
-        self.assertEqual(results(self.out), expected)
+        self.assertTrue(results(self.out) == expected)
         self.assertEqual(states(self.out), dict.fromkeys(MEMBERS, "finished"))
         # A member is what the scene with its keys is.
         alone = self.place / "alone"
         scene.write_text(SCENE.format(steps=20))
         run(["run", scene, "--out", alone, "--set", "seed=6", "--set", "species[0].volume_fraction=0.05"])
         member = self.out / MEMBERS[2]
-        self.assertEqual((alone / "observables.csv").read_bytes(), (member / "observables.csv").read_bytes())
+        self.assertTrue(series(alone) == series(member))
+        self.assertEqual(len({str(rows) for rows in expected[0]}), len(MEMBERS), "two members are the same run")
         run(["report", member])
         said = run(["resume", self.out])
         self.assertIn("6 finished before", said)
@@ -100,7 +105,7 @@ class Families(unittest.TestCase):
             process.communicate()
             said = run(["run", scene, "--out", out, "--continue"])
             self.assertIn("finished; results in", said)
-            self.assertEqual(results(out), expected, pause)
+            self.assertTrue(results(out) == expected, pause)
 
     def test_nothing_of_a_killed_family_is_left_running(self):
         process = start(["run", self.scene(steps=5000), "--out", self.out])
@@ -140,7 +145,7 @@ class Families(unittest.TestCase):
             said = part.communicate(timeout=120)[1]
             self.assertEqual(part.returncode, 0, said)
             self.assertIn("2 runs of 6 (part", said)
-        self.assertEqual(results(self.out), expected)
+        self.assertTrue(results(self.out) == expected)
         self.assertIn("2 finished before", run(["run", scene, "--out", self.out, "--part", "2/3"]))
         run(["run", scene, "--out", self.out, "--part", "4/3"], expect=1)
         said = run(["run", scene, "--out", self.out, "--part", "1/3", "--force"], expect=1)

@@ -33,10 +33,11 @@ SMALLER = {
     "granular-disks": {"time.strain": 1.0},
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},
+    "family": {"time.duration": 0.1},
     "shear-cell": {"time.steps": 3, "time.settle": 0},
 }
-# Scenes of grains run in one process.
-GRAINS = {"granular-disks", "disk-sweep", "poiseuille-disks", "shear-cell", "shear-cell-continuum"}
+# Scenes of grains and families run in one process.
+ALONE = {"family", "granular-disks", "disk-sweep", "poiseuille-disks", "shear-cell", "shear-cell-continuum"}
 
 
 class Scenes(unittest.TestCase):
@@ -47,7 +48,7 @@ class Scenes(unittest.TestCase):
             sets = [word for key, value in SMALLER.get(scene.stem, {}).items() for word in ("--set", f"{key}={value}")]
             with self.subTest(scene=scene.stem), tempfile.TemporaryDirectory() as folder:
                 run(["check", scene, *sets])
-                ranks = None if scene.stem in GRAINS else 2
+                ranks = None if scene.stem in ALONE else 2
                 out = pathlib.Path(folder) / "out"
                 run(["run", scene, "--out", out, *sets], ranks)
 

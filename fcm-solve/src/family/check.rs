@@ -2,7 +2,7 @@
 
 use super::at_once;
 use crate::streams::json;
-use anyhow::anyhow;
+use anyhow::{anyhow, ensure};
 use domain::{Comm, Number, readable_bytes};
 use io::{Family, Member, Trial};
 use serde_json::{Value, json};
@@ -20,7 +20,14 @@ struct Checked<'a> {
 /// The outline of a family, in words or as JSON. Every member has been read, and the first of each point is planned, placed and,
 /// unless `is_tried` is not set, tried on one core.
 pub fn check(family: &Family, is_tried: bool, as_json: bool) -> anyhow::Result<String> {
-    let points = family.points().map(|members| point(members, family, is_tried)).collect::<anyhow::Result<Vec<_>>>()?;
+    let (mut points, mut refused) = (Vec::new(), Vec::new());
+    for members in family.points() {
+        match point(members, family, is_tried) {
+            Ok(point) => points.push(point),
+            Err(error) => refused.push(format!("{error:#}")),
+        }
+    }
+    ensure!(refused.is_empty(), "{}", io::some_of(&refused));
     let members: Vec<&Member> = family.members().iter().collect();
     let at_once = at_once(family, &members)?.min(members.len());
     let seconds = points.iter().map(|point| point.trial.as_ref().map(|trial| trial.run * point.runs as f64));

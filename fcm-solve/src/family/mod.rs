@@ -6,6 +6,7 @@ mod info;
 mod outcome;
 mod part;
 mod pool;
+mod stats;
 
 use crate::part_progress::PartProgress;
 use crate::signals::Signals;
@@ -17,6 +18,7 @@ pub use info::info;
 use io::{ExistingRun, Family, FamilyFolder, Member, MemberState};
 pub use part::Part;
 use pool::Pool;
+pub use stats::stats;
 use std::path::Path;
 use std::process::ExitCode;
 

@@ -3,4 +3,5 @@
 
 mod table;
 
+pub(crate) use table::word;
 pub use table::{ANSWERS, RunAnswer, read_answers, write_answers};

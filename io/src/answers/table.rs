@@ -97,7 +97,7 @@ impl RunAnswer {
 }
 
 /// A verdict in the file.
-pub(super) fn word(verdict: Verdict) -> &'static str {
+pub(crate) fn word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Converged => "converged",
         Verdict::TooShort { .. } => "too short",

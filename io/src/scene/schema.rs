@@ -27,6 +27,27 @@ pub fn scene_schema() -> Value {
 fn of_kind<Raw: JsonSchema>(name: &str, generator: &mut SchemaGenerator) -> Value {
     let mut schema = Raw::json_schema(generator).to_value();
     schema["title"] = name.into();
+    schema["properties"]["ensemble"] = json!({
+        "type": "object",
+        "description": "Many runs that differ in the seed.",
+        "additionalProperties": false,
+        "required": ["seeds"],
+        "properties": { "seeds": {
+            "description": "The number of seeds, from that of the scene on, or a list of them.",
+            "type": ["integer", "array"],
+            "items": { "type": "integer", "minimum": 0 },
+        }},
+    });
+    let mut forms = vec![json!({
+        "type": ["object", "array"],
+        "additionalProperties": { "type": ["array", "object"] },
+        "items": { "type": "object" },
+    })];
+    forms.extend(schema["properties"].get("sweep").cloned());
+    schema["properties"]["sweep"] = json!({
+        "description": "Many runs: keys in quotes with lists of values, or [[sweep]] with a value for each key.",
+        "anyOf": forms,
+    });
     schema["properties"]["kind"] = json!({ "const": name, "description": "What the scene is of." });
     schema
 }
@@ -54,6 +75,10 @@ mod tests {
                 for (name, value) in table {
                     let key = format!("{key}.{name}");
                     let property = &schema["properties"][name];
+                    // Its keys are those of the scene.
+                    if name == "sweep" {
+                        continue;
+                    }
                     assert!(property["description"].is_string(), "{key} has no description");
                     check(root, property, value, &key);
                 }

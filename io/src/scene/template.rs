@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All of them.
-pub static TEMPLATES: [Template; 23] = [
+pub static TEMPLATES: [Template; 24] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -38,6 +38,7 @@ pub static TEMPLATES: [Template; 23] = [
     template!("colloid", "Charged colloids that diffuse, at 20% by volume"),
     template!("brownian-shear", "The same in a shear flow"),
     template!("colloid-sediment", "Colloids that settle on a bottom and diffuse above it"),
+    template!("family", "Three volume fractions with two seeds each: a viscosity with its error from many runs"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
     template!("disk-sweep", "Several seeds and viscosities of such disks"),
     template!("poiseuille-disks", "Disks of many sizes in a Poiseuille flow"),
@@ -55,12 +56,12 @@ impl Template {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scene;
+    use crate::SceneFile;
 
     #[test]
     fn every_template_is_a_scene() {
         for template in TEMPLATES {
-            Scene::parse(template.text, template.name, &[]).unwrap();
+            SceneFile::parse(template.text, template.name, &[]).unwrap();
             assert_eq!(Template::named(template.name), Some(template));
         }
         assert_eq!(Template::named("sediments"), None);

@@ -1,6 +1,7 @@
-//! The answers of a run, as its summary has them.
+//! The answers of a member, in terms of one value with an error for each quantity.
 
-use crate::FileError;
+use crate::answers::word;
+use crate::{FileError, Kind, Scene, read_answers};
 use simulation::csv_words;
 use std::path::Path;
 
@@ -15,29 +16,52 @@ pub(super) struct Answer {
     pub(super) error: f64,
 }
 
-/// The answers in the folder of a run; none where it has none yet.
-pub(super) fn of(folder: &Path) -> Result<Vec<Answer>, FileError> {
-    let path = folder.join("summary.csv");
-    let Ok(text) = std::fs::read_to_string(&path) else { return Ok(Vec::new()) };
+/// The answers in the folder of a run of a scene; none where it has none yet.
+pub(super) fn of(folder: &Path, scene: &Scene) -> Result<Vec<Answer>, FileError> {
+    if let Kind::Continuum(_) = scene.kind() {
+        return of_solutions(&folder.join("summary.csv"));
+    }
+    let answers = read_answers(folder)?.unwrap_or_default();
+    Ok(answers
+        .into_iter()
+        .map(|answer| Answer {
+            verdict: word(answer.mean.verdict).to_owned(),
+            value: answer.mean.value,
+            error: answer.mean.error,
+            quantity: answer.quantity,
+            species: answer.species,
+            unit: answer.unit,
+        })
+        .collect())
+}
+
+/// Columns of the solutions of a continuum, with their units; the first two say what a solution is of.
+const OF_SOLUTIONS: [(&str, &str); 5] = [
+    ("speed", "length/time"),
+    ("pressure", "force/length^2"),
+    ("mean_solid_fraction", ""),
+    ("slip", "length/time"),
+    ("shear_stress", "force/length^2"),
+];
+
+/// The solutions of a continuum, which have no errors.
+fn of_solutions(path: &Path) -> Result<Vec<Answer>, FileError> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(Vec::new()) };
     let mut lines = text.lines().map(csv_words);
     let names = lines.next().unwrap_or_default();
-    let place = |name: &str| names.iter().position(|other| other == name);
-    let Some((quantity, value)) = place("quantity").zip(place("value")) else { return Ok(Vec::new()) };
-    let [species, unit, verdict, error] = ["species", "unit", "verdict", "error"].map(place);
-    let answer = |words: Vec<String>| {
-        let word = |place: Option<usize>| place.and_then(|place| words.get(place)).cloned().unwrap_or_default();
-        let number = |place: Option<usize>| match word(place).as_str() {
-            "" => Ok(f64::NAN),
-            text => text.parse().map_err(|e| FileError::damaged(&path, &e)),
+    let mut answers = Vec::new();
+    for words in lines {
+        let word = |column: usize| {
+            let place = names.iter().position(|name| name == OF_SOLUTIONS[column].0);
+            place.and_then(|place| words.get(place)).ok_or_else(|| FileError::damaged(path, &"a column is missing"))
         };
-        Ok(Answer {
-            quantity: word(Some(quantity)),
-            species: word(species),
-            unit: word(unit),
-            verdict: word(verdict),
-            value: number(Some(value))?,
-            error: number(error)?,
-        })
-    };
-    lines.map(answer).collect()
+        let species = format!("speed {}, pressure {}", word(0)?, word(1)?);
+        for (column, (quantity, unit)) in OF_SOLUTIONS.into_iter().enumerate().skip(2) {
+            let value = word(column)?.parse().map_err(|e| FileError::damaged(path, &e))?;
+            let (quantity, unit) = (quantity.to_owned(), unit.to_owned());
+            let (species, verdict) = (species.clone(), "solved".to_owned());
+            answers.push(Answer { quantity, species, unit, verdict, value, error: f64::NAN });
+        }
+    }
+    Ok(answers)
 }

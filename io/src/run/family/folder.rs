@@ -8,6 +8,7 @@ use crate::run::{ExistingRun, RunError};
 use crate::scene::{Rule, differences_of, is_none, rule, some_of};
 use crate::{Family, FileError, MANIFEST, Manifest, Member, SceneFile};
 use domain::Comm;
+use simulation::Table;
 use std::path::{Path, PathBuf};
 
 /// The folder of a family's results.
@@ -24,17 +25,14 @@ impl FamilyFolder {
     pub fn claim(path: &Path, family: &Family, former: ExistingRun) -> Result<Self, RunError> {
         let mut run = RunFolder::claim_when_free(path, former)?;
         let kept = std::fs::read_to_string(run.scene()).ok().filter(|_| former == ExistingRun::Continue);
-        match kept {
-            Some(kept) => {
-                refuse_another(family, &kept, path)?;
-                if kept != family.text() {
-                    run.keep(family.text())?;
-                }
+        if let Some(kept) = kept {
+            refuse_another(family, &kept, path)?;
+            if kept != family.text() {
+                run.keep(family.text())?;
             }
-            None => {
-                clear_members(run.manifest())?;
-                run.start_with(family.text())?;
-            }
+        } else {
+            clear_members(run.manifest())?;
+            run.start_with(family.text())?;
         }
         let mut folders: Vec<String> = family.members().iter().map(Member::folder).collect();
         let logs = folders.iter().map(|folder| format!("{folder}/{LOG}"));
@@ -78,6 +76,11 @@ impl FamilyFolder {
     /// The log of a member.
     pub fn log(&self, member: &Member) -> PathBuf {
         self.member(member).join(LOG)
+    }
+
+    /// The means over the seeds, of the members that have answers by now.
+    pub fn table(&self, family: &Family) -> Result<Table, RunError> {
+        Ok(table::table(self, family)?)
     }
 
     /// Writes the table of means over the seeds, of the members that have answers by now.

@@ -16,7 +16,7 @@ pub(super) struct Spread {
     /// Number of seeds.
     pub(super) seeds: usize,
     /// Standard deviation over the seeds; not a number for a single one.
-    pub(super) spread: f64,
+    pub(super) deviation: f64,
     /// Root mean square of the errors that the runs claim; not a number where none claims any.
     pub(super) claimed: f64,
 }
@@ -27,17 +27,17 @@ impl Spread {
         let count = values.len() as f64;
         let mean = values.iter().map(|(value, _)| value).sum::<f64>() / count;
         let squares: f64 = values.iter().map(|(value, _)| (value - mean).powi(2)).sum();
-        let spread = (squares / (count - 1.0)).sqrt();
+        let deviation = (squares / (count - 1.0)).sqrt();
         let errors: Vec<f64> = values.iter().map(|(_, error)| *error).filter(|error| error.is_finite()).collect();
         let claimed = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-        let error = if values.len() == 1 { claimed } else { student(values.len() - 1) * spread / count.sqrt() };
-        Self { mean, error, seeds: values.len(), spread, claimed }
+        let error = if values.len() == 1 { claimed } else { student(values.len() - 1) * deviation / count.sqrt() };
+        Self { mean, error, seeds: values.len(), deviation, claimed }
     }
 
     /// The spread that was found over the error that was claimed: 1 where runs claim what is so, above 1 where they claim too
     /// little.
     pub(super) fn calibration(&self) -> f64 {
-        self.spread / self.claimed
+        self.deviation / self.claimed
     }
 }
 
@@ -70,10 +70,11 @@ mod tests {
     #[test]
     fn errors_come_from_the_spread_of_seeds() {
         let found = Spread::of(&[(1.0, 0.5), (2.0, 0.5), (3.0, f64::NAN)]);
-        assert_eq!((found.mean, found.spread, found.claimed, found.seeds), (2.0, 1.0, 0.5, 3));
-        assert!((found.error - student(2) / 3.0_f64.sqrt()).abs() < 1e-15 && found.calibration() == 2.0);
+        assert_eq!((found.mean, found.deviation, found.claimed, found.seeds), (2.0, 1.0, 0.5, 3));
+        assert!((found.error - student(2) / 3.0_f64.sqrt()).abs() < 1e-15);
+        assert!((found.calibration() - 2.0).abs() < 1e-15);
         let one = Spread::of(&[(4.0, 0.25)]);
-        assert!(one.error == 0.25 && one.spread.is_nan() && one.calibration().is_nan());
+        assert!((one.error - 0.25).abs() < 1e-15 && one.deviation.is_nan() && one.calibration().is_nan());
         assert!(Spread::of(&[(4.0, f64::NAN)]).error.is_nan());
     }
 }

@@ -33,9 +33,12 @@ pub(super) fn table(folder: &FamilyFolder, family: &Family) -> Result<Table, Fil
     let names = keys.iter().map(|(_, key)| *key).chain(NUMBERS);
     let mut table = Table::new("family", &WORDS, &names.map(|name| (name, "")).collect::<Vec<_>>());
     for members in family.points() {
-        let answers =
-            members.iter().map(|member| answers::of(&folder.member(member))).collect::<Result<Vec<_>, _>>()?;
-        add_point(&mut table, (&members[0], &keys), &answers.concat());
+        let scene = family.scene(&members[0]).map_err(|e| FileError::read(folder.path(), &e))?;
+        let mut answers = Vec::new();
+        for member in members {
+            answers.extend(answers::of(&folder.member(member), &scene)?);
+        }
+        add_point(&mut table, (&members[0], &keys), &answers);
     }
     Ok(table)
 }
@@ -65,7 +68,7 @@ fn add_point(table: &mut Table, (member, keys): (&Member, &[(usize, &str)]), ans
             [f64::NAN, f64::NAN, 0.0, f64::NAN, f64::NAN, f64::NAN]
         } else {
             let found = Spread::of(&values);
-            [found.mean, found.error, found.seeds as f64, found.spread, found.claimed, found.calibration()]
+            [found.mean, found.error, found.seeds as f64, found.deviation, found.claimed, found.calibration()]
         };
         let point = member.point_name();
         let words = [&point, &member.described(), &quantity, &species, &verdicts(&same), &same[0].unit];

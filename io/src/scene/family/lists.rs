@@ -134,8 +134,9 @@ fn grid(lists: Vec<(String, Value)>) -> Result<Points, Fault> {
         if points.len().saturating_mul(values.len()) > super::MOST {
             return Err(Fault::new("sweep", format!("has more than {} points; list fewer values", super::MOST)));
         }
-        let with =
-            |point: &Vec<Value>| values.iter().map(|value| [&point[..], &[value.clone()]].concat()).collect::<Vec<_>>();
+        let with = |point: &Vec<Value>| {
+            values.iter().map(|value| [&point[..], std::slice::from_ref(value)].concat()).collect::<Vec<_>>()
+        };
         points = points.iter().flat_map(with).collect();
     }
     Ok((lists.into_iter().map(|(key, _)| key).collect(), points))

@@ -1,0 +1,33 @@
+//! `fcm-solve stats` of the folder of a family: the means over the seeds.
+
+use crate::streams::json;
+use anyhow::bail;
+use domain::Number;
+use io::{FamilyFolder, SceneFile};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The table of a family, which is written anew, in words or as JSON.
+pub fn stats(path: &Path, as_json: bool) -> anyhow::Result<String> {
+    let SceneFile::Family(family) = SceneFile::read(&path.join("scene.toml"), &[])? else {
+        bail!("{} holds no family", path.display());
+    };
+    let folder = FamilyFolder::of(path);
+    folder.write_table(&family)?;
+    let table = folder.table(&family)?;
+    if as_json {
+        return Ok(json(&table.to_json()));
+    }
+    let mut text = String::new();
+    for (words, numbers) in &table.rows {
+        let [point, values, quantity, species, verdicts, unit] = &words[..] else { continue };
+        let [.., mean, error, seeds, _, claimed, _] = numbers[..] else { continue };
+        let [mean, error, claimed] = [mean, error, claimed].map(Number);
+        let of =
+            [values.as_str(), species].into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join(", ");
+        let about = format!("{seeds} seeds, of which each claims {claimed:.2}; {verdicts}");
+        writeln!(text, "{point} {of}: {quantity} {mean:.5} +- {error:.2} {unit} ({about})").expect("text grows");
+    }
+    writeln!(text, "table      {}", path.join("family.csv").display()).expect("text grows");
+    Ok(text)
+}
