@@ -4,7 +4,7 @@ import sys
 
 from .plots import command
 
-USAGE = "usage: python -m fcm_solve plot FOLDER [PICTURE] [--by WHAT] [--format FORMAT] [--animate]"
+USAGE = "usage: python -m fcm_solve plot FOLDER [PICTURE] [--by WHAT] [--only QUANTITY] [--format FORMAT] [--animate]"
 
 
 def main(words):

@@ -69,18 +69,21 @@ class Run:
         paths = [path for folder in [self.folder, *folders[:1]] for path in sorted(folder.glob("*.csv"))]
         return {path.stem: pandas.read_csv(path) for path in paths if path.name != "observables.csv"}
 
-    def plot(self, path: str | PathLike | None = None, by: str = "excess") -> matplotlib.figure.Figure:
+    def plot(
+        self, path: str | PathLike | None = None, by: str = "excess", only: str | None = None
+    ) -> matplotlib.figure.Figure:
         """A picture to judge the run by, as `python -m fcm_solve plot` draws it: spheres, the series and statistics that a
         scene of its kind is run for, and the answers.
 
         path  where it is written too, by its suffix as PNG, SVG or PDF
         by    what colours, or the gray of disks, say: "excess" velocity over the fluid's, "speed", or "species"
+        only  a quantity of the answers, such as "relative_viscosity", of which alone the panel is drawn
         """
         needed("matplotlib", "plot()")
         from . import plots
 
         try:
-            figure = plots.draw(self.folder, by)
+            figure = plots.draw(self.folder, by, only)
             if path is not None:
                 plots.save(figure, path)
         except plots.PlotError as error:

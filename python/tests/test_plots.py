@@ -84,6 +84,22 @@ def test_answers_are_bands_over_their_series_and_a_table(tmp_path):
     assert cells[2, 1].get_text().get_text() == "\u2013"
 
 
+def test_one_quantity_is_drawn_alone(tmp_path, capsys):
+    folder = folders.run(tmp_path / "run")
+    for quantity in ("settling_velocity", "hindered_settling_function"):
+        figure = plots.draw(folder, only=quantity)
+        assert [axes.get_ylabel().split("\n")[0] for axes in figure.axes] == ["settling velocity"]
+    assert len(fcm.open(folder).plot(only="velocity_fluctuation_parallel").axes) == 1
+    status, _, errors = command(capsys, folder, "--only", "viscosity")
+    assert (
+        status == 1 and "has no series of viscosity; it has hindered_settling_function, settling_velocity" in errors[0]
+    )
+    family(tmp_path / "family")
+    assert len(plots.draw(tmp_path / "family", only="shear_stress").axes) == 1
+    status, _, errors = command(capsys, tmp_path / "family", "--only", "viscosity")
+    assert status == 1 and "has no mean of viscosity; it has shear_stress" in errors[0]
+
+
 def test_units_of_scenes_in_si_units_have_names(tmp_path):
     scene = folders.SETTLING.replace("radius = 1.0", "radius = 1.0e-6")
     scene += "density_difference = 1000.0\n[gravity]\nacceleration = [0.0, 0.0, -9.81]\n"
@@ -111,13 +127,19 @@ def test_errors_have_two_digits(value, error, text):
     assert with_error(value, error) == text
 
 
-def test_a_family_has_curves_with_errors_over_the_first_key(tmp_path):
-    folder = folders.run(tmp_path / "family", folders.SHEAR + "[sweep]\n", rows=0, frames=0)
+def family(folder):
+    """The folder of a family of two points."""
+    folders.run(folder, folders.SHEAR + "[sweep]\n", rows=0, frames=0)
     rows = [
         [f"point-{n}", f"fluid.viscosity = {x}", "shear_stress", "all", "", "force/length^2", x, y, 0.1, 4, 0.2, 0.1, 1]
         for n, (x, y) in enumerate([(2.0, 5.0), (1.0, 3.0)], start=1)
     ]
     folders.write_csv(folder / "family.csv", folders.FAMILY.split(","), rows)
+    return folder
+
+
+def test_a_family_has_curves_with_errors_over_the_first_key(tmp_path):
+    folder = family(tmp_path / "family")
     axes = panel(plots.draw(folder), "shear stress")
     assert axes.get_xlabel() == "fluid.viscosity"
     curve = axes.containers[0]

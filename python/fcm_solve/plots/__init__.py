@@ -11,12 +11,13 @@ from .error import PlotError
 __all__ = ["PlotError", "animate", "draw", "save"]
 
 
-def draw(folder, by="excess", notes=None):
+def draw(folder, by="excess", only=None, notes=None):
     """The picture of the results in a folder, as a figure of matplotlib.
 
     folder  that of a run or of a family of runs
     by      what colours, or the gray of disks, say: "excess" velocity over the fluid's or along the force, "speed", or
             "species"
+    only    a quantity of the answers of a suspension, of which alone the panel is drawn
     notes   a list to which what is left out is added, and why
     """
     from . import family, grains, page, run, scene, style
@@ -25,12 +26,14 @@ def draw(folder, by="excess", notes=None):
     kept = scene.read_scene(folder)
     with style.applied():
         if family.is_one(folder, kept):
-            figure = family.draw(folder, kept)
+            figure = family.draw(folder, kept, only)
+        elif kept.kind in grains.KINDS and only is not None:
+            raise PlotError(f"{folder} holds grains, whose quantities are drawn together; leave {only} out")
         elif kept.kind in grains.KINDS:
             figure = grains.draw(folder, kept, by)
         else:
             results = run.Run(folder, kept)
-            figure = page.draw(results, by)
+            figure = page.draw(results, by, only)
             if notes is not None:
                 notes += dict.fromkeys(results.notes)
         # Ticks and their places are made here, in the sizes of this style.

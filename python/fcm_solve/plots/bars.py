@@ -12,6 +12,7 @@ class Bars:
     def __init__(self, run, categories, y):
         self.run, self.categories, self.y = run, categories, y
         self.groups = []
+        self.quantities = set()
 
     def add(self, values, errors, label, colour):
         """Adds a bar for each category."""

@@ -13,6 +13,7 @@ EXAMPLES = """examples:
   %(prog)s results/my                    results/my/picture.png
   %(prog)s results/my --format svg       results/my/picture.svg
   %(prog)s results/my figure.pdf         the picture in another place
+  %(prog)s results/my --only relative_viscosity
   %(prog)s results/disks --by species    disks gray by species
 """
 
@@ -26,6 +27,8 @@ def parser(program):
     parser.add_argument("picture", type=pathlib.Path, nargs="?", help=where)
     what = "what colours, or the gray of disks, say: excess velocity over the fluid's (the default), speed or species"
     parser.add_argument("--by", choices=("excess", "speed", "species"), default="excess", help=what)
+    one = "one quantity of the answers, such as relative_viscosity, alone"
+    parser.add_argument("--only", metavar="QUANTITY", help=one)
     parser.add_argument("--format", choices=FORMATS, help="the format, where no picture is named")
     parser.add_argument("--animate", action="store_true", help="all frames of disks, as a GIF")
     return parser
@@ -47,7 +50,7 @@ def carry_out(arguments):
     if arguments.animate:
         animate(arguments.folder, picture, arguments.by)
     else:
-        save(draw(arguments.folder, arguments.by, notes), picture)
+        save(draw(arguments.folder, arguments.by, arguments.only, notes), picture)
     for note in notes:
         print(f"left out   {note}")
     print(f"picture    {picture}")

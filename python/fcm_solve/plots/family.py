@@ -42,8 +42,8 @@ def is_one(folder, scene):
     return (folder / TABLE).is_file() or "ensemble" in scene.keys or ("sweep" in scene.keys and not is_former)
 
 
-def draw(folder, scene):
-    """The figure of a family."""
+def draw(folder, scene, only=None):
+    """The figure of a family, or of one of its quantities."""
     path = folder / TABLE
     table = read_table(path)
     if table is None or not len(table):
@@ -54,6 +54,9 @@ def draw(folder, scene):
     keys = [name for name in table.columns if name not in (*FIRST, *NUMBERS)]
     family = Family(table, [key for key in keys if table.get(key) is not None], Units(scene.is_si))
     quantities = _quantities(table, path)
+    if only is not None and only not in quantities:
+        raise PlotError(f"{path} has no mean of {only}; it has {', '.join(quantities)}")
+    quantities = [only] if only else quantities[:MOST]
     figure, places = sheet(in_rows(len(quantities)), 2.4, width=PAGE if len(quantities) > 1 else PAGE / 2)
     for axes, quantity in zip(places, quantities):
         _draw_quantity(axes, family, quantity)
@@ -67,7 +70,7 @@ def _quantities(table, path):
     found = [q for q in quantities if np.isfinite(table["mean"][table["quantity"] == q]).any()]
     if not found:
         raise PlotError(f"{path} has no mean that means something: its runs are too short, see the column verdicts")
-    return found[:MOST]
+    return found
 
 
 def _draw_quantity(axes, family, quantity):

@@ -21,6 +21,8 @@ class Curve:
     error: np.ndarray | None = None
     quantities: tuple = ()
     species: str | None = None
+    # Whether the answer is a value of this curve.
+    answered: bool = True
     # Factor for a value of the answer that has a unit.
     factor: float = 1.0
 
@@ -40,6 +42,11 @@ class Panel:
         """Adds a curve, if it has a number."""
         if x is not None and y is not None and (np.isfinite(x) & np.isfinite(y)).any():
             self.curves.append(Curve(x, y, label, **options))
+
+    @property
+    def quantities(self):
+        """The quantities of answers that it is about."""
+        return {name for curve in self.curves for name in curve.quantities}
 
     def __bool__(self):
         return bool(self.curves)
@@ -72,16 +79,16 @@ class Panel:
                 axes.set(**{f"{which}scale": "log"})
 
     def _draw_answers(self, axes, factors):
-        """The value of each answer with its error as a band from the end of its transient on; the transient is
-        shaded."""
+        """The value of each answer with its error as a band from the end of its transient on; the transient that
+        all of them leave out is shaded."""
         ends = []
         for curve in self.curves:
             answer = find(self.run.answers, curve.quantities, curve.species)
-            if answer is None or curve.x is not self.run.progress[0]:
+            if answer is None or not curve.answered or curve.x is not self.run.progress[0]:
                 continue
             start, end = self.run.progress_at(answer.transient) * factors[0], np.nanmax(curve.x) * factors[0]
             factor = factors[1] * (curve.factor if answer.unit else 1.0)
             band(axes, (start, end), (answer.value * factor, answer.error * factor), curve.colour)
             ends.append(start)
         if ends:
-            shade(axes, np.nanmin(self.curves[0].x) * factors[0], max(ends))
+            shade(axes, np.nanmin(self.curves[0].x) * factors[0], min(ends))

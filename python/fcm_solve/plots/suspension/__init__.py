@@ -1,5 +1,6 @@
 """Panels of suspensions: each is about one quantity, and there is none where a run has nothing of it."""
 
+from ..error import PlotError
 from . import boundaries, brownian, clouds, contacts, motion, oscillation, pairs, stress
 
 # In the order in which they are shown.
@@ -17,6 +18,8 @@ PANELS = (
     clouds.bonds,
     boundaries.heights,
     boundaries.flux,
+    boundaries.slip,
+    boundaries.wall_stress,
     brownian.displacements,
     brownian.osmotic_pressure,
     motion.fluctuations,
@@ -32,5 +35,19 @@ MOST = 8
 
 def panels(run):
     """The panels of a run, the most telling ones first."""
-    found = (make(run) for make in PANELS)
-    return [panel for panel in found if panel][:MOST]
+    return _made(run)[:MOST]
+
+
+def panels_of(run, quantity):
+    """The panels on a quantity of the answers."""
+    made = _made(run)
+    bare = quantity.removeprefix("reduced_")
+    found = [panel for panel in made if bare in panel.quantities]
+    if not found:
+        known = sorted({name for panel in made for name in panel.quantities})
+        raise PlotError(f"{run.folder} has no series of {quantity}; it has {', '.join(known) or 'none'}")
+    return found
+
+
+def _made(run):
+    return [panel for panel in (make(run) for make in PANELS) if panel]

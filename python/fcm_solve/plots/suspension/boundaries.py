@@ -69,18 +69,43 @@ def heights(run):
         label = shown(name) if len(run.names) > 1 else ""
         panel.add(run.progress[0], mean, label, colour=colour, quantities=("mean_height",), species=name)
         for sign in (-1, 1) if mean is not None and deviation is not None else ():
-            panel.add(run.progress[0], mean + sign * deviation, colour=colour, line=":")
+            values = mean + sign * deviation
+            panel.add(
+                run.progress[0], values, colour=colour, line=":", quantities=("height_deviation",), answered=False
+            )
     return panel
 
 
 def flux(run):
     """The volume of spheres through a cross-section, over area and time."""
-    return _by_species(run, [f"particle_flux_{axis}" for axis in AXES], ("particle flux", "length/time"))
+    return _by_species(
+        run, [f"particle_flux_{axis}" for axis in AXES], ("particle flux", "length/time"), "particle_flux"
+    )
+
+
+def slip(run):
+    """The mean velocity of the spheres relative to the flow of the fluid alone, along walls."""
+    if run.scene.flow == "none" or run.scene.boundaries.count("walls") != 1:
+        return None
+    axis = "x" if run.scene.boundaries[0] == "periodic" else "y"
+    return _by_species(run, [f"mean_velocity_{axis}"], ("slip velocity", "length/time"), "slip_velocity")
+
+
+def wall_stress(run):
+    """The stress along each wall, in the direction of the flow."""
+    if not motion.has_series(run) or run.scene.flow == "none":
+        return None
+    axis = "x" if run.scene.boundaries[0] == "periodic" else "y"
+    panel = Panel(run, run.progress[1:], ("wall stress", "force/length^2"), level=0)
+    for wall, colour in zip(("lower", "upper"), colours(2)):
+        options = {"colour": colour, "quantities": (f"{wall}_wall_shear_stress",)}
+        panel.add(run.progress[0], run.get(f"wall_shear_stress_{axis}[{wall}]"), f"{wall} wall", **options)
+    return panel
 
 
 def migration(run):
     """The migration of spheres to the middle: 1 where they are spread evenly."""
-    return _by_species(run, [f"migration_{axis}" for axis in AXES], ("spread across the channel", ""))
+    return _by_species(run, [f"migration_{axis}" for axis in AXES], ("spread across the channel", ""), "migration")
 
 
 def pressure_gradient(run):
@@ -93,13 +118,13 @@ def pressure_gradient(run):
     return panel
 
 
-def _by_species(run, quantities, y):
+def _by_species(run, columns, y, answer):
     if not motion.has_series(run):
         return None
     panel = Panel(run, run.progress[1:], y, level=0)
     for name, colour in zip(run.names, colours(len(run.names))):
-        for quantity in quantities:
+        for column in columns:
             label = shown(name) if len(run.names) > 1 else ""
-            options = {"colour": colour, "quantities": (quantity,), "species": name}
-            panel.add(run.progress[0], run.get(f"{quantity}[{name}]"), label, **options)
+            options = {"colour": colour, "quantities": (answer,), "species": name}
+            panel.add(run.progress[0], run.get(f"{column}[{name}]"), label, **options)
     return panel

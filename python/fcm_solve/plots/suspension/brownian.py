@@ -8,6 +8,11 @@ from ..text import shown
 from . import motion
 
 
+# Answers that are slopes of the mean square displacement.
+DIRECTIONS = ("along_gradient", "along_vorticity", "along_walls", "across_walls", "parallel", "perpendicular")
+DIFFUSIVITIES = ("diffusivity", *(f"diffusivity_{direction}" for direction in DIRECTIONS))
+
+
 def displacements(run):
     """The mean square displacement by lag, a component, and that of a single sphere in unbounded fluid."""
     heat, lags = run.scene.thermal_energy, run.statistics.get("lags")
@@ -22,7 +27,8 @@ def displacements(run):
             values = rows.get(f"displacement_{axis}")
             text = f"{shown(name)}, {axis}" if len(run.names) > 1 else f"along {axis}"
             if values is not None:
-                panel.add(rows["time"][later], positive(values[later]), text, colour=colour, line=line)
+                values = positive(values[later])
+                panel.add(rows["time"][later], values, text, colour=colour, line=line, quantities=DIFFUSIVITIES)
     return _with_reference(panel, run, heat)
 
 

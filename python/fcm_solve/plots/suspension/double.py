@@ -9,6 +9,8 @@ from ..units import labelled, upright
 class DoubleProfile:
     """The volume fraction, with its error, and a velocity along the flow."""
 
+    quantities = frozenset()
+
     def __init__(self, run, axis, heights, fraction):
         self.run, self.axis, self.heights, self.fraction = run, axis, heights, fraction
         self.error = self.velocity = self.along = None

@@ -17,7 +17,11 @@ def settling(run):
         return None
     panel = Panel(run, run.progress[1:], ("settling velocity / Stokes velocity", ""), level=0)
     for number, mean, speed, _ in _along_stokes(run):
-        options = {"quantities": ("settling_velocity",), "species": run.names[number], "factor": 1 / speed}
+        options = {
+            "quantities": ("settling_velocity", "hindered_settling_function"),
+            "species": run.names[number],
+            "factor": 1 / speed,
+        }
         colour = colours(len(run.names))[number]
         panel.add(run.progress[0], mean / speed, label(run, number), colour=colour, **options)
     return panel

@@ -7,8 +7,13 @@ from ..style import colours
 from ..units import labelled, upright
 
 
+MODULI = ("storage_modulus", "loss_modulus")
+
+
 class Loops:
-    """The stress of the suspension against the strain, the later the darker."""
+    """The stress of the suspension against the strain, the last period the darkest."""
+
+    quantities = frozenset(MODULI)
 
     def __init__(self, run, strain, stress):
         self.run, self.strain, self.stress = run, strain, stress
@@ -36,13 +41,14 @@ def stress_against_strain(run):
 def moduli(run):
     """Storage and loss modulus of the harmonics, of the statistics."""
     table = run.statistics.get("harmonics")
-    columns = ("harmonic", "storage_modulus", "loss_modulus")
+    columns = ("harmonic", *MODULI)
     if table is None or not table.has(*columns):
         return None
     bars = Bars(
         run, [f"{number:g}" for number in table["harmonic"].tolist()], ("modulus of the harmonic", "force/length^2")
     )
-    for name, label, colour in zip(columns[1:], ("storage modulus G\u2032", "loss modulus G\u2033"), colours(2)):
+    bars.quantities = set(MODULI)
+    for name, label, colour in zip(MODULI, ("storage modulus G\u2032", "loss modulus G\u2033"), colours(2)):
         errors = table.get(f"{name}_error")
         bars.add(table[name], errors if errors is not None else 0 * table[name], label, colour)
     return bars
