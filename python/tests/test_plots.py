@@ -150,6 +150,18 @@ def test_a_family_has_curves_with_errors_over_the_first_key(tmp_path):
         plots.draw(folder)
 
 
+def test_a_family_without_means_has_the_series_of_its_runs(tmp_path):
+    folder = folders.run(tmp_path / "family", folders.SHEAR + "[ensemble]\nseeds = 2\n", rows=0, frames=0)
+    for number, member in enumerate(["point-0001/seed-0001", "point-0001/seed-0002", "point-0002/seed-0001"]):
+        (folder / member).mkdir(parents=True)
+        viscosity = np.full(11, float(number))
+        folders.run(folder / member, folders.SHEAR, frames=0, relative_viscosity=viscosity)
+    axes = panel(plots.draw(folder), "relative viscosity")
+    assert [line.get_ydata()[0] for line in axes.lines] == [0, 1, 2]
+    assert axes.lines[0].get_color() == axes.lines[1].get_color() != axes.lines[2].get_color()
+    assert [text.get_text() for text in axes.get_legend().texts] == ["point 1", "point 2"]
+
+
 NAMES = ["a, b", "$x_1$", "_hidden", "\u7389 und gro\u00df", "x" * 100]
 
 

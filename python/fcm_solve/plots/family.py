@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import members
 from .answers import ALL
 from .csv_table import read_table
 from .error import PlotError
@@ -47,13 +48,15 @@ def draw(folder, scene, only=None):
     path = folder / TABLE
     table = read_table(path)
     if table is None or not len(table):
-        raise PlotError(
-            f"{path} has no answers yet; a family writes them as its runs end: go on with fcm-solve run --continue"
-        )
+        why = f"{path} has no answers yet; a family writes them as its runs end: go on with fcm-solve run --continue"
+        return members.draw(folder, scene, why)
     table.needs(path, "values", "quantity", "species", "unit").needs_numbers(path, "mean", "error")
     keys = [name for name in table.columns if name not in (*FIRST, *NUMBERS)]
     family = Family(table, [key for key in keys if table.get(key) is not None], Units(scene.is_si))
-    quantities = _quantities(table, path)
+    quantities = _quantities(table)
+    if not quantities:
+        why = f"{path} has no mean that means something: its runs are too short, see the column verdicts"
+        return members.draw(folder, scene, why)
     if only is not None and only not in quantities:
         raise PlotError(f"{path} has no mean of {only}; it has {', '.join(quantities)}")
     quantities = [only] if only else quantities[:MOST]
@@ -64,13 +67,10 @@ def draw(folder, scene, only=None):
     return figure
 
 
-def _quantities(table, path):
+def _quantities(table):
     """The quantities that have a mean."""
     quantities = dict.fromkeys(table["quantity"].tolist())
-    found = [q for q in quantities if np.isfinite(table["mean"][table["quantity"] == q]).any()]
-    if not found:
-        raise PlotError(f"{path} has no mean that means something: its runs are too short, see the column verdicts")
-    return found
+    return [q for q in quantities if np.isfinite(table["mean"][table["quantity"] == q]).any()]
 
 
 def _draw_quantity(axes, family, quantity):
