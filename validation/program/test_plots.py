@@ -16,6 +16,7 @@ from test_scenes import SMALLER
 PLOT = ROOT / "scripts" / "plot"
 # Pictures need no more than a few rows.
 SHORTER = {
+    "tutorial": {"time.steps": 20},
     "extension": {"time.duration": 0.04},
     "couette": {"box.edges": "[8.0, 8.0, 8.0]", "time.duration": 0.06},
     "granular-disks": {"box.edges": "[30.0, 30.0]", "time.strain": 1.0},
@@ -89,7 +90,7 @@ class Plots(unittest.TestCase):
         self.assertTrue(drawn.stderr.startswith("error: ") and message in drawn.stderr, drawn.stderr)
 
     def test_every_scene_has_a_picture(self):
-        scenes = sorted((ROOT / "scenes").glob("*.toml"))
+        scenes = [*sorted((ROOT / "scenes").glob("*.toml")), ROOT / "docs" / "src" / "tutorial.toml"]
         self.assertGreaterEqual(len(scenes), len(SMALLER))
         with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(max(2, os.cpu_count() or 2)) as pool:
 

@@ -41,11 +41,21 @@ def fluctuations(run):
         along = variance @ direction**2
         across = (variance.sum(axis=1) - along) / 2
         for values, name, line, quantity in ((along, "along", "-", PARALLEL), (across, "across", ":", PERPENDICULAR)):
-            text = f"{label(run, number)}, {name}" if len(run.names) > 1 else name
+            text = _label_of_part(run, number, name)
             spread = np.sqrt(np.maximum(values, 0)) / speed
             options = {"quantities": (quantity,), "species": run.names[number], "factor": 1 / speed}
             panel.add(run.progress[0], spread, text, colour=colour, line=line, **options)
     return panel
+
+
+def _label_of_part(run, number, part):
+    """The label of a part along or across: both of each species where they are few, else the species or the line."""
+    if len(run.names) == 1:
+        return part
+    if len(run.names) == 2:
+        return f"{label(run, number)}, {part}"
+    is_last = number == run.stokes_velocities()[-1][0]
+    return label(run, number) if part == "along" else "dotted: across" if is_last else ""
 
 
 def _total_fluctuations(run):
