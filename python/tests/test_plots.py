@@ -174,7 +174,9 @@ def test_names_of_any_letters_are_labels(tmp_path, name):
     light = [column.replace("heavy", "light") for column in columns if "heavy" in column]
     named = [column.replace("heavy", name) for column in columns]
     folders.write_csv(folder / "observables.csv", named + light, [[*row, *row[2:8]] for row in rows])
-    labels = [text.get_text() for text in panel(plots.draw(folder, by="species"), "settling").get_legend().texts]
+    figure = plots.draw(folder, by="species")
+    figure.savefig(tmp_path / "picture.png")
+    labels = [text.get_text() for text in panel(figure, "settling").get_legend().texts]
     assert len(labels) == 2 and all(len(label) <= 33 for label in labels)
 
 

@@ -27,6 +27,7 @@ def colours(count):
 
 
 def fonts():
+    """The fonts of letters, the first one that has a letter."""
     installed = {font.name for font in font_manager.fontManager.ttflist}
     return ["DejaVu Sans", *(name for name in OTHER_FONTS if name in installed)]
 
