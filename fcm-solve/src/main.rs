@@ -58,6 +58,9 @@ fn carry_out() -> ExitCode {
         Ok(args) => args,
         Err(message) => return launch::explain(&comm, &message),
     };
+    if args.quiet {
+        streams::be_quiet();
+    }
     let code = match launch::start_threads(args.threads, &comm).and_then(|()| args.command.carry_out(&comm)) {
         Ok(code) => code,
         Err(error) => launch::failed(comm.is_first(), &error),

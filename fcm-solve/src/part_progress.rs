@@ -21,7 +21,12 @@ pub struct PartProgress {
 
 enum Display {
     Bar(ProgressBar),
-    Lines { said: Instant, naming: Option<Naming> },
+    Lines {
+        said: Instant,
+        naming: Option<Naming>,
+    },
+    /// No progress, but what is said beside it.
+    Quiet,
     Nothing,
 }
 
@@ -30,6 +35,7 @@ impl PartProgress {
     pub fn start(comm: &Comm, what: &'static str) -> Self {
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
             (false, _) => Display::Nothing,
+            (true, _) if streams::is_quiet() => Display::Quiet,
             (true, true) => Display::Bar(bar(what)),
             (true, false) => Display::Lines { said: Instant::now(), naming: Naming::start(what) },
         };
@@ -48,7 +54,7 @@ impl PartProgress {
                 streams::log(format_args!("{}: {percent}%", self.what));
                 *said = Instant::now();
             }
-            Display::Lines { .. } | Display::Nothing => {}
+            Display::Lines { .. } | Display::Quiet | Display::Nothing => {}
         }
     }
 
@@ -56,7 +62,7 @@ impl PartProgress {
     pub fn say(&self, message: &str) {
         match &self.display {
             Display::Bar(bar) => bar.suspend(|| streams::log(message)),
-            Display::Lines { .. } => streams::log(message),
+            Display::Lines { .. } | Display::Quiet => streams::log(message),
             Display::Nothing => {}
         }
     }

@@ -9,12 +9,12 @@ use io::Scene;
 pub fn prepared(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
     let (scene, notes) = io::with_start_file(scene, comm)?;
     for note in notes {
-        streams::log(format_args!("start      {note}"));
+        streams::inform(format_args!("start      {note}"));
     }
     let (scene, strength) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
     if let Some(strength) = strength.filter(|_| comm.is_first()) {
         let strength = Number(strength);
-        streams::log(format_args!("repulsion  strength {strength:.5} keeps the spheres apart in a trial"));
+        streams::inform(format_args!("repulsion  strength {strength:.5} keeps the spheres apart in a trial"));
     }
     Ok(scene)
 }

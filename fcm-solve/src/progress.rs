@@ -7,8 +7,9 @@ use simulation::Clock;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Time between two lines where there is no terminal.
+/// Time between two lines where there is no terminal, and the share of the time so far that it is at least.
 const PAUSE: Duration = Duration::from_secs(5);
+const PAUSE_SHARE: f64 = 0.05;
 
 /// A bar on a terminal, elsewhere a line now and then. Only the first rank shows it.
 pub struct Progress {
@@ -20,7 +21,11 @@ pub struct Progress {
 
 enum Display {
     Bar(ProgressBar),
-    Lines { said: Instant },
+    Lines {
+        said: Instant,
+    },
+    /// No progress, but what is said beside it.
+    Quiet,
     Nothing,
 }
 
@@ -29,6 +34,7 @@ impl Progress {
     pub fn start(comm: &Comm, clock: &Clock, last: u64) -> Self {
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
             (false, _) => Display::Nothing,
+            (true, _) if streams::is_quiet() => Display::Quiet,
             (true, true) => Display::Bar(bar(clock.step(), last)),
             (true, false) => Display::Lines { said: Instant::now() },
         };
@@ -38,17 +44,18 @@ impl Progress {
     /// Shows where the clock is.
     pub fn show(&mut self, clock: &Clock) {
         let pace = self.pace(clock);
+        let pause = PAUSE.max(self.began.elapsed().mul_f64(PAUSE_SHARE));
         match &mut self.display {
             Display::Bar(bar) => {
                 bar.set_position(clock.step());
                 bar.set_message(format!("time {:.6}, {pace}", Number(clock.time())));
             }
-            Display::Lines { said } if said.elapsed() >= PAUSE || clock.step() == self.last => {
+            Display::Lines { said } if said.elapsed() >= pause || clock.step() == self.last => {
                 let time = Number(clock.time());
                 streams::log(format_args!("step {} of {}, time {time:.6}, {pace}", clock.step(), self.last));
                 *said = Instant::now();
             }
-            Display::Lines { .. } | Display::Nothing => {}
+            Display::Lines { .. } | Display::Quiet | Display::Nothing => {}
         }
     }
 
@@ -64,11 +71,18 @@ impl Progress {
         format!("{:.3} steps/s, {} left", Number(rate), indicatif::HumanDuration(left))
     }
 
+    /// Says something that is no warning beside the progress.
+    pub fn inform(&self, message: &str) {
+        if !streams::is_quiet() {
+            self.say(message);
+        }
+    }
+
     /// Says something beside the progress.
     pub fn say(&self, message: &str) {
         match &self.display {
             Display::Bar(bar) => bar.suspend(|| streams::log(message)),
-            Display::Lines { .. } => streams::log(message),
+            Display::Lines { .. } | Display::Quiet => streams::log(message),
             Display::Nothing => {}
         }
     }

@@ -126,7 +126,7 @@ fn start_or_go_on(
 
 fn finished(when: &str, folder: &RunFolder, comm: &Comm) -> ExitCode {
     if comm.is_first() {
-        streams::log(format_args!("finished already{when}; results in {}", folder.path().display()));
+        streams::inform(format_args!("finished already{when}; results in {}", folder.path().display()));
     }
     ExitCode::SUCCESS
 }

@@ -22,7 +22,7 @@ pub fn run_to_end(
     for warning in simulation.cautions().iter().chain(recorder.warnings()) {
         progress.say(&format!("warning: {warning}"));
     }
-    progress.say(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
+    progress.inform(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
     recorder.record(simulation)?;
     let first = simulation.clock().step();
     let mut knew = simulation.found().is_some();
@@ -49,7 +49,7 @@ pub fn run_to_end(
     if let Some(why) = simulation.ended() {
         progress.say(&format!("the suspension is {why}"));
     }
-    progress.say(&format!(
+    progress.inform(&format!(
         "finished after step {}; results in {}",
         simulation.clock().step(),
         recorder.folder().display()

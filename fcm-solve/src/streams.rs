@@ -53,6 +53,25 @@ pub fn json(value: &Value) -> String {
     format!("{value:#}\n")
 }
 
+/// From now on, no lines that only inform.
+pub fn be_quiet() {
+    IS_QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether only warnings and errors are wanted in the log.
+pub fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Adds a line to the log that only informs.
+pub fn inform(line: impl Display) {
+    if !is_quiet() {
+        log(line);
+    }
+}
+
 /// Adds a line to the log. A reader that is slow, or has gone, does not hold up the program.
 pub fn log(line: impl Display) {
     let line = format!("{line}\n");

@@ -40,6 +40,6 @@ pub fn carry_out(
     let shown = Shown { progress, stored: signals.stored_results() };
     let done = work.carry_out(scene, folder, comm, &shown);
     drop(shown);
-    streams::log(format_args!("finished; results in {}", folder.path().display()));
+    streams::inform(format_args!("finished; results in {}", folder.path().display()));
     Ok(done.map(|()| ExitCode::SUCCESS)?)
 }

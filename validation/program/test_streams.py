@@ -31,6 +31,13 @@ class Streams(unittest.TestCase):
         cls.out = cls.place / "whole"
         run([*RUN, "--out", cls.out])
 
+    def test_a_quiet_run_logs_warnings_only(self):
+        ended = subprocess.run(command([*RUN, "--quiet", "--out", self.place / "quiet"]), capture_output=True, text=True)
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+        long = [*RUN, "--quiet", "--out", self.place / "warned", "--set", "time.step=0.2"]
+        said = subprocess.run(command(long), capture_output=True, text=True).stderr
+        self.assertTrue(said and all(line.startswith(("warning: ", "         ")) for line in said.splitlines()), said)
+
     def call(self, arguments, out, err):
         return subprocess.run(command(arguments), stdout=out, stderr=err, text=True, timeout=PATIENCE)
 

@@ -94,7 +94,7 @@ fn end(pool: &Pool, folder: &FamilyFolder, (all, signals): (usize, &Signals)) ->
     }
     let failures = pool.failures();
     if failures.is_empty() {
-        streams::log(format_args!("finished; results in {}", folder.path().display()));
+        streams::inform(format_args!("finished; results in {}", folder.path().display()));
         return Ok(ExitCode::SUCCESS);
     }
     for failure in failures.iter().take(NAMED) {
