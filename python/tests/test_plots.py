@@ -111,6 +111,9 @@ def test_units_of_scenes_in_si_units_have_names(tmp_path):
     assert units.scale("length^2/time", [4e-12]) == (pytest.approx(1e12), "\u00b5m\u00b2/s")
     assert units.scale("force/length^2", [5500.0]) == (pytest.approx(1e-3), "kPa")
     assert Units(False).scale("length", [2.5e-6]) == (1.0, "")
+    assert Units(False).axis("length", [2.5e-6]) == (pytest.approx(1e6), "10\u207b\u2076")
+    assert Units(False).axis("length", [250.0]) == (1.0, "")
+    assert units.axis("1/time", [2e6]) == (pytest.approx(1e-6), "10\u2076 1/s")
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ class Bars:
 
     def draw(self, axes):
         """Draws it."""
-        factor, unit = self.run.units.scale(self.y[1], *(values for values, *_ in self.groups))
+        factor, unit = self.run.units.axis(self.y[1], *(values for values, *_ in self.groups))
         width = 0.8 / len(self.groups)
         for number, (values, errors, label, colour) in enumerate(self.groups):
             places = np.arange(len(values)) - 0.4 + width * (number + 0.5)

@@ -75,7 +75,7 @@ def _quantities(table):
 
 def _draw_quantity(axes, family, quantity):
     rows = family.table.where(quantity=quantity)
-    factor, unit = family.units.scale(rows["unit"][0], rows["mean"])
+    factor, unit = family.units.axis(rows["unit"][0], rows["mean"])
     lines = _lines(family, rows)[:MOST_CURVES]
     for (label, chosen), colour in zip(lines, colours(len(lines))):
         x = chosen[family.key] if family.key else _places(chosen, rows)

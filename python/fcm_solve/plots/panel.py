@@ -53,8 +53,8 @@ class Panel:
 
     def draw(self, axes):
         """Draws it."""
-        x_factor, x_unit = self.run.units.scale(self.x[1], *(curve.x for curve in self.curves))
-        y_factor, y_unit = self.run.units.scale(self.y[1], *(curve.y for curve in self.curves))
+        x_factor, x_unit = self.run.units.axis(self.x[1], *(curve.x for curve in self.curves))
+        y_factor, y_unit = self.run.units.axis(self.y[1], *(curve.y for curve in self.curves))
         for curve in self.curves:
             self._draw_curve(axes, curve, (x_factor, y_factor))
         axes.set_xlabel(labelled(self.x[0], x_unit))

@@ -39,12 +39,26 @@ class Units:
         if not self.is_si or dimension not in NAMES:
             return 1.0, ""
         name, power = NAMES[dimension]
-        largest = max((float(np.nanmax(np.abs(a))) for a in map(_finite, arrays) if a.size), default=0.0)
+        largest = _largest(arrays)
         if power == 0 or largest == 0:
             return 1.0, name
         exponent = 3 * math.floor(math.log10(largest) / power / 3)
         exponent = min(max(exponent, -12), 0 if name.startswith(("m", "s")) else 9)
         return 10.0 ** (-exponent * power), PREFIXES[exponent] + name
+
+    def axis(self, dimension, *arrays):
+        """The same for an axis, with a power of ten in the unit where numbers are large or small."""
+        factor, unit = self.scale(dimension, *arrays)
+        largest = factor * _largest(arrays)
+        exponent = math.floor(math.log10(largest)) if largest > 0 else 0
+        if -4 < exponent < 5:
+            return factor, unit
+        exponent = 3 * (exponent // 3)
+        return factor / 10.0**exponent, f"10{_superscript(exponent)} {unit}".rstrip()
+
+
+def _largest(arrays):
+    return max((float(np.abs(a).max()) for a in map(_finite, arrays) if a.size), default=0.0)
 
 
 def _finite(values):

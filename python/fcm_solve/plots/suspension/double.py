@@ -17,7 +17,7 @@ class DoubleProfile:
 
     def draw(self, axes):
         """Draws it."""
-        factor, unit = self.run.units.scale("length", self.heights)
+        factor, unit = self.run.units.axis("length", self.heights)
         heights, (first, second) = self.heights * factor, colours(2)
         if self.error is not None:
             error = np.where(np.isfinite(self.error), self.error, 0)
@@ -32,7 +32,7 @@ class DoubleProfile:
             self._draw_velocity(axes.twiny(), heights, second)
 
     def _draw_velocity(self, axes, heights, colour):
-        factor, unit = self.run.units.scale("length/time", self.velocity)
+        factor, unit = self.run.units.axis("length/time", self.velocity)
         axes.spines.top.set_visible(True)
         has_gaps = not np.isfinite(self.velocity).all()
         axes.plot(self.velocity * factor, heights, "--", color=colour, marker="o" if has_gaps else "", markersize=2)

@@ -8,6 +8,7 @@ from ..style import colours
 from ..text import shown
 
 PARALLEL, PERPENDICULAR = "velocity_fluctuation_parallel", "velocity_fluctuation_perpendicular"
+ROUND_OFF = 1e-6
 
 
 def settling(run):
@@ -45,7 +46,8 @@ def fluctuations(run):
             spread = np.sqrt(np.maximum(values, 0)) / speed
             options = {"quantities": (quantity,), "species": run.names[number], "factor": 1 / speed}
             panel.add(run.progress[0], spread, text, colour=colour, line=line, **options)
-    return panel
+    # In a pair that settles side by side there is round-off alone.
+    return panel if any(np.nanmax(curve.y) > ROUND_OFF for curve in panel.curves) else None
 
 
 def _label_of_part(run, number, part):

@@ -20,7 +20,7 @@ class Loops:
 
     def draw(self, axes):
         """Draws it."""
-        factor, unit = self.run.units.scale("force/length^2", self.stress)
+        factor, unit = self.run.units.axis("force/length^2", self.stress)
         axes.plot(self.strain, self.stress * factor, color="0.8", linewidth=0.8)
         last = self.run.get("time") >= self._start_of_last_period()
         axes.plot(self.strain[last], self.stress[last] * factor, color=colours(1)[0], label="last period")
