@@ -100,6 +100,21 @@ def test_one_quantity_is_drawn_alone(tmp_path, capsys):
     assert status == 1 and "has no mean of viscosity; it has shear_stress" in errors[0]
 
 
+def test_every_answer_of_a_channel_has_a_panel(tmp_path):
+    scene = folders.SHEAR.replace('kind = "shear"\nrate = 2.0', 'kind = "poiseuille"\npressure_gradient = 1.0')
+    scene = scene.replace("[fluid]", 'boundaries = ["periodic", "periodic", "walls"]\n[fluid]')
+    columns = {
+        f"{name}[heavy]": np.ones(11) for name in ("height_mean", "height_deviation", "particle_flux_x", "migration_z")
+    }
+    walls = {f"wall_shear_stress_x[{wall}]": np.ones(11) for wall in ("lower", "upper")}
+    folder = folders.run(tmp_path / "run", scene, **columns, **walls, pressure_gradient=np.ones(11))
+    answers = "particle_flux slip_velocity migration mean_height pressure_gradient lower_wall_shear_stress"
+    for quantity in answers.split():
+        assert len(plots.draw(folder, only=quantity).axes) == 1, quantity
+    labels = [axes.get_ylabel() for axes in plots.draw(folder).axes]
+    assert {"spread across the channel", "particle flux", "slip velocity", "pressure gradient"} <= set(labels)
+
+
 def test_units_of_scenes_in_si_units_have_names(tmp_path):
     scene = folders.SETTLING.replace("radius = 1.0", "radius = 1.0e-6")
     scene += "density_difference = 1000.0\n[gravity]\nacceleration = [0.0, 0.0, -9.81]\n"

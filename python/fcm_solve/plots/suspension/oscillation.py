@@ -24,6 +24,7 @@ class Loops:
         axes.plot(self.strain, self.stress * factor, color="0.8", linewidth=0.8)
         last = self.run.get("time") >= self._start_of_last_period()
         axes.plot(self.strain[last], self.stress[last] * factor, color=colours(1)[0], label="last period")
+        axes.locator_params(axis="x", nbins=5)
         axes.set(xlabel="strain", ylabel=upright(labelled("shear stress", unit)))
 
     def _start_of_last_period(self):
