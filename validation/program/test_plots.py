@@ -122,3 +122,11 @@ class Plots(unittest.TestCase):
             out = made(scene, pathlib.Path(folder) / "out", {})
             self.assert_drawn(out)
             self.assert_drawn(out, "--by", "species")
+
+    def test_an_output_that_is_full_is_an_error_of_one_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = made(ROOT / "scenes" / "pair-settling.toml", pathlib.Path(folder) / "out", {"time.steps": 2})
+            with open("/dev/full", "w") as full:
+                drawn = subprocess.run([PLOT, out], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(drawn.returncode, 1)
+            self.assertRegex(drawn.stderr, r"^error: .*picture\.png is drawn, but that can't be said: No space left.*\n$")

@@ -6,6 +6,7 @@ import pathlib
 import sys
 
 from . import PlotError, animate, draw, save
+from .error import reason
 from .output import FORMATS, checked
 
 DESCRIPTION = "Draws a picture to judge a run by, of any kind of scene, or the curves of a family of runs."
@@ -51,9 +52,11 @@ def carry_out(arguments):
         animate(arguments.folder, picture, arguments.by)
     else:
         save(draw(arguments.folder, arguments.by, arguments.only, notes), picture)
-    for note in notes:
-        print(f"left out   {note}")
-    print(f"picture    {picture}")
+    lines = [*(f"left out   {note}" for note in notes), f"picture    {picture}"]
+    try:
+        print("\n".join(lines), flush=True)
+    except OSError as error:
+        raise PlotError(f"{picture} is drawn, but that can't be said: {reason(error)}") from error
 
 
 def main(words=None, program="plot"):
