@@ -31,6 +31,7 @@ mod signals;
 mod stats;
 mod stop;
 mod streams;
+mod trajectory_statistics;
 mod two_sphere;
 mod walltime;
 mod whole_scene;

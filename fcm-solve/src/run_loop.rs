@@ -42,12 +42,19 @@ pub fn run_to_end(
         }
         progress.show(simulation.clock());
     }
-    recorder.checkpoint(simulation)?;
+    let (answers, warning) = recorder.finish(simulation)?;
+    let answers = io::answers_in_lines(answers);
+    if let Some(warning) = warning {
+        progress.say(&format!("warning: {warning}"));
+    }
     for warning in simulation.warnings() {
         progress.say(&format!("warning: {warning}"));
     }
     if let Some(why) = simulation.ended() {
         progress.say(&format!("the suspension is {why}"));
+    }
+    if !answers.is_empty() {
+        progress.inform(answers.trim_end());
     }
     progress.inform(&format!(
         "finished after step {}; results in {}",

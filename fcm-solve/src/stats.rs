@@ -1,157 +1,117 @@
-//! `fcm-solve stats`: statistics of a run from its trajectory.
+//! `fcm-solve stats`: the answers of a run, and statistics of its trajectory.
 
 use crate::causes::in_full;
 use crate::family;
-use crate::number::{finite, positive};
-use crate::sampled_frames::SampledFrames;
+use crate::number::finite;
 use crate::streams::{self, json};
-use anyhow::{Context, anyhow, bail, ensure};
-use domain::{Comm, Need, Particles, Partition, Process};
-use io::{FamilyFolder, Kind, Manifest, Provenance, Scene, TrajectoryReader, provenance, write_tables};
-use serde_json::json;
-use simulation::Table;
-use std::path::{Path, PathBuf};
-use suspension::{
-    Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsOfRank, StatisticsWanted, column_bytes,
+use crate::trajectory_statistics::{Options, TrajectoryStatistics};
+use anyhow::bail;
+use domain::Comm;
+use io::{
+    AnswerRange, FamilyFolder, Kind, Provenance, RunAnswer, Scene, answers_in_json, answers_in_lines, run_answers,
 };
+use serde_json::{Value, json};
+use simulation::Table;
+use std::path::PathBuf;
 
 /// Which run, and what of it.
 #[derive(clap::Args)]
 pub struct Args {
     /// The folder of a run, or of a family
     folder: PathBuf,
-    /// Leave out what was before this time
+    /// Leave out what was before this time [default of the answers: the transient that is found]
     #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     from: Option<f64>,
     /// Leave out what was after this time
-    #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
-    to: Option<f64>,
-    /// Time lag from which motion is diffusive [default: a quarter of the time taken in]
-    #[arg(long, value_name = "T", value_parser = positive, allow_hyphen_values = true)]
-    diffusive_from: Option<f64>,
-    /// Largest distance of pairs [default: 8 of the largest radius]
-    #[arg(long, value_name = "R", value_parser = positive, allow_hyphen_values = true)]
-    distance: Option<f64>,
-    /// Folder of the tables [default: stats in the folder of the run]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print the summary as JSON
+    #[arg(long, alias = "to", value_name = "T", value_parser = finite, allow_hyphen_values = true)]
+    until: Option<f64>,
+    #[command(flatten)]
+    of_trajectory: Options,
+    /// Print answers and summary as JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Reads the trajectory frame by frame on the first rank. Collective.
+/// Reads the time series and the trajectory on the first rank. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let done = if comm.is_first() { take(args) } else { Ok(()) };
+    let done = if comm.is_first() { args.take() } else { Ok(()) };
     Ok(comm.agree(done.map_err(|e| in_full(&e)))?)
 }
 
-fn take(args: &Args) -> anyhow::Result<()> {
-    if FamilyFolder::holds_family(&args.folder) {
-        return streams::print_here(&family::stats(&args.folder, args.json)?);
-    }
-    let trajectory = args.folder.join("trajectory.h5");
-    let recorded = TrajectoryReader::open(&trajectory)?;
-    let scene = Scene::parse(&recorded.provenance().scene, "the scene of the run", &[])?;
-    let Kind::Suspension(suspension) = scene.kind() else {
-        bail!("{} is not of a suspension, and statistics are of those only", trajectory.display())
-    };
-    let model = &suspension.model;
-    ensure!(
-        model.shear_rates().stress().is_none(),
-        "{} has velocities in a flow that a stress drives, but not its rates of shear; have the run take statistics, by [statistics]",
-        trajectory.display()
-    );
-    let mut wanted = model.statistics.unwrap_or(StatisticsWanted::ALL);
-    wanted.from = args.from.unwrap_or(f64::NEG_INFINITY);
-    wanted.diffusive_from = args.diffusive_from.or(wanted.diffusive_from);
-    if let Some(distance) = args.distance {
-        StatisticsWanted::check_distance(distance, &model.cell).map_err(|e| anyhow!("--distance {e}"))?;
-        wanted.distance = Some(distance);
-    }
-    let until = args.to.unwrap_or(f64::INFINITY);
-    for change in recorded.changes().iter().filter(|change| change.changes_answers()) {
-        streams::log(format_args!("warning: {}: {change}; the statistics are of both", trajectory.display()));
-    }
-    let chosen = SampledFrames::of(&recorded, &(wanted.from..=until), &trajectory);
-    let (statistics, damaged) = sampled(&recorded, &chosen, (model, wanted), &trajectory)?;
-    let Some(mut statistics) = statistics else {
-        bail!("the trajectory has no whole frame in that span; change --from and --to")
-    };
-    let out = args.out.clone().unwrap_or_else(|| args.folder.join("stats"));
-    ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
-    let of_run = recorded.provenance();
-    let provenance =
-        Provenance { scene: of_run.scene.clone(), ..provenance(&scene, of_run.plan.clone(), &Comm::alone()) };
-    let tables = statistics.tables();
-    let manifest = Manifest::of(&args.folder)?;
-    write_tables((&out, "statistics"), &provenance, &tables, &manifest).context("the statistics are lost")?;
-    let summary = &tables[0];
-    let words = || format!("{}tables     {}\n", in_columns(summary), out.display());
-    let frames = json!({ "missing": chosen.missing.count(), "damaged": damaged });
-    let values = || json(&json!({ "summary": summary.to_json(), "tables": out, "frames": frames }));
-    streams::print_here(&if args.json { values() } else { words() })
-}
-
-/// The statistics of frames, none if none is whole, and how many are damaged; each of these is named in a warning.
-fn sampled(
-    recorded: &TrajectoryReader,
-    chosen: &SampledFrames,
-    (model, wanted): (&Model, StatisticsWanted),
-    path: &Path,
-) -> anyhow::Result<(Option<Statistics>, u64)> {
-    let (alone, mut statistics) = (Comm::alone(), None::<Statistics>);
-    let everything = Partition::new(&alone, [1, 1]);
-    let (mut before, mut damaged) = (None, 0);
-    for &frame in &chosen.frames {
-        let (step, time) = (recorded.steps()[frame], recorded.times()[frame]);
-        let (cell, particles) = match recorded.frame(frame) {
-            Ok(frame) => frame,
-            Err(error) => {
-                streams::log(format_args!("warning: {error}; the statistics are without this frame"));
-                damaged += 1;
-                continue;
-            }
-        };
-        fits(&particles, model).with_context(|| format!("frame {frame} of {}", path.display()))?;
-        if statistics.is_none() {
-            check_memory(model, particles.len() as f64, chosen.samples)?;
+impl Args {
+    fn take(&self) -> anyhow::Result<()> {
+        if FamilyFolder::holds_family(&self.folder) {
+            return streams::print_here(&family::stats(&self.folder, self.json)?);
         }
-        let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles, &alone));
-        statistics.pass_over(before.map_or(0, |before| (step - before) / chosen.interval - 1));
-        before = Some(step);
-        let (rate, cell, particles) = (model.shear_rates().before_time(time), &cell, &particles);
-        let (partition, shear_stress, pressure_gradient) = (&everything, None, None);
-        statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress, pressure_gradient });
+        let scene = self.scene()?;
+        let until = self.until.unwrap_or(f64::INFINITY);
+        let answers = run_answers(&self.folder, &scene, &AnswerRange { from: self.from, until })?;
+        let (statistics, why_not) = match self.statistics(&scene, until)? {
+            Ok(statistics) => (Some(statistics), None),
+            Err(reason) if answers.is_empty() => bail!(reason),
+            Err(reason) => (None, Some(reason)),
+        };
+        if let Some(reason) = why_not {
+            streams::log(format_args!("note: there are no statistics of motions: {reason}"));
+        }
+        let printed = if self.json { in_json(&answers, statistics) } else { in_lines(&answers, statistics) };
+        streams::print_here(&printed)
     }
-    Ok((statistics, damaged))
+
+    /// The scene that is recorded with the results, or kept beside them.
+    fn scene(&self) -> anyhow::Result<Scene> {
+        let (kept, table) = (self.folder.join("scene.toml"), self.folder.join("observables.csv"));
+        match Provenance::of_folder(&self.folder)? {
+            Some(recorded) => Ok(Scene::parse(&recorded.scene, "the scene of the run", &[])?),
+            None if table.is_file() => Ok(Scene::read(&kept, &[])?),
+            None => bail!(
+                "{} holds no results of a run: neither trajectory.h5 nor observables.h5; name the folder of a run that has \
+                 begun",
+                self.folder.display()
+            ),
+        }
+    }
+
+    /// The statistics of the trajectory, or why there can be none.
+    fn statistics(&self, scene: &Scene, until: f64) -> anyhow::Result<Result<TrajectoryStatistics, String>> {
+        let trajectory = self.folder.join("trajectory.h5");
+        let Kind::Suspension(suspension) = scene.kind() else {
+            return Ok(Err(format!("{} is not of a suspension, and they are of those only", self.folder.display())));
+        };
+        if !trajectory.exists() {
+            return Ok(Err(format!(
+                "{} does not exist; a run writes it if output.trajectory_every is set",
+                trajectory.display()
+            )));
+        }
+        if suspension.model.shear_rates().stress().is_some() {
+            return Ok(Err(format!(
+                "{} has velocities in a flow that a stress drives, but not its rates of shear; have the run take \
+                 statistics, by [statistics]",
+                trajectory.display()
+            )));
+        }
+        let times = [self.from.unwrap_or(f64::NEG_INFINITY), until];
+        self.of_trajectory.statistics_of(&self.folder, (scene, suspension), times).map(Ok)
+    }
 }
 
-/// Refuses particles of which no statistics can be made: without velocities, or of another scene.
-fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
-    let needed =
-        if model.hydrodynamics.multipoles == Multipoles::Dipole { &SAMPLE_COLUMNS[..] } else { &SAMPLE_COLUMNS[..1] };
-    for name in needed {
-        let has = particles.columns.iter().any(|column| column.name == *name);
-        ensure!(has, "it has no {name}, which statistics are made of");
+fn in_json(answers: &[RunAnswer], statistics: Option<TrajectoryStatistics>) -> String {
+    let mut values = json!({ "answers": answers_in_json(answers) });
+    if let (Some(of), Value::Object(values)) = (statistics, &mut values) {
+        values.insert("summary".to_owned(), of.summary.to_json());
+        values.insert("tables".to_owned(), json!(of.folder));
+        values.insert("frames".to_owned(), json!({ "missing": of.missing, "damaged": of.damaged }));
     }
-    let species = model.species.len();
-    let unknown = particles.species.iter().find(|&&s| s as usize >= species);
-    ensure!(unknown.is_none(), "it has a sphere of species {}; the scene has {species}, from 0", unknown.unwrap_or(&0));
-    Ok(())
+    json(&values)
 }
 
-/// Refuses samples of so many particles of a model that there is no memory for.
-fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
-    let share = StatisticsOfRank::alone(particles);
-    let kept = share.bytes(model, (samples, rayon::current_num_threads()));
-    let frame = Particles::bytes(particles, 11);
-    let peak = kept.then(column_bytes(model)).then(frame).then(share.sample_bytes(model));
-    let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
-    Comm::check_memory_of(&[need]).with_context(|| {
-        format!("{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from and --to",
-            model.species.len())
-    })
+fn in_lines(answers: &[RunAnswer], statistics: Option<TrajectoryStatistics>) -> String {
+    let of_motions = statistics
+        .map_or_else(String::new, |of| format!("{}tables     {}\n", in_columns(&of.summary), of.folder.display()));
+    let answers = answers_in_lines(answers);
+    let gap = if answers.is_empty() || of_motions.is_empty() { "" } else { "\n" };
+    answers + gap + &of_motions
 }
 
 /// The summary for reading: quantity, species, value and error.

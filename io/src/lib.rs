@@ -34,6 +34,7 @@ mod folder_contents;
 mod frames;
 mod manifest;
 mod missing_steps;
+mod observables;
 mod origin;
 mod positions;
 mod provenance;
@@ -50,7 +51,10 @@ mod trajectory_reader;
 mod verified;
 mod watched_file;
 
-pub use answers::{ANSWERS, RunAnswer, read_answers, write_answers};
+pub use answers::{
+    ANSWERS, AnswerRange, RunAnswer, answers_in_json, answers_in_lines, read_answers, run_answers, value_in_words,
+    verdict_in_words, write_answers,
+};
 pub use atomic_file::replace as replace_file;
 pub use case::{
     Answer, Background, BoundariesError, Case, CaseBoundary, CaseBox, CaseBoxError, CaseMethod, NOISE_NUMBERS, Noise,

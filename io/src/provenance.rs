@@ -1,9 +1,10 @@
 //! The provenance of results, stored in every result file.
 
-use crate::{frames, text};
+use crate::{FileError, frames, stored_inside, text};
 use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{File, Group};
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// The version of the layout of our files.
 const SCHEMA: &str = "1";
@@ -23,7 +24,20 @@ pub struct Provenance {
     pub seed: u64,
 }
 
+/// Files from which that of a folder is read, in order of preference.
+const FILES: [&str; 6] = ["trajectory.h5", "observables.h5", "averages.h5", "sweep.h5", "solution.h5", "family.h5"];
+
 impl Provenance {
+    /// That of the results in a folder; nothing if there are none.
+    pub fn of_folder(folder: &Path) -> Result<Option<Self>, FileError> {
+        let file = FILES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
+        let read = |path: PathBuf| {
+            let file = stored_inside::open(&path);
+            file.and_then(|file| Self::read(&file)).map_err(|e| FileError::damaged(&path, &e))
+        };
+        file.map(read).transpose()
+    }
+
     /// Reads the provenance of a file.
     pub(crate) fn read(file: &File) -> hdf5::Result<Self> {
         let parameters = file.group("parameters")?;

@@ -14,6 +14,7 @@ os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 
 from ._core import __version__  # noqa: E402
 from ._errors import Caution, Error, InputError  # noqa: E402
+from .answers import Answer, Answers  # noqa: E402
 from .mobility import Drift, Mobility, Motion, Noise, Plan  # noqa: E402
 from .pages import report, show  # noqa: E402
 from .results import Run, open  # noqa: A004, E402
@@ -21,6 +22,8 @@ from .scene import Scene  # noqa: E402
 from .simulation import Simulation  # noqa: E402
 
 __all__ = [
+    "Answer",
+    "Answers",
     "Caution",
     "Drift",
     "Error",

@@ -12,6 +12,7 @@ import numpy as np
 
 from ._errors import Error
 from ._extras import needed
+from .answers import Answers, is_table, read
 from .contacts import ContactSteps
 from .fields import Fields
 from .scene import Scene
@@ -47,6 +48,14 @@ class Run:
         return Observables(self._existing("observables.csv", "output.observables_every"))
 
     @cached_property
+    def answers(self) -> Answers:
+        """What the run was made for: means in the steady state, with errors and verdicts."""
+        path = self.folder / "summary.csv"
+        if not path.is_file() or not is_table(path):
+            raise Error(f"{self.folder} has no answers yet; a run writes them at its end, before that `fcm-solve stats` has them")
+        return read(path)
+
+    @cached_property
     def trajectory(self) -> Trajectory:
         """The particles, frame by frame."""
         return Trajectory(self._existing("trajectory.h5", "output.trajectory_every"))
@@ -67,7 +76,8 @@ class Run:
         pandas = needed("pandas", "statistics")
         folders = [self.folder / name for name in ("statistics", "stats") if (self.folder / name).is_dir()]
         paths = [path for folder in [self.folder, *folders[:1]] for path in sorted(folder.glob("*.csv"))]
-        return {path.stem: pandas.read_csv(path) for path in paths if path.name != "observables.csv"}
+        tables = [path for path in paths if path.name != "observables.csv" and not is_table(path)]
+        return {path.stem: pandas.read_csv(path) for path in tables}
 
     def plot(
         self, path: str | PathLike | None = None, by: str = "excess", only: str | None = None

@@ -34,6 +34,37 @@ def test_the_time_series_is_a_table(sheared):
         assert np.array_equal(table.index, file["observables/relative_viscosity/time"])
 
 
+def test_answers_have_errors_and_verdicts(sheared):
+    answers = fcm.open(sheared).answers
+    viscosity = answers["relative_viscosity"]
+    assert answers[0] is viscosity and viscosity.verdict in ("converged", "too short", "drifting")
+    assert viscosity.error >= 0 and viscosity.transient <= 0.8 and viscosity.unit == ""
+    assert repr(viscosity).startswith("<relative_viscosity = ") and repr(viscosity) in repr(answers)
+    with pytest.raises(fcm.Error, match="'viscosity' names no answer; there are .*relative_viscosity"):
+        answers["viscosity"]
+    assert list(fcm.open(sheared).statistics["summary"].columns)[-1] == "converged"
+
+
+def test_answers_that_are_not_written_yet_are_named(sheared, tmp_path):
+    (tmp_path / "scene.toml").write_text((sheared / "scene.toml").read_text())
+    with pytest.raises(fcm.Error, match="has no answers yet"):
+        _ = fcm.open(tmp_path).answers
+
+
+def test_answers_are_read_as_they_are_written(tmp_path):
+    table = tmp_path / "summary.csv"
+    table.write_text(
+        "quantity,species,value,error,samples,transient,verdict,longer,unit\n"
+        'settling_velocity,"silica, 2 um",0.5134,0.0123,12.5,3.0,too short,2.4,length/time\n'
+        "diffusivity,b,,,,3.0,meaningless,,length^2/time\n"
+    )
+    (tmp_path / "scene.toml").write_text("")
+    answers = fcm.open(tmp_path).answers
+    assert repr(answers[0]) == "<settling_velocity[silica, 2 um] = 0.513 +- 0.012 length/time, too short: 2.4 times longer>"
+    assert answers["settling_velocity", "silica, 2 um"].longer == 2.4
+    assert np.isnan(answers["diffusivity"].value) and "unknown" in repr(answers[1])
+
+
 def test_frames_are_read_one_by_one(sheared):
     trajectory = fcm.open(sheared).trajectory
     assert len(trajectory) == 9 and trajectory[-1].step == 8 and trajectory[2].time == 0.2

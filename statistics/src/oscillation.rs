@@ -36,8 +36,9 @@ impl Moduli {
         Self { amplitude, frequency, last, sums, series: Default::default() }
     }
 
-    /// Adds the stress at a time; the times of samples have to grow.
-    pub fn add(&mut self, time: f64, stress: f64) {
+    /// Adds the stress at a time; the times of samples have to grow. Returns `G'` and `G''` of a whole period that has ended.
+    pub fn add(&mut self, time: f64, stress: f64) -> Option<[f64; 2]> {
+        let mut of_period = None;
         let (phase, [mut from, mut before]) = (time * self.frequency, self.last);
         // Up to this part of a period, a sample is taken for one at the end of the period.
         let ended = |phase: f64| (phase / TAU + 1e-9).floor();
@@ -50,12 +51,13 @@ impl Moduli {
                 let end = TAU * (ended(from) + 1.0);
                 let at_end = before + (stress - before) * (end - from) / (phase - from);
                 self.integrate([from, before], [end, at_end]);
-                self.end_period();
+                of_period = self.end_period();
                 (from, before) = (end, at_end);
             }
             self.integrate([from, before], [phase, stress]);
         }
         self.last = [phase, stress];
+        of_period
     }
 
     fn integrate(&mut self, [from, before]: [f64; 2], [to, after]: [f64; 2]) {
@@ -66,13 +68,14 @@ impl Moduli {
         }
     }
 
-    fn end_period(&mut self) {
-        if self.sums[0][0].is_finite() {
-            for (series, sums) in self.series.iter_mut().zip(self.sums) {
-                series.iter_mut().zip(sums).for_each(|(series, sum)| series.add(sum / (PI * self.amplitude)));
-            }
+    fn end_period(&mut self) -> Option<[f64; 2]> {
+        let is_whole = self.sums[0][0].is_finite();
+        let moduli = self.sums.map(|sums| sums.map(|sum| sum / (PI * self.amplitude)));
+        for (series, moduli) in self.series.iter_mut().zip(moduli).filter(|_| is_whole) {
+            series.iter_mut().zip(moduli).for_each(|(series, modulus)| series.add(modulus));
         }
         self.sums = Default::default();
+        is_whole.then_some(moduli[0])
     }
 
     /// How many whole periods there were.

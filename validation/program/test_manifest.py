@@ -110,7 +110,7 @@ class Manifest(unittest.TestCase):
         self.assertEqual([path.read_text() for path in mine], ["mine"] * 4)
         left = {str(path.relative_to(self.out)) for path in self.out.rglob("*") if path.is_file()}
         results = {"manifest.jsonl", "scene.toml", "trajectory.h5", "observables.csv", "observables.h5", ".lock"}
-        results |= {"checkpoint-0000000003.bin", "checkpoint-0000000006.bin", "notes.txt"}
+        results |= {"checkpoint-0000000003.bin", "checkpoint-0000000006.bin", "notes.txt", "summary.csv"}
         self.assertEqual(left, results | {str(path.relative_to(self.out)) for path in mine})
         run(["run", SCENE, *SMALL, "--out", self.out, "--force"])
 

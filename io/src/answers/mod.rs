@@ -1,7 +1,59 @@
 //! The answers of a run: the quantities that a scene of its kind is run for, as means in the steady state with errors
-//! and verdicts, from its time series.
+//! and verdicts, from its time series and the statistics that it has taken.
 
+mod course;
+mod grains;
+mod sampled;
+mod suspension;
 mod table;
+#[cfg(test)]
+mod tests;
+mod text;
 
-pub(crate) use table::word;
+use crate::observables::Observables;
+use crate::{FileError, Kind, Scene};
+use course::{ALL, Course, means};
+use sampled::Summary;
+use std::path::Path;
 pub use table::{ANSWERS, RunAnswer, read_answers, write_answers};
+pub(crate) use table::{is_answers, word};
+pub use text::{answers_in_json, answers_in_lines, value_in_words, verdict_in_words};
+
+/// With what the names of quantities begin that are over a scale of the scene.
+const REDUCED: &str = "reduced_";
+
+/// The times of a run that its answers are of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AnswerRange {
+    /// The time from which means are taken; where there is none the transient is left out that is found.
+    pub from: Option<f64>,
+    /// The time until which they are taken.
+    pub until: f64,
+}
+
+impl AnswerRange {
+    /// All times but the transient.
+    pub const STEADY: Self = Self { from: None, until: f64::INFINITY };
+}
+
+/// The answers of the run in a folder, of a scene; none where it has no time series.
+pub fn run_answers(folder: &Path, scene: &Scene, range: &AnswerRange) -> Result<Vec<RunAnswer>, FileError> {
+    let is_wanted = |name: &str| suspension::Run::COLUMNS.contains(&name) || grains::COLUMNS.contains(&name);
+    let series = Observables::of_folder(folder, &is_wanted)?.unwrap_or_default();
+    let (courses, begins): (Vec<Course>, f64) = match scene.kind() {
+        Kind::Suspension(scene) => {
+            let run = suspension::Run { model: &scene.model, series: &series };
+            (run.courses(), run.begins())
+        }
+        Kind::GranularDisks(_) => (grains::of_disks(&series), 0.0),
+        Kind::ShearCell(scene) => (grains::of_shear_cell(&series), grains::measured_from(scene)),
+        Kind::Continuum(_) => (Vec::new(), 0.0),
+    };
+    let mut answers = means(courses, &series.times, range, begins);
+    if let Kind::Suspension(scene) = scene.kind()
+        && let Some(summary) = Summary::read(folder)?
+    {
+        answers.extend(summary.diffusivities(&scene.model));
+    }
+    Ok(answers)
+}

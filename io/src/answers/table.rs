@@ -3,6 +3,8 @@
 use crate::{FileError, Manifest, atomic_file};
 use simulation::{csv_line, csv_words};
 use statistics::{SteadyMean, Verdict};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The file in the folder of a run.
@@ -11,6 +13,13 @@ pub const ANSWERS: &str = "summary.csv";
 /// Its columns.
 const COLUMNS: [&str; 9] =
     ["quantity", "species", "value", "error", "samples", "transient", "verdict", "longer", "unit"];
+
+/// Whether a file is a table of answers.
+pub(crate) fn is_answers(path: &Path) -> bool {
+    let (expected, mut found) = (csv_line(COLUMNS) + "\n", String::new());
+    let read = File::open(path).and_then(|file| file.take(expected.len() as u64).read_to_string(&mut found));
+    read.is_ok() && found == expected
+}
 
 /// What a run has found for a quantity.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,7 +145,7 @@ mod tests {
         let manifest = Manifest::of_test(folder.path());
         let path = write_answers(&answers, &manifest).unwrap();
         assert_eq!(read_answers(folder.path()).unwrap().unwrap(), answers);
-        assert!(manifest.lists(&path));
+        assert!(manifest.lists(&path) && is_answers(&path) && !is_answers(folder.path()));
         write_answers(&answers[..1], &manifest).unwrap();
         let csv = std::fs::read_to_string(path).unwrap();
         assert_eq!(

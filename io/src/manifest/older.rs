@@ -2,6 +2,7 @@
 
 use super::entry::Entries;
 use super::{SCENE, found, is_checkpoint};
+use crate::answers::{ANSWERS, is_answers};
 use crate::{FileError, report, stored_inside, text};
 use hdf5::types::VarLenUnicode;
 use std::io::Read;
@@ -56,7 +57,8 @@ fn known(folder: &Path) -> Result<Vec<String>, FileError> {
         let is_case = folder.ends_with("cases") && starts_with(path, b"seed,viscosity,rate,area_fraction,");
         let is_index = name == "fields.xdmf" && starts_with(path, b"<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">");
         let is_report = name == "report.html" && report::is_page(path);
-        if is_table || is_case || is_index || is_report {
+        let is_summary = name == ANSWERS && is_answers(path);
+        if is_table || is_case || is_index || is_report || is_summary {
             names.push(name.to_owned());
         }
     }

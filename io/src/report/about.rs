@@ -1,7 +1,7 @@
 //! The scene of a run, as the report needs it.
 
 use super::playback::Colours;
-use crate::{Family, Kind, SceneFile};
+use crate::{Family, Kind, Scene, SceneFile};
 use domain::Vector;
 use drivers::disks::Flow as DiskFlow;
 use suspension::Flow;
@@ -20,12 +20,17 @@ impl About {
         Self { file, table: text.parse().unwrap_or_default() }
     }
 
-    /// What it computes.
-    pub(super) fn kind(&self) -> Option<&Kind> {
+    /// The scene, if this version can read it.
+    pub(super) fn scene(&self) -> Option<&Scene> {
         match self.file.as_ref()? {
-            SceneFile::Scene(scene) => Some(scene.kind()),
+            SceneFile::Scene(scene) => Some(scene),
             SceneFile::Family(_) => None,
         }
+    }
+
+    /// What it computes.
+    pub(super) fn kind(&self) -> Option<&Kind> {
+        self.scene().map(Scene::kind)
     }
 
     /// The family, if it is one.

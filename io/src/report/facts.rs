@@ -1,8 +1,8 @@
 //! A short description of a run.
 
 use super::about::About;
-use super::observables::Observables;
 use super::playback::Playback;
+use crate::observables::Observables;
 use crate::{Family, Kind, Provenance, TrajectoryReader};
 use domain::Number;
 

@@ -2,13 +2,13 @@
 //! statistics, and the scene.
 
 mod about;
+mod answers;
 mod base64;
 mod chart;
 mod charts;
 mod error;
 mod facts;
 mod html;
-mod observables;
 mod page;
 mod playback;
 mod stored_table;
@@ -18,20 +18,17 @@ mod tests;
 mod warnings;
 
 use crate::contacts::RecordedContacts;
+use crate::observables::Observables;
 use crate::trajectory_reader::TrajectoryReader;
-use crate::{FileError, Manifest, Provenance, atomic_file, stored_inside};
+use crate::{AnswerRange, FileError, Manifest, Provenance, atomic_file, run_answers};
 use about::About;
 pub use error::ReportError;
 use facts::Course;
-use observables::Observables;
 use page::Page;
 pub(crate) use page::is_page;
 use playback::Playback;
 use std::path::Path;
 use stored_table::StoredTable;
-
-/// Files from which the provenance is read, in order of preference.
-const FILES: [&str; 6] = ["trajectory.h5", "observables.h5", "averages.h5", "sweep.h5", "solution.h5", "family.h5"];
 
 /// Files of tables that a run writes, and of statistics computed afterwards.
 const TABLES: [&str; 4] = ["averages.h5", "sweep.h5", "solution.h5", "family.h5"];
@@ -51,10 +48,12 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
     let series = Observables::read(&folder.join("observables.h5"))?.unwrap_or_default();
     let stored = stored_tables(folder)?;
     let course = Course { trajectory: trajectory.as_ref().zip(playback.as_ref()), series: &series };
+    let found = about.scene().map(|scene| run_answers(folder, scene, &AnswerRange::STEADY)).transpose()?;
     let name = folder.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
     let page = Page {
         title: about.title().unwrap_or(name.as_deref().unwrap_or("A run")),
         facts: &facts::facts(&about, &provenance, &course),
+        answers: &answers::table_of(&found.unwrap_or_default()),
         warnings: &warnings::warnings(&about, &course, &stored),
         playback: playback.as_ref().map(|playback| (playback, about.up())),
         charts: &charts::charts(&about, &series, &stored),
@@ -68,11 +67,7 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
 
 /// The provenance of the results in a folder.
 fn provenance(folder: &Path) -> Result<Provenance, ReportError> {
-    let file = FILES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
-    let path = file.ok_or_else(|| no_results(folder))?;
-    Ok(stored_inside::open(&path)
-        .and_then(|file| Provenance::read(&file))
-        .map_err(|e| FileError::damaged(&path, &e))?)
+    Provenance::of_folder(folder)?.ok_or_else(|| no_results(folder))
 }
 
 fn no_results(folder: &Path) -> ReportError {

@@ -12,6 +12,8 @@ use std::path::Path;
 pub(super) struct Page<'a> {
     pub(super) title: &'a str,
     pub(super) facts: &'a [Fact],
+    /// The answers of the run as HTML.
+    pub(super) answers: &'a str,
     pub(super) warnings: &'a [String],
     /// What is played, and which axis is drawn upwards.
     pub(super) playback: Option<(&'a Playback, char)>,
@@ -68,11 +70,12 @@ impl Page<'_> {
         let charts: String = self.charts.iter().filter_map(figure).collect();
         format!(
             "{}<meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n\
-             <link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{stage}\
+             <link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{}{stage}\
              <div class=\"charts\">\n{charts}</div>\n{}{}{}{script}</body>\n</html>\n",
             start(),
             self.warned(),
             self.told(),
+            self.answers,
             self.tables,
             folded("How it was computed", &preformatted(self.plan)),
             folded("The scene", &preformatted(self.scene)),

@@ -3,7 +3,10 @@
 use super::open_files::{Files, Open};
 use super::{RunError, RunFolder};
 use crate::causes::in_full;
-use crate::{Checkpoints, Output, Provenance, Scene, SceneRecord, Series, write_contacts, write_field, write_tables};
+use crate::{
+    AnswerRange, Checkpoints, Output, Provenance, RunAnswer, Scene, SceneRecord, Series, run_answers, write_answers,
+    write_contacts, write_field, write_tables,
+};
 use domain::{ById, Comm};
 use simulation::Simulation;
 use std::path::Path;
@@ -28,6 +31,8 @@ pub struct Recorder {
     longest_checkpoint: Duration,
     /// Whether the scene that is kept has what the simulation found.
     has_found: bool,
+    /// Of a run that has come to its end, on the first rank, and what went wrong with them.
+    answers: Option<(Vec<RunAnswer>, Option<String>)>,
 }
 
 impl Recorder {
@@ -40,7 +45,8 @@ impl Recorder {
         Self::open(folder, (scene, None), simulation, (None, scene.kind().steps()))
     }
 
-    /// A recorder for a run that is resumed with a scene, from a checkpoint of the scene that it had then, if that is known.
+    /// A recorder for a run that is resumed with a scene, from a checkpoint of the scene that it had then, if that is
+    /// known.
     pub(super) fn resume(
         folder: RunFolder,
         scenes: (&Scene, Option<SceneRecord>),
@@ -96,6 +102,7 @@ impl Recorder {
             last: steps,
             longest_checkpoint: Duration::ZERO,
             has_found: false,
+            answers: None,
         })
     }
 
@@ -182,7 +189,7 @@ impl Recorder {
         }
         let began = Instant::now();
         if step == self.last {
-            self.averages(simulation)?;
+            self.conclude(simulation)?;
             self.state(simulation)?;
         } else {
             self.state(simulation)?;
@@ -190,6 +197,39 @@ impl Recorder {
         }
         self.longest_checkpoint = self.longest_checkpoint.max(began.elapsed());
         Ok(())
+    }
+
+    /// Writes the answers and the last checkpoint of a run that has come to its end. Returns the answers on the first
+    /// rank, with a warning if they can't be found or written. Collective.
+    pub fn finish(&mut self, simulation: &mut dyn Simulation) -> Result<(&[RunAnswer], Option<&str>), RunError> {
+        self.conclude(simulation)?;
+        self.checkpoint(simulation)?;
+        let (answers, warning) =
+            self.answers.as_ref().map_or((&[][..], None), |(all, warning)| (all, warning.as_deref()));
+        Ok((answers, warning))
+    }
+
+    /// Writes averages and answers, once.
+    fn conclude(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
+        if self.answers.is_none() {
+            self.averages(simulation)?;
+            self.answers = Some(if self.comm.is_first() { self.find_answers() } else { (Vec::new(), None) });
+        }
+        Ok(())
+    }
+
+    fn find_answers(&self) -> (Vec<RunAnswer>, Option<String>) {
+        let scene = Scene::parse(self.scene.text(), "the scene of the run", &[]).map_err(|e| in_full(&e));
+        let of_scene = |scene: Scene| run_answers(self.folder(), &scene, &AnswerRange::STEADY).map_err(|e| in_full(&e));
+        match scene.and_then(of_scene) {
+            Err(reason) => (Vec::new(), Some(format!("there are no answers: {reason}"))),
+            Ok(answers) if answers.is_empty() => (answers, None),
+            Ok(answers) => {
+                let written = write_answers(&answers, self.folder.manifest());
+                let warning = written.err().map(|e| format!("the answers are not written: {}", in_full(&e)));
+                (answers, warning)
+            }
+        }
     }
 
     /// Writes the checkpoint of this step again, for a scene that has changed.

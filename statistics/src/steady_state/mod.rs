@@ -53,15 +53,15 @@ pub struct Precision {
     pub scale: f64,
     /// Whether the quantity is positive by its nature.
     pub is_positive: bool,
+    /// The fewest values of which there is a mean with an error.
+    pub fewest: usize,
 }
 
 impl Precision {
     /// 5% of the mean.
-    pub const USUAL: Self = Self { relative_error: 0.05, scale: 0.0, is_positive: false };
+    pub const USUAL: Self = Self { relative_error: 0.05, scale: 0.0, is_positive: false, fewest: 8 };
 }
 
-/// The fewest values of which there is a mean with an error.
-const FEWEST: usize = 8;
 /// Effective samples without which a mean has no meaning, and without which a run is too short.
 const MEANINGFUL: f64 = 2.0;
 const ENOUGH: f64 = 10.0;
@@ -74,7 +74,7 @@ impl SteadyMean {
     /// The mean of what comes after a transient.
     pub fn of(series: &TimeSeries, transient: Transient, precision: Precision) -> Self {
         let steady = series.since(transient.end);
-        if steady.len() < FEWEST {
+        if steady.len() < precision.fewest.max(4) {
             return Self::meaningless(&steady);
         }
         let (value, error, variance) = (steady.mean(), error_of(&steady), steady.variance());
@@ -104,7 +104,13 @@ impl SteadyMean {
     /// The same in another unit.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
-        Self { value: self.value * factor, error: self.error * factor.abs(), ..self }
+        self.mapped(|value| value * factor, factor)
+    }
+
+    /// A function of it, with its derivative there.
+    #[must_use]
+    pub fn mapped(self, function: impl Fn(f64) -> f64, derivative: f64) -> Self {
+        Self { value: function(self.value), error: self.error * derivative.abs(), ..self }
     }
 }
 

@@ -1,5 +1,7 @@
 //! A time series in equal or unequal intervals.
 
+use std::ops::Range;
+
 /// Values at times that grow, each of which stands for the time around it: half of the interval on either side, at the
 /// ends as much outwards as inwards. At equal intervals all weigh the same.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,17 +30,25 @@ impl TimeSeries {
     /// The part from a time on.
     #[must_use]
     pub fn since(&self, from: f64) -> Self {
+        self.within(from, f64::INFINITY)
+    }
+
+    /// The part from a time to another, both taken in.
+    #[must_use]
+    pub fn within(&self, from: f64, until: f64) -> Self {
         let first = self.times.partition_point(|&time| time < from);
-        let times = self.times[first..].to_vec();
-        Self { weights: weights(&times), times, values: self.values[first..].to_vec() }
+        let end = self.times.partition_point(|&time| time <= until).max(first);
+        self.part(first..end)
     }
 
     /// The part before a time.
-    #[must_use]
-    pub(super) fn until(&self, end: f64) -> Self {
-        let count = self.times.partition_point(|&time| time < end);
-        let times = self.times[..count].to_vec();
-        Self { weights: weights(&times), times, values: self.values[..count].to_vec() }
+    pub(super) fn before(&self, end: f64) -> Self {
+        self.part(0..self.times.partition_point(|&time| time < end))
+    }
+
+    fn part(&self, range: Range<usize>) -> Self {
+        let times = self.times[range.clone()].to_vec();
+        Self { weights: weights(&times), times, values: self.values[range].to_vec() }
     }
 
     /// How many values there are.
@@ -100,6 +110,9 @@ mod tests {
         assert_eq!(series.weights, [1.0, 1.0, 1.5, 2.0]);
         assert!((series.mean() - (1.0 + 2.0 + 4.5 + 10.0) / 5.5).abs() < 1e-15);
         assert_eq!(series.since(1.5).weights, [2.0, 2.0]);
+        assert_eq!(series.within(1.0, 2.0).values, [2.0, 3.0]);
+        assert_eq!(series.before(1.0).values, [1.0]);
+        assert!(series.within(2.5, 1.0).is_empty());
         assert!((TimeSeries::new(&[3.0], [7.0]).mean() - 7.0).abs() < 1e-15);
         assert!(TimeSeries::new(&[], []).mean().is_nan());
     }

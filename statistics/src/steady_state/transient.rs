@@ -27,6 +27,12 @@ impl Transient {
         Self { end, is_too_long: false }
     }
 
+    /// The later one of two, of quantities that reach their steady state together.
+    #[must_use]
+    pub fn later(self, other: Self) -> Self {
+        Self { end: self.end.max(other.end), is_too_long: self.is_too_long || other.is_too_long }
+    }
+
     /// The transient that leaves the mean of the rest with the smallest marginal standard error (White, Simulation 69,
     /// 323, 1997),
     ///
@@ -90,7 +96,7 @@ impl Batches {
 /// Whether the mean up to a time differs from that after it by more than its error. The part before it is taken to have
 /// the correlations of the rest, whose mean over a part of its length varies as much more, up to its values themselves.
 fn differs(series: &TimeSeries, end: f64) -> bool {
-    let (before, after) = (series.until(end), series.since(end));
+    let (before, after) = (series.before(end), series.since(end));
     let error = error_of(&after);
     let of_part = (error * error * after.duration() / before.duration()).min(after.variance());
     let samples = after.variance() / (error * error) + 1.0;

@@ -84,6 +84,8 @@ struct About {
     edges: Vector,
     rates: ShearRates,
     rigid: bool,
+    /// Whether spheres move by heat.
+    has_heat: bool,
     axis: usize,
     /// By which separations of pairs are told apart.
     angle: Angle,
@@ -271,6 +273,7 @@ impl About {
             edges: model.cell.edges(),
             rates,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
+            has_heat: model.thermal_energy.is_some(),
             axis: axis(model, wanted.axis),
             angle: angle(&flow, model.flow, axis(model, wanted.axis)),
             columns: columns_of_user(model),

@@ -14,6 +14,15 @@ const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 /// All particles, as a species.
 const ALL: &str = "all";
 
+/// A diffusivity that is not known.
+const UNKNOWN: Estimate = Estimate { mean: f64::NAN, error: f64::NAN, converged: false };
+
+/// A diffusivity, unless its error is unknown or so large that it might be none.
+fn known(diffusivity: Estimate) -> Estimate {
+    let is_known = diffusivity.error.is_finite() && diffusivity.mean > diffusivity.error;
+    if is_known { diffusivity } else { UNKNOWN }
+}
+
 /// What all samples come to, with what the sums over all blocks are.
 struct Results<'a> {
     of: &'a Statistics,
@@ -112,10 +121,12 @@ impl Results<'_> {
             let species = (name != ALL).then_some(index);
             let found = Diffusivity::of(&self.lags, species, window);
             for (axis, letter) in AXES.iter().enumerate() {
-                summary.add((&format!("D_integral_{letter}"), name, unit), found.by_integral[axis]);
-                summary.add((&format!("D_slope_{letter}"), name, unit), found.by_slope[axis]);
+                // With heat, velocities are those of a step and depend on its length.
+                let by_integral = if self.of.about.has_heat { UNKNOWN } else { known(found.by_integral[axis]) };
+                summary.add((&format!("D_integral_{letter}"), name, unit), by_integral);
+                summary.add((&format!("D_slope_{letter}"), name, unit), known(found.by_slope[axis]));
             }
-            by_species.push(found.by_slope[1]);
+            by_species.push(known(found.by_slope[1]));
         }
         if let (Some(all), true) = (by_species.pop(), self.of.about.flow.shear_rate() != 0.0) {
             self.add_bidisperse(summary, all, &by_species);

@@ -1,8 +1,8 @@
 //! Charts of sheared disks.
 
 use super::over_time::numbers;
+use crate::observables::Observables;
 use crate::report::chart::Chart;
-use crate::report::observables::Observables;
 use crate::report::stored_table::StoredTable;
 
 /// Segregation, energy and stresses over time, and profiles over the height.

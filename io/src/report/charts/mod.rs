@@ -11,8 +11,8 @@ mod sweep;
 
 use super::about::About;
 use super::chart::Chart;
-use super::observables::Observables;
 use super::stored_table::StoredTable;
+use crate::observables::Observables;
 
 /// The charts of a run.
 pub(super) fn charts(about: &About, series: &Observables, tables: &[StoredTable]) -> Vec<Chart> {

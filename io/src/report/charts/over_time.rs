@@ -1,7 +1,7 @@
 //! Charts of a time series.
 
+use crate::observables::Observables;
 use crate::report::chart::Chart;
-use crate::report::observables::Observables;
 
 /// A chart of quantities that are numbers, each with the name of its line. `None` if the run has none of them.
 pub(super) fn numbers(series: &Observables, title: &str, y: &str, names: &[(&str, &str)]) -> Option<Chart> {

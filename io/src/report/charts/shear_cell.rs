@@ -1,7 +1,7 @@
 //! Charts of a shear cell.
 
+use crate::observables::Observables;
 use crate::report::chart::Chart;
-use crate::report::observables::Observables;
 use crate::report::stored_table::StoredTable;
 
 /// Stresses on the walls over time, and profiles over the height.

@@ -1,9 +1,9 @@
 //! Charts of a suspension's time series.
 
 use super::over_time::numbers;
+use crate::observables::{Observables, Observed};
 use crate::report::about::About;
 use crate::report::chart::Chart;
-use crate::report::observables::{Observables, Observed};
 
 /// Motion, stress, gaps, segregation, and the solves.
 pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {

@@ -1,5 +1,7 @@
 //! Reading the time series of a run.
 
+mod text_table;
+
 use crate::frames::Sums;
 use crate::{FileError, claimed_size, stored_inside, text};
 use hdf5::Group;
@@ -9,49 +11,62 @@ use std::path::Path;
 
 /// The time series of a run: all complete rows.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Observables {
+pub(crate) struct Observables {
     /// Times of the rows.
-    pub(super) times: Vec<f64>,
+    pub(crate) times: Vec<f64>,
     /// The step of the last row in the file.
-    pub(super) last_step: Option<u64>,
+    pub(crate) last_step: Option<u64>,
     /// The quantities.
-    pub(super) quantities: Vec<Observed>,
+    pub(crate) quantities: Vec<Observed>,
     /// Damaged rows, which are left out, with the damage of each.
-    pub(super) damage: Vec<String>,
+    pub(crate) damage: Vec<String>,
 }
 
 /// One quantity of a time series.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Observed {
+pub(crate) struct Observed {
     /// Its name.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// Its unit.
-    pub(super) unit: String,
+    pub(crate) unit: String,
     /// Names of the rows of a table, such as species; of a number, none.
-    pub(super) rows: Vec<String>,
+    pub(crate) rows: Vec<String>,
     /// Names of its columns, such as components.
-    pub(super) columns: Vec<String>,
+    pub(crate) columns: Vec<String>,
     /// For each time the numbers, row by row.
     values: Vec<f64>,
 }
 
 impl Observables {
     /// Reads the file. `None` if a run wrote no such file.
-    pub(super) fn read(path: &Path) -> Result<Option<Self>, FileError> {
+    pub(crate) fn read(path: &Path) -> Result<Option<Self>, FileError> {
         if !path.is_file() {
             return Ok(None);
         }
-        Self::try_read(path).map(Some).map_err(|e| FileError::damaged(path, &e))
+        Self::try_read(path, &|_| true).map(Some).map_err(|e| FileError::damaged(path, &e))
     }
 
-    fn try_read(path: &Path) -> hdf5::Result<Self> {
+    /// The same of the quantities of some names, in the folder of a run: from the table where the other file is gone.
+    pub(crate) fn of_folder(folder: &Path, names: &dyn Fn(&str) -> bool) -> Result<Option<Self>, FileError> {
+        let (path, table) = (folder.join("observables.h5"), folder.join("observables.csv"));
+        if path.is_file() {
+            return Self::try_read(&path, names).map(Some).map_err(|e| FileError::damaged(&path, &e));
+        }
+        if table.is_file() { text_table::read(&table, names).map(Some) } else { Ok(None) }
+    }
+
+    fn try_read(path: &Path, names: &dyn Fn(&str) -> bool) -> hdf5::Result<Self> {
         let file = stored_inside::open(path)?;
         let groups = file.group("observables")?.groups()?;
         let Some(clock) = groups.first() else { return Err("it has no observables".into()) };
         let (steps, times): (Vec<u64>, Vec<f64>) =
             (claimed_size::read(clock, "step")?, claimed_size::read(clock, "time")?);
         let count = steps.len().min(times.len());
-        let quantities = groups.iter().map(|group| Observed::read(group, count)).collect::<hdf5::Result<_>>()?;
+        let quantities = groups
+            .iter()
+            .filter(|group| names(&name_of(group)))
+            .map(|group| Observed::read(group, count))
+            .collect::<hdf5::Result<_>>()?;
         let times = times[..count].to_vec();
         let read = Self { times, last_step: steps.last().copied(), quantities, damage: Vec::new() };
         Ok(match Sums::open(&file)? {
@@ -78,20 +93,24 @@ impl Observables {
     }
 
     /// The quantity of this name.
-    pub(super) fn get(&self, name: &str) -> Option<&Observed> {
+    pub(crate) fn get(&self, name: &str) -> Option<&Observed> {
         self.quantities.iter().find(|quantity| quantity.name == name)
     }
 
     /// The line of a quantity of this name that is a number, over the times.
-    pub(super) fn line(&self, name: &str) -> Option<(&Observed, Vec<[f64; 2]>)> {
+    pub(crate) fn line(&self, name: &str) -> Option<(&Observed, Vec<[f64; 2]>)> {
         let quantity = self.get(name)?;
         Some((quantity, self.over_time(quantity.column(0, 0))))
     }
 
     /// Values over the times.
-    pub(super) fn over_time(&self, values: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
+    pub(crate) fn over_time(&self, values: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
         self.times.iter().zip(values).map(|(&time, value)| [time, value]).collect()
     }
+}
+
+fn name_of(group: &Group) -> String {
+    group.name().rsplit('/').next().unwrap_or_default().to_owned()
 }
 
 impl Observed {
@@ -101,7 +120,7 @@ impl Observed {
             let Ok(attribute) = group.attr(attribute) else { return Ok(Vec::new()) };
             Ok(csv_words(&attribute.read_scalar::<VarLenUnicode>()?))
         };
-        let name = group.name().rsplit('/').next().unwrap_or_default().to_owned();
+        let name = name_of(group);
         let (rows, columns) = (names("rows")?, names("columns")?);
         let mut read = Self { name, unit: text::read_dimensions(&dataset), rows, columns, values: dataset.read_raw()? };
         let needed = count * read.width();
@@ -118,7 +137,7 @@ impl Observed {
     }
 
     /// The numbers in a row and a column of the table, over the times.
-    pub(super) fn column(&self, row: usize, column: usize) -> impl Iterator<Item = f64> {
+    pub(crate) fn column(&self, row: usize, column: usize) -> impl Iterator<Item = f64> {
         let place = row * self.columns.len().max(1) + column;
         self.values.chunks_exact(self.width()).map(move |values| values[place])
     }

@@ -1,0 +1,145 @@
+//! Statistics of the frames of a trajectory.
+
+use crate::number::positive;
+use crate::sampled_frames::SampledFrames;
+use crate::streams;
+use anyhow::{Context, anyhow, bail, ensure};
+use domain::{Comm, Need, Particles, Partition, Process};
+use io::{Manifest, Provenance, Scene, SuspensionScene, TrajectoryReader, provenance, write_tables};
+use simulation::Table;
+use std::path::{Path, PathBuf};
+use suspension::{
+    Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsOfRank, StatisticsWanted, column_bytes,
+};
+
+/// Options of statistics that are made of a trajectory.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Time lag from which motion is diffusive [default: a quarter of the time taken in]
+    #[arg(long, value_name = "T", value_parser = positive, allow_hyphen_values = true)]
+    diffusive_from: Option<f64>,
+    /// Largest distance of pairs [default: 8 of the largest radius]
+    #[arg(long, value_name = "R", value_parser = positive, allow_hyphen_values = true)]
+    distance: Option<f64>,
+    /// Folder of the tables [default: stats in the folder of the run]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// The statistics of a run's trajectory.
+pub struct TrajectoryStatistics {
+    /// The table that sums up.
+    pub summary: Table,
+    /// The folder of all tables.
+    pub folder: PathBuf,
+    /// Frames that were to be written and are not there.
+    pub missing: u64,
+    /// Frames that are not as they were written.
+    pub damaged: u64,
+}
+
+impl Options {
+    /// Reads the trajectory of a run between two times frame by frame, and writes the tables of its statistics.
+    pub fn statistics_of(
+        &self,
+        folder: &Path,
+        (scene, suspension): (&Scene, &SuspensionScene),
+        [from, until]: [f64; 2],
+    ) -> anyhow::Result<TrajectoryStatistics> {
+        let trajectory = folder.join("trajectory.h5");
+        let recorded = TrajectoryReader::open(&trajectory)?;
+        let model = &suspension.model;
+        let wanted = self.wanted(model, from)?;
+        for change in recorded.changes().iter().filter(|change| change.changes_answers()) {
+            streams::log(format_args!("warning: {}: {change}; the statistics are of both", trajectory.display()));
+        }
+        let chosen = SampledFrames::of(&recorded, &(wanted.from..=until), &trajectory);
+        let (statistics, damaged) = sampled(&recorded, &chosen, (model, wanted), &trajectory)?;
+        let Some(mut statistics) = statistics else {
+            bail!("the trajectory has no whole frame in that span; change --from and --until")
+        };
+        let out = self.out.clone().unwrap_or_else(|| folder.join("stats"));
+        ensure!(out.file_name().is_some(), "--out {} is no name for a folder", out.display());
+        let of_run = recorded.provenance();
+        let provenance =
+            Provenance { scene: of_run.scene.clone(), ..provenance(scene, of_run.plan.clone(), &Comm::alone()) };
+        let tables = statistics.tables();
+        let manifest = Manifest::of(folder)?;
+        write_tables((&out, "statistics"), &provenance, &tables, &manifest).context("the statistics are lost")?;
+        let summary = tables.into_iter().next().expect("the summary is the first of the tables");
+        Ok(TrajectoryStatistics { summary, folder: out, missing: chosen.missing.count(), damaged })
+    }
+
+    /// The scene's choice, with what the options say.
+    fn wanted(&self, model: &Model, from: f64) -> anyhow::Result<StatisticsWanted> {
+        let mut wanted = model.statistics.unwrap_or(StatisticsWanted::ALL);
+        wanted.from = from;
+        wanted.diffusive_from = self.diffusive_from.or(wanted.diffusive_from);
+        if let Some(distance) = self.distance {
+            StatisticsWanted::check_distance(distance, &model.cell).map_err(|e| anyhow!("--distance {e}"))?;
+            wanted.distance = Some(distance);
+        }
+        Ok(wanted)
+    }
+}
+
+/// The statistics of frames, none if none is whole, and how many are damaged; each of these is named in a warning.
+fn sampled(
+    recorded: &TrajectoryReader,
+    chosen: &SampledFrames,
+    (model, wanted): (&Model, StatisticsWanted),
+    path: &Path,
+) -> anyhow::Result<(Option<Statistics>, u64)> {
+    let (alone, mut statistics) = (Comm::alone(), None::<Statistics>);
+    let everything = Partition::new(&alone, [1, 1]);
+    let (mut before, mut damaged) = (None, 0);
+    for &frame in &chosen.frames {
+        let (step, time) = (recorded.steps()[frame], recorded.times()[frame]);
+        let (cell, particles) = match recorded.frame(frame) {
+            Ok(frame) => frame,
+            Err(error) => {
+                streams::log(format_args!("warning: {error}; the statistics are without this frame"));
+                damaged += 1;
+                continue;
+            }
+        };
+        fits(&particles, model).with_context(|| format!("frame {frame} of {}", path.display()))?;
+        if statistics.is_none() {
+            check_memory(model, particles.len() as f64, chosen.samples)?;
+        }
+        let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles, &alone));
+        statistics.pass_over(before.map_or(0, |before| (step - before) / chosen.interval - 1));
+        before = Some(step);
+        let (rate, cell, particles) = (model.shear_rates().before_time(time), &cell, &particles);
+        let (partition, shear_stress, pressure_gradient) = (&everything, None, None);
+        statistics.sample(&Sample { time, rate, cell, particles, partition, shear_stress, pressure_gradient });
+    }
+    Ok((statistics, damaged))
+}
+
+/// Refuses particles of which no statistics can be made: without velocities, or of another scene.
+fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
+    let needed =
+        if model.hydrodynamics.multipoles == Multipoles::Dipole { &SAMPLE_COLUMNS[..] } else { &SAMPLE_COLUMNS[..1] };
+    for name in needed {
+        let has = particles.columns.iter().any(|column| column.name == *name);
+        ensure!(has, "it has no {name}, which statistics are made of");
+    }
+    let species = model.species.len();
+    let unknown = particles.species.iter().find(|&&s| s as usize >= species);
+    ensure!(unknown.is_none(), "it has a sphere of species {}; the scene has {species}, from 0", unknown.unwrap_or(&0));
+    Ok(())
+}
+
+/// Refuses samples of so many particles of a model that there is no memory for.
+fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
+    let share = StatisticsOfRank::alone(particles);
+    let kept = share.bytes(model, (samples, rayon::current_num_threads()));
+    let frame = Particles::bytes(particles, 11);
+    let peak = kept.then(column_bytes(model)).then(frame).then(share.sample_bytes(model));
+    let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
+    Comm::check_memory_of(&[need]).with_context(|| {
+        format!("{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from and --until",
+            model.species.len())
+    })
+}
