@@ -44,16 +44,16 @@ KINDS = {
     "settling at 10%": Kind(
         0.10,
         50,
-        "time = { step = 0.1, steps = 1000, order = 2 }\nrepulsion = { strength = 160.0, range = 0.2 }\nhydrodynamics.tolerance = 1e-2",
-        100.0,
+        "time = { step = 0.1, steps = 1500, order = 2 }\nrepulsion = { strength = 160.0, range = 0.2 }\nhydrodynamics.tolerance = 1e-2",
+        150.0,
         {"settling_velocity": lambda table: -table["mean_velocity_z[sphere]"]},
     ),
     "shear at 30%": Kind(
         0.30,
         50,
-        "time = { step = 0.02, steps = 1000 }\nflow = { kind = \"shear\", rate = 1.0 }\nrepulsion = { strength = 20.0, range = 0.1 }\n"
+        "time = { step = 0.02, steps = 1500 }\nflow = { kind = \"shear\", rate = 1.0 }\nrepulsion = { strength = 20.0, range = 0.1 }\n"
         "hydrodynamics.tolerance = 1e-2",
-        20.0,
+        30.0,
         {name: lambda table, name=name: table[name] for name in SHEAR},
     ),
     "dense shear at 45%, friction 0.5": Kind(
@@ -67,9 +67,9 @@ KINDS = {
     "Brownian motion at 20%": Kind(
         0.20,
         40,
-        "time = { step = 0.05, steps = 1000 }\nfluid.thermal_energy = 1.0\nrepulsion = { strength = 60.0, screening_length = 0.1 }\n"
+        "time = { step = 0.05, steps = 1500 }\nfluid.thermal_energy = 1.0\nrepulsion = { strength = 60.0, screening_length = 0.1 }\n"
         "hydrodynamics.tolerance = 1e-2",
-        50.0,
+        75.0,
         {"osmotic_pressure": lambda table: table["osmotic_pressure"]},
     ),
 }
