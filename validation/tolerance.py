@@ -12,7 +12,7 @@ from support.page import table, write_section
 from support.program import mobility
 
 CASES, SEED = 500, 7
-TOLERANCES, EXACT = (1e-2, 1e-3, 1e-4, 1e-6), 1e-9
+TOLERANCES, EXACT = (1e-2, 1e-3, 1e-4, 1e-6), 1e-8
 KINDS = ("velocities", "angular_velocities", "stresslets")
 # Part of what single spheres would do below which a quantity counts as if it were as large; and the part for velocities under forces.
 LEAST, LEAST_UNDER_FORCES = 0.1, 0.01

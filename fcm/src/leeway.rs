@@ -14,27 +14,50 @@ const MONOPOLE_LEEWAY: f64 = 0.8;
 const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
-/// At walls and in layers, of rigid spheres where forces and torques alone make stresslets, smaller beside the loads than those of
-/// a flow.
+/// At walls, of given loads; and at walls and in layers of rigid spheres, where forces and torques alone make stresslets, smaller
+/// beside the loads than those of a flow.
+const GIVEN_LEEWAY_WALLS: f64 = 0.25;
 const RIGID_LEEWAY_WALLS: f64 = 0.15;
+const RIGID_LEEWAY_WALLS_FEW: f64 = 0.1;
 const RIGID_LEEWAY_LAYER: f64 = 0.04;
 
 /// Shares of the tolerance that walls may have with rigid spheres, whose stresslets come out worse than gradients: under loads that
-/// vary, under weights, and in a flow along walls, where velocities are small beside the rate of strain. The share with given
-/// loads, and that of the cut of wavenumbers then.
+/// vary, under weights, and in lattices. The share with given loads, and that of the cut of wavenumbers then.
 const RIGID_SHARE: f64 = 0.25;
-const FLOW_SHARE: f64 = 0.025;
 const WEIGHT_SHARE: f64 = 0.08;
+const LATTICE_SHARE: f64 = 0.025;
 const GIVEN_SHARE: f64 = 0.3;
 const GIVEN_CUT_SHARE: f64 = 0.25;
 
+/// The same in a flow along walls, where angular velocities are small beside the rate of strain: with lubrication, which makes them
+/// larger, and without. That of suspensions whose errors average out is [`RIGID_SHARE`].
+const LUBRICATED_FLOW_SHARE: f64 = 0.12;
+const FLOW_SHARE: f64 = 0.05;
+
+/// The tolerance above which cuts leave so few wavenumbers that shares in a flow fall, and the power with which they do.
+const COARSE: f64 = 1e-3;
+const COARSE_POWER: f64 = 1.0 / 3.0;
+
+/// Part of the tolerance below which an image of a sphere in a wall is left out; and where that shows in the small velocities that a
+/// flow along walls leaves.
+const IMAGE_SHARE: f64 = 0.3;
+const FINE_IMAGE_SHARE: f64 = 0.1;
+
+/// Spheres below which errors do not average out, and volume fraction from which lubrication decides the motions in a flow along
+/// walls.
+const AVERAGING: usize = 20;
+const LEAST_AVERAGING_FRACTION: f64 = 0.05;
+
 /// Share of the tolerance that the iteration for stresslets and lubrication may leave.
-const ITERATION_SHARE: f64 = 0.25;
+pub(crate) const ITERATION_SHARE: f64 = 0.25;
 
 /// Ratio of radii above which stresslets are those of the large spheres, whose share of the iteration's norm is small, and the
 /// factor by which the iteration goes on.
 const WIDE_RATIO: f64 = 3.0;
 const WIDE_FACTOR: f64 = 2.5;
+
+/// The factor by which the iteration goes on with lubrication between few spheres.
+const FEW_FACTOR: f64 = 2.0;
 
 /// A quantity by volume fraction, linear in its logarithm between entries and constant beyond them.
 type Table = [(f64, f64)];
@@ -47,7 +70,7 @@ const DENSE_LUBRICATED: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 
 
 /// Factors for the evaluation in lattices under equal forces, of rigid spheres and of others: errors of all neighbours have one
 /// sign.
-const LATTICE: &Table = &[(0.2, 1.0), (0.28, 3.0), (0.36, 4.0), (0.52, 6.0), (0.6, 40.0), (0.7, 60.0)];
+const LATTICE: &Table = &[(0.14, 1.0), (0.2, 2.0), (0.28, 3.0), (0.36, 4.0), (0.52, 6.0), (0.6, 40.0), (0.7, 60.0)];
 const LATTICE_GIVEN: &Table = &[(0.12, 1.0), (0.2, 6.0), (0.3, 12.0), (0.5, 15.0), (0.7, 30.0)];
 
 /// Factors for the iteration in lattices.
@@ -63,11 +86,13 @@ impl Problem {
     pub(crate) fn leeway(&self) -> f64 {
         let usual = match (self.multipoles, self.rigid) {
             (Multipoles::Monopole, _) => MONOPOLE_LEEWAY,
+            (Multipoles::Dipole, false) if self.boundaries.walls() > 0 => GIVEN_LEEWAY_WALLS,
             (Multipoles::Dipole, false) => GIVEN_LEEWAY,
             (Multipoles::Dipole, true) if matches!(self.boundaries, Boundaries::Periodic | Boundaries::Open) => {
                 RIGID_LEEWAY
             }
             (Multipoles::Dipole, true) if self.boundaries == Boundaries::OpenAlongZ => RIGID_LEEWAY_LAYER,
+            (Multipoles::Dipole, true) if self.is_few() => RIGID_LEEWAY_WALLS_FEW,
             (Multipoles::Dipole, true) => RIGID_LEEWAY_WALLS,
         };
         usual / self.hindrance()
@@ -93,14 +118,31 @@ impl Problem {
 
     /// The relative error that the iteration for stresslets and lubrication may leave.
     pub(crate) fn iteration_tolerance(&self) -> f64 {
-        let wide = if self.largest_radius() > WIDE_RATIO * self.smallest_radius() { WIDE_FACTOR } else { 1.0 };
+        let wide = if self.is_wide() { WIDE_FACTOR } else { 1.0 };
+        let few = if self.lubricated && self.is_few() { FEW_FACTOR } else { 1.0 };
         let dense = match (self.is_lattice(), self.lubricated) {
             (true, _) => at(LATTICE_ITERATION, self.volume_fraction()),
             (false, true) => 1.0,
             (false, false) => at(DENSE_ITERATION, self.volume_fraction()),
         };
-        let usual = ITERATION_SHARE * self.tolerance / (wide * dense);
+        let usual = ITERATION_SHARE * self.tolerance / (wide * dense * few);
         self.fixed.iteration_tolerance.unwrap_or(usual)
+    }
+
+    /// Whether stresslets are those of spheres much larger than others.
+    fn is_wide(&self) -> bool {
+        self.largest_radius() > WIDE_RATIO * self.smallest_radius()
+    }
+
+    /// Whether errors of single spheres count.
+    fn is_few(&self) -> bool {
+        self.particles() < AVERAGING
+    }
+
+    /// Whether the errors of a suspension in a flow along walls average out, and lubrication makes all its motions so large that they
+    /// count beside the rate of strain.
+    fn is_averaged(&self) -> bool {
+        self.lubricated && !self.is_few() && self.volume_fraction() >= LEAST_AVERAGING_FRACTION
     }
 
     /// The relative error that walls may have.
@@ -114,8 +156,26 @@ impl Problem {
             (false, _) => GIVEN_CUT_SHARE,
             (true, Loading::Varied) => RIGID_SHARE,
             (true, Loading::Uniform) => WEIGHT_SHARE,
-            (true, Loading::Flow | Loading::UniformOnLattice) => FLOW_SHARE,
+            (true, Loading::Flow) => self.share_in_flow(),
+            (true, Loading::UniformOnLattice) => LATTICE_SHARE,
         };
+        share * self.tolerance
+    }
+
+    /// The share of walls in a flow along them.
+    fn share_in_flow(&self) -> f64 {
+        let share = match (self.is_averaged(), self.lubricated) {
+            (true, _) => RIGID_SHARE,
+            (false, true) => LUBRICATED_FLOW_SHARE,
+            (false, false) => FLOW_SHARE,
+        };
+        share * (COARSE / self.tolerance).min(1.0).powf(COARSE_POWER)
+    }
+
+    /// The part of a sphere's mobility below which its images in walls are left out.
+    pub(crate) fn least_image(&self) -> f64 {
+        let in_flow = matches!(self.loading, Loading::Flow | Loading::UniformOnLattice);
+        let share = if self.rigid && in_flow && !self.is_averaged() { FINE_IMAGE_SHARE } else { IMAGE_SHARE };
         share * self.tolerance
     }
 

@@ -99,6 +99,8 @@ pub struct Plan {
     pub iteration_tolerance: f64,
     /// Relative error that the cut between wavenumbers of walls on the grid and between spheres may have.
     pub allowed_of_wall_cut: f64,
+    /// Part of the mobility of a sphere below which its images in walls are left out.
+    pub least_image: f64,
     /// Direct or split, with the split's width and cutoff.
     pub method: Method,
     /// Precision of the grid.

@@ -5,6 +5,7 @@ use crate::bounded::GridAtWalls;
 use crate::cost;
 use crate::envelope::{Common, Envelope};
 use crate::gaussian::STEP;
+use crate::leeway::ITERATION_SHARE;
 use crate::plan::Plan;
 use crate::problem::{Method, MethodName, Precision, Problem};
 use crate::stencil::Support;
@@ -103,8 +104,7 @@ impl Problem {
 
     fn precisions(&self) -> impl Iterator<Item = Precision> {
         // Iterations that go on below what the grid rounds off would follow its noise.
-        let needed = self.tolerance / self.hindrance();
-        let finest = self.fixed.iteration_tolerance.map_or(needed, |left| needed.min(4.0 * left));
+        let finest = (self.tolerance / self.hindrance()).min(self.iteration_tolerance() / ITERATION_SHARE);
         let single = finest >= accuracy::FINEST_SINGLE || self.fixed.precision.is_some();
         let enough = move |precision: &Precision| single || *precision == Precision::Double;
         let fixed = self.fixed.precision;
@@ -318,6 +318,7 @@ impl Problem {
             tolerance: self.tolerance,
             iteration_tolerance: self.iteration_tolerance(),
             allowed_of_wall_cut: self.allowed_of_wall_cut(),
+            least_image: self.least_image(),
             method,
             precision,
             grid,

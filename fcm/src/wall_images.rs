@@ -10,15 +10,12 @@ use rayon::prelude::*;
 use solver::simd::vectorised;
 use std::f64::consts::PI;
 
-/// The part of the tolerance below which an image is left out.
-const NEGLIGIBLE: f64 = 0.3;
-
 impl Plan {
     /// About how many images a sphere has in an even suspension of so many.
     pub(crate) fn images(&self, particles: f64) -> f64 {
         match self.boundaries.walls() {
             0 => 0.0,
-            _ => self.images_within(self.wall_cut().reach(NEGLIGIBLE * self.tolerance), particles),
+            _ => self.images_within(self.wall_cut().reach(self.least_image), particles),
         }
     }
 
@@ -85,12 +82,12 @@ impl WallImages {
         // A point of the fluid may be on the wall.
         let closest = if plan.beyond.is_some() { smallest } else { 2.0 * smallest };
         let cut = plan.wall_cut();
-        let waves = Waves::new(&cut, cutoff, closest, NEGLIGIBLE * plan.tolerance);
+        let waves = Waves::new(&cut, cutoff, closest, plan.least_image);
         let of_class = |&radius: &f64| {
             let Envelope { monopole, dipole } = Envelope::of_sphere(radius);
             let squares = [monopole * monopole, dipole * dipole];
             let is_small = |&distance: &f64| {
-                waves.block(Vector::ZERO, [Seen { distance, squares }; 2]).share(radius) < NEGLIGIBLE * plan.tolerance
+                waves.block(Vector::ZERO, [Seen { distance, squares }; 2]).share(radius) < plan.least_image
             };
             let mut distances = (0..).map(|step| radius * (NEAREST_WALL + 0.05 * f64::from(step)));
             let reach = distances.find(is_small).expect("an image that decays gets small");

@@ -217,3 +217,17 @@ fn monopoles_alone_keep_the_tolerance_on_a_coarser_grid() {
         }
     }
 }
+
+/// A wide ratio of radii and few lubricated spheres take an iteration that ends below what a grid in `f32` rounds off.
+#[test]
+fn iterations_below_the_round_off_of_f32_have_a_grid_in_f64() {
+    let precision = |largest: f64, lubricated: bool, tolerance: f64| {
+        let suspension = Suspension::random(8, largest, PeriodicBox::new(Vector::splat(30.0)).unwrap(), 1);
+        let problem = Problem { rigid: true, lubricated, ..suspension.problem(tolerance) };
+        Plan::choose(&problem).unwrap().precision
+    };
+    assert_eq!(precision(1.5, false, 1e-6), Precision::Single);
+    assert_eq!(precision(4.0, false, 1e-6), Precision::Double);
+    assert_eq!(precision(1.5, true, 1e-6), Precision::Double);
+    assert_eq!(precision(4.0, true, 1e-5), Precision::Single);
+}
