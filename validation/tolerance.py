@@ -116,6 +116,8 @@ def sample(index):
     case, centres, radii, fraction = found
     loads, name = acting(box, model, radii, random)
     case |= {"viscosity": 1.0, "positions": centres, "radii": radii, **loads}
+    if box in BOUNDARIES:
+        case["boundaries"] = BOUNDARIES[box]
     return case, (box, model, name, len(radii), fraction)
 
 

@@ -16,9 +16,8 @@ const RIGID_LEEWAY: f64 = 0.22;
 
 /// At walls, of given loads; and at walls and in layers of rigid spheres, where forces and torques alone make stresslets, smaller
 /// beside the loads than those of a flow.
-const GIVEN_LEEWAY_WALLS: f64 = 0.25;
+const GIVEN_LEEWAY_WALLS: f64 = 0.15;
 const RIGID_LEEWAY_WALLS: f64 = 0.15;
-const RIGID_LEEWAY_WALLS_FEW: f64 = 0.1;
 const RIGID_LEEWAY_LAYER: f64 = 0.04;
 
 /// Shares of the tolerance that walls may have with rigid spheres, whose stresslets come out worse than gradients: under loads that
@@ -71,7 +70,7 @@ const DENSE_LUBRICATED: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 
 /// Factors for the evaluation in lattices under equal forces, of rigid spheres and of others: errors of all neighbours have one
 /// sign.
 const LATTICE: &Table = &[(0.14, 1.0), (0.2, 2.0), (0.28, 3.0), (0.36, 4.0), (0.52, 6.0), (0.6, 40.0), (0.7, 60.0)];
-const LATTICE_GIVEN: &Table = &[(0.12, 1.0), (0.2, 6.0), (0.3, 12.0), (0.5, 15.0), (0.7, 30.0)];
+const LATTICE_GIVEN: &Table = &[(0.05, 1.0), (0.1, 2.0), (0.2, 6.0), (0.3, 12.0), (0.5, 15.0), (0.7, 30.0)];
 
 /// Factors for the iteration in lattices.
 const LATTICE_ITERATION: &Table = &[(0.3, 1.0), (0.4, 2.0), (0.56, 2.5), (0.62, 4.0)];
@@ -92,7 +91,6 @@ impl Problem {
                 RIGID_LEEWAY
             }
             (Multipoles::Dipole, true) if self.boundaries == Boundaries::OpenAlongZ => RIGID_LEEWAY_LAYER,
-            (Multipoles::Dipole, true) if self.is_few() => RIGID_LEEWAY_WALLS_FEW,
             (Multipoles::Dipole, true) => RIGID_LEEWAY_WALLS,
         };
         usual / self.hindrance()
