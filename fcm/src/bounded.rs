@@ -102,16 +102,16 @@ impl GridAtWalls {
 
 impl Problem {
     /// Lengths that a grid has to have: the edges where the box repeats. Between walls there is room for whole windows of
-    /// `window` along an axis, and the copies of a sphere are beyond the cutoff of any other; in open space the grid is as long
+    /// `window` along an axis, and the copies of a sphere do not overlap any other; in open space the grid is as long
     /// again as what is on it.
-    pub(crate) fn lengths(&self, window: f64, cutoff: f64) -> Vector {
+    pub(crate) fn lengths(&self, window: f64, overlap: f64) -> Vector {
         let length = |axis: usize| {
             let edge = self.edges[axis];
             let [lowest, highest] = allowed(self.boundaries, edge, self.smallest_radius());
             match self.boundaries {
                 _ if self.boundaries.is_periodic(axis) => edge,
                 Boundaries::Open => 2.0 * (highest - lowest + window),
-                _ => highest - lowest + window.max(cutoff),
+                _ => highest - lowest + window.max(overlap),
             }
         };
         Vector::from_array(std::array::from_fn(length))

@@ -7,7 +7,7 @@ use crate::envelope::{Common, Envelope};
 use crate::gaussian::STEP;
 use crate::leeway::ITERATION_SHARE;
 use crate::plan::Plan;
-use crate::problem::{Method, MethodName, Precision, Problem};
+use crate::problem::{Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::wall_cut::ENOUGH;
 use crate::window::Window;
@@ -276,7 +276,13 @@ impl Problem {
         }
         let points = self.fixed.support.unwrap_or(candidate.accuracy.points);
         let window = points as f64 * candidate.width / candidate.accuracy.resolution;
-        self.lengths(window, self.cutoff(candidate.width))
+        self.lengths(window, self.overlap(candidate.width))
+    }
+
+    /// How far apart common Gaussians do not overlap: the cutoff, but of forces alone, which may have none.
+    fn overlap(&self, width: f64) -> f64 {
+        let brackets = self.brackets(width, self.stretch());
+        width * accuracy::cutoff(Multipoles::Dipole, self.tolerance * self.leeway(), brackets)
     }
 
     /// Lengths after which the grid of a candidate repeats: spacings of what it needs along axes that do not.

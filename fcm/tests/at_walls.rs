@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{Suspension, errors, rigid_errors, solved, worst};
+use common::{Suspension, error, errors, rigid_errors, solved, vectors, worst};
 use domain::{Boundaries, PeriodicBox, Random, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Loads, Plan, PlanError, Precision, Problem};
+use fcm::{Evaluation, Fixed, Loads, Multipoles, Plan, PlanError, Precision, Problem};
 use std::f64::consts::PI;
 
 fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
@@ -244,4 +244,37 @@ fn least_pivot(matrix: &mut [Vec<f64>]) -> f64 {
         }
     }
     least
+}
+
+/// Spheres near both walls of a thin slit, or far apart in a layer: copies of the grid along z are as near as spheres are. Forces alone
+/// have no pairs, but Gaussians that overlap all the same.
+#[test]
+fn forces_alone_are_no_nearer_to_copies_than_with_dipoles() {
+    let centres = [
+        [0.32, 4.87, 2.83],
+        [5.89, 6.43, 2.83],
+        [2.49, 1.14, 2.83],
+        [3.91, 1.09, 1.02],
+        [4.35, 4.4, 2.83],
+        [2.03, 3.66, 2.83],
+        [3.74, 6.42, 2.83],
+    ];
+    for boundaries in [Boundaries::Walls, Boundaries::Wall, Boundaries::OpenAlongZ] {
+        let suspension = Suspension {
+            cell: cell([6.98, 6.98, 3.856], boundaries),
+            viscosity: 1.0,
+            positions: centres.map(Vector::from_array).to_vec(),
+            radii: vec![1.0; centres.len()],
+        };
+        let loads = Loads { forces: suspension.loads(3).forces, ..Loads::default() };
+        let velocities = |multipoles: Multipoles, tolerance: f64| {
+            let plan = Plan::choose(&Problem { multipoles, ..suspension.problem(tolerance) }).unwrap();
+            vectors(&suspension.mobility(&plan).apply(&loads, Evaluation::Velocities).velocities)
+        };
+        let exact = velocities(Multipoles::Dipole, 1e-9);
+        for tolerance in [1e-2, 1e-4, 1e-6, 1e-8] {
+            let error = error(&velocities(Multipoles::Monopole, tolerance), &exact);
+            assert!(error < tolerance, "{boundaries:?} at {tolerance:e}: {error:e}");
+        }
+    }
 }
