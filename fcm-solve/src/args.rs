@@ -1,7 +1,8 @@
 //! The command line.
 
 use crate::{
-    bench, calibrate, check, export, info, manual, mobility, new, report, resume, run, stats, streams, two_sphere,
+    bench, calibrate, check, converge, export, info, manual, mobility, new, report, resume, run, stats, streams,
+    two_sphere,
 };
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -49,6 +50,8 @@ pub enum Command {
     Resume(resume::Args),
     /// Check a scene and print how it would be computed, without running it.
     Check(check::Args),
+    /// Run a scene with half the step, twice the box, a tenth of the tolerance, four times the stiffness, and say which matters.
+    Converge(converge::Args),
     /// Average over a run's trajectory: fluctuations, correlations, diffusivities, pair distributions.
     Stats(stats::Args),
     /// Write a run's trajectory in a format of other programs: extended XYZ, GSD or VTP.
@@ -107,6 +110,7 @@ impl Command {
         match self {
             Self::Run(args) => return run::run(args, comm),
             Self::Resume(args) => return resume::run(args, comm),
+            Self::Converge(args) => return converge::run(args, comm),
             Self::Check(args) => check::run(args, comm)?,
             Self::Stats(args) => stats::run(args, comm)?,
             Self::Export(args) => export::run(args, comm)?,

@@ -10,6 +10,7 @@ mod causes;
 mod check;
 mod commands;
 mod continuation;
+mod converge;
 mod export;
 mod family;
 mod info;

@@ -75,13 +75,14 @@ pub use positions::{FileBox, StartFile, StartSource, TakenFrame};
 pub use provenance::Provenance;
 pub use report::{ReportError, write_report};
 pub use run::{
-    ExistingRun, FamilyFolder, Listener, MemberState, Recorder, Resumption, RunError, RunFolder, Trial, WholeScene,
-    check_memory, keep_costs, kept_costs, on_this_machine, outline, predicted_memory, provenance, resume, start,
-    start_positions, time_in_words, trial, with_least_repulsion, with_start_file,
+    AnswerChange, ExistingRun, FamilyFolder, Listener, MemberState, Recorder, Resumption, RunError, RunFolder, Trial,
+    WholeScene, check_memory, keep_costs, kept_costs, on_this_machine, outline, predicted_memory, provenance, resume,
+    start, start_positions, time_in_words, trial, with_least_repulsion, with_start_file,
 };
 pub use scene::{
-    ContinuumScene, Difference, Family, GranularDisksScene, Kind, Member, Output, Scene, SceneChange, SceneError,
-    SceneFile, ShearCellScene, SuspensionScene, TEMPLATES, Template, Time, check_accepted, scene_schema, some_of,
+    ContinuumScene, Convergence, Difference, Family, GranularDisksScene, Kind, Member, Output, Scene, SceneChange,
+    SceneError, SceneFile, ShearCellScene, SuspensionScene, TEMPLATES, Template, Time, check_accepted, scene_schema,
+    some_of,
 };
 pub use series::Series;
 pub use tables::{read_rows, write_tables};

@@ -5,14 +5,20 @@
 #PBS -j oe
 # Runs a scene in as many jobs as it takes: one that ends before the scene does submits another.
 #   qsub -v SCENE=my.toml,WALLTIME=23:50:00 scripts/batch/pbs.sh
+# An array makes the runs of a family, each job an eighth of them on its cores, in one folder:
+#   qsub -J 1-8 -l select=1:ncpus=16:mpiprocs=1 -v SCENE=family.toml,ARGUMENTS='--part {}/8' scripts/batch/pbs.sh
 # The folder where qsub is called is that of the paths. From the environment, through -v: SCENE; WALLTIME, somewhat less
-# than the job's; ARGUMENTS, further ones of fcm-solve run, of which none has a blank; LAUNCH, what starts the ranks
+# than the job's; ARGUMENTS, further ones of fcm-solve run, of which none has a blank, and in which {} stands for the number
+# of each job of an array; LAUNCH, what starts the ranks
 # (`mpirun`); FCM_SOLVE, the program; SCRIPT, this file, which PBS copies before it is run. After three jobs in a row that did
 # not take a single step no more is submitted, and the code is 1; the environment passes their number on, as VAIN.
 set -u
 cd "$PBS_O_WORKDIR" || exit 1
 script=${SCRIPT:-scripts/batch/pbs.sh}
 launch=${LAUNCH:-mpirun}
+# A job that submits another one passes its number on.
+export ARGUMENTS="${ARGUMENTS:-}"
+ARGUMENTS=${ARGUMENTS//\{\}/${PBS_ARRAY_INDEX:-}}
 # The first rank writes here how many steps it took.
 steps=$PWD/.fcm-solve-${PBS_JOBID:-$$}.steps
 trap 'rm -f "$steps"' EXIT

@@ -11,6 +11,8 @@
 # Runs a scene in as many jobs as it takes: one that ends before the scene does puts itself back into the queue.
 #   sbatch scripts/batch/slurm.sh SCENE [arguments of fcm-solve run]
 #   sbatch --array=1-8 scripts/batch/slurm.sh SCENE --set seed={} --out results/seed-{}
+#   sbatch --array=1-8 --ntasks=1 --cpus-per-task=16 scripts/batch/slurm.sh FAMILY --part {}/8
+# The last makes the runs of a family, each job an eighth of them on its cores, in one folder.
 # Options of sbatch go before the script: --nodes=4 --ntasks=64 --time=12:00:00. In an array {} stands for the number of
 # each job. From the environment: LAUNCH, what starts the ranks (`srun --mpi=pmix`; `srun --mpi=pmi2` for MPICH;
 # `mpirun`), and FCM_SOLVE, the program. After three restarts in a row that did not take a single step the job ends, with

@@ -12,7 +12,7 @@ use crate::plan::Radii;
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use crate::user_axes::UserAxes;
-use domain::{Comm, GivenPositions, Interrupt, Particles};
+use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
 use fcm::Drawn;
 use simulation::{
     Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet,
@@ -28,6 +28,8 @@ pub struct Observed {
     /// Whether the stiffness of contacts is chosen, and adapts at first.
     chooses_stiffness: [bool; 2],
     axes: UserAxes,
+    /// The strain at which a run under a given stress ends.
+    last_strain: Option<f64>,
 }
 
 /// The columns of a frame of the trajectory.
@@ -56,7 +58,15 @@ impl Observed {
         let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension));
         let chosen = model.contacts.is_some_and(|contacts| contacts.stiffness.is_none());
         let chooses_stiffness = [chosen, chosen && model.contacts.is_some_and(|contacts| contacts.settles(model))];
-        Self { suspension, observer, averages, cautions, chooses_stiffness, axes: model.user_axes() }
+        Self {
+            suspension,
+            observer,
+            averages,
+            cautions,
+            chooses_stiffness,
+            axes: model.user_axes(),
+            last_strain: model.last_strain,
+        }
     }
 
     fn frame_of(&self, particles: Particles) -> Frame {
@@ -137,8 +147,14 @@ impl Simulation for Observed {
     }
 
     fn ended(&self) -> Option<String> {
-        let words = "jammed: under its stress it is sheared less than 1e-5 times as fast as the fluid alone would be";
-        self.suspension.is_jammed().then(|| words.to_owned())
+        if self.suspension.is_jammed() {
+            let words =
+                "jammed: under its stress it is sheared less than 1e-5 times as fast as the fluid alone would be";
+            return Some(words.to_owned());
+        }
+        let [_, strain] = self.suspension.shear();
+        let last = self.last_strain.filter(|last| strain.abs() >= *last)?;
+        Some(format!("sheared by a strain of {:.6}, at which its run ends", Number(last)))
     }
 
     fn cautions(&self) -> Vec<String> {

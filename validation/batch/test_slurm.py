@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -11,6 +12,7 @@ from support.program import PROGRAM
 from support.requeue import LAUNCHERS, end_state, requeued, uninterrupted
 from support.slurm import Slurm, is_installed
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 BENCH = [PROGRAM, "bench", "--particles", "20", "--repeats", "1", "--no-error"]
 
 
@@ -65,6 +67,18 @@ class Jobs(unittest.TestCase):
     def test_runs_side_by_side_are_alone_if_they_say_so(self):
         said = self.slurm.call("srun", "--mpi=none", "--ntasks=2", *BENCH, "--alone")
         self.assertEqual(ranks_and_threads(said), [(1, 1), (1, 1)], said)
+
+    def test_an_array_of_jobs_makes_the_parts_of_a_family(self):
+        scene, out, log = self.place / "family.toml", self.place / "family", self.place / "array.log"
+        text = (ROOT / "scenes" / "settling.toml").read_text()
+        scene.write_text(text + '\n[ensemble]\nseeds = 2\n[sweep]\n"species[0].count" = [20, 25, 30]\n')
+        sets = ["--set", "box.edges=[14.0, 14.0, 14.0]", "--set", "time.steps=5", "--set", "hydrodynamics.tolerance=1e-2"]
+        arguments = [ROOT / "scripts" / "batch" / "slurm.sh", scene, "--part", "{}/2", "--out", out, *sets]
+        job = self.slurm.submit("--array=1-2", "--ntasks=1", *arguments, log=log)
+        self.slurm.wait(lambda: not self.slurm.call("squeue", "-h", "-j", job, check=False), "the array does not end")
+        told = subprocess.run([PROGRAM, "info", out, "--json"], capture_output=True, text=True, check=True).stdout
+        states = [member["state"] for member in json.loads(told)["members"]]
+        self.assertEqual(states, ["finished"] * 6, log.read_text())
 
     def test_a_job_that_is_requeued_twice_ends_with_the_bits_of_one_that_is_not(self):
         uninterrupted(self.place / "whole")

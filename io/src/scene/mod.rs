@@ -25,7 +25,7 @@ pub use differences::Difference;
 pub(crate) use differences::differences_of;
 pub use error::SceneError;
 use error::{Explain, Fault};
-pub use family::{Family, Member, SceneFile};
+pub use family::{Convergence, Family, Member, SceneFile};
 pub use granular_disks::GranularDisksScene;
 pub use schema::scene_schema;
 pub use shear_cell::ShearCellScene;

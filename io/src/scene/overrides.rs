@@ -32,6 +32,14 @@ pub(super) fn key_of(item: &str) -> String {
     written
 }
 
+/// The value of a key, if there is one.
+pub(super) fn get<'a>(root: &'a Value, key: &str) -> Option<&'a Value> {
+    parts(key).ok()?.into_iter().try_fold(root, |place, part| match part {
+        Part::Key(name) => place.get(name),
+        Part::Item(index) => place.get(index),
+    })
+}
+
 /// `Err` for a key that is not written as `species[0].radius`.
 pub(super) fn check_key(key: &str) -> Result<(), String> {
     parts(key).map(drop)

@@ -78,6 +78,8 @@ pub struct Parameters {
     pub time_step: f64,
     /// The last step, up to which memory is planned.
     pub steps: u64,
+    /// The strain at which a run under a given stress ends, if that is before its last step.
+    pub last_strain: Option<f64>,
     /// How a step is taken.
     pub integrator: Integrator,
     /// What is averaged.
@@ -100,6 +102,7 @@ impl Parameters {
             species,
             start: Start::Random { minimum_gap: 0.0 },
             flow: Flow::None,
+            last_strain: None,
             protocol: Protocol::STEADY,
             repulsion: None,
             attraction: None,

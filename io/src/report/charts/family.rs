@@ -50,5 +50,6 @@ fn chart((family, place): (&Family, usize), table: &StoredTable, (quantity, rows
 fn name(family: &Family, place: usize, [point, species]: [&str; 2]) -> String {
     let member = family.members().iter().find(|member| member.point_name() == point);
     let others = member.map(|member| member.described_but(place)).unwrap_or_default();
+    let species = if species == "all" { "" } else { species };
     [species, &others].into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join(", ")
 }

@@ -1,6 +1,7 @@
 //! Families of runs: their folder, the state of each member, and the table of means over the seeds.
 
 mod answers;
+mod changes;
 mod folder;
 mod spread;
 mod state;
@@ -8,5 +9,6 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use changes::AnswerChange;
 pub use folder::FamilyFolder;
 pub use state::MemberState;

@@ -1,6 +1,7 @@
 //! The state of each member of a family, as its folder shows it.
 
 use super::FamilyFolder;
+use crate::manifest::SCENE;
 use crate::run::WholeScene;
 use crate::run::folder::is_locked;
 use crate::{Checkpoints, Member, Scene};
@@ -48,11 +49,16 @@ impl Display for MemberState {
     }
 }
 
+/// How the line begins by which a run says that it is finished.
+const FINISHED: &str = "finished";
+/// How lines begin that say how a run has ended.
+const ENDS: [&str; 3] = [FINISHED, "stopped", "error: "];
+
 impl FamilyFolder {
     /// The state of a member, whose scene this is.
     pub fn state(&self, member: &Member, scene: &Scene) -> MemberState {
         let folder = self.member(member);
-        if is_finished(&folder, scene) {
+        if self.is_finished(member, scene) {
             MemberState::Finished
         } else if self.is_running(member) {
             MemberState::Running
@@ -70,25 +76,33 @@ impl FamilyFolder {
 
     /// The error with which the last attempt at a member ended.
     pub fn error(&self, member: &Member) -> Option<String> {
+        self.last_said(member)?.strip_prefix("error: ").map(str::to_owned)
+    }
+
+    /// The line of a member's log that says how its last attempt has ended.
+    fn last_said(&self, member: &Member) -> Option<String> {
         let log = std::fs::read(self.log(member)).ok()?;
         let log = String::from_utf8_lossy(&log);
-        log.lines().next_back()?.strip_prefix("error: ").map(str::to_owned)
+        log.lines().rev().find(|line| ENDS.iter().any(|end| line.starts_with(end))).map(str::to_owned)
+    }
+
+    /// Whether a member has all results, at its last step or at an end that came before, as that of a jammed suspension.
+    fn is_finished(&self, member: &Member, scene: &Scene) -> bool {
+        let folder = self.member(member);
+        let Ok(kept) = Scene::read(&folder.join(SCENE), &[]) else { return false };
+        if !scene.is_of_run(&kept) {
+            return false;
+        }
+        if let Some(work) = WholeScene::of(scene) {
+            return work.is_finished(&folder);
+        }
+        let is_same_time = || scene.differences(&kept).iter().all(|difference| !difference.key.starts_with("time."));
+        let has_ended = || self.last_said(member).is_some_and(|line| line.starts_with(FINISHED));
+        last_step(&folder) >= Some(scene.kind().steps()) || has_ended() && is_same_time()
     }
 }
 
 /// The step of the last checkpoint in a folder.
 fn last_step(folder: &Path) -> Option<u64> {
     Checkpoints::of(folder).last_step().ok().flatten()
-}
-
-/// Whether a folder has all results of a scene.
-fn is_finished(folder: &Path, scene: &Scene) -> bool {
-    let kept = Scene::read(&folder.join(crate::manifest::SCENE), &[]);
-    if !kept.is_ok_and(|kept| scene.is_of_run(&kept)) {
-        return false;
-    }
-    match WholeScene::of(scene) {
-        Some(work) => work.is_finished(folder),
-        None => last_step(folder) >= Some(scene.kind().steps()),
-    }
 }

@@ -83,7 +83,7 @@ fn the_state_of_a_member_is_that_of_its_folder() {
     assert_eq!(state(), MemberState::Waiting);
     std::fs::write(folder.log(member), "step 1\nerror: it broke\n").unwrap();
     assert_eq!(state(), MemberState::Failed("it broke".to_owned()));
-    std::fs::write(folder.log(member), "error: it broke\nstep 2\n").unwrap();
+    std::fs::write(folder.log(member), "error: it broke\nstep 2\nstopped after step 3 of 4 by SIGTERM\n").unwrap();
     std::fs::write(folder.member(member).join("checkpoint-0000000003.bin"), "").unwrap();
     assert_eq!(state(), MemberState::Stopped(3));
     std::fs::write(folder.member(member).join("checkpoint-0000000004.bin"), "").unwrap();
@@ -91,6 +91,12 @@ fn the_state_of_a_member_is_that_of_its_folder() {
     assert_eq!(state(), MemberState::Finished);
     let longer = family.scene(member).unwrap().with("a longer run", &["time.steps=9".to_owned()]).unwrap();
     assert_eq!(folder.state(member, &longer), MemberState::Stopped(4));
+    std::fs::write(folder.log(member), "the suspension is jammed\nfinished after step 4; results in x\nviscosity 3\n")
+        .unwrap();
+    assert_eq!(folder.state(member, &longer), MemberState::Stopped(4), "another end");
+    std::fs::write(folder.member(member).join("scene.toml"), longer.text()).unwrap();
+    assert_eq!(folder.state(member, &longer), MemberState::Finished, "it ended before its last step");
+    std::fs::write(folder.member(member).join("scene.toml"), scene.text()).unwrap();
     let lock = std::fs::File::create(folder.member(member).join(".lock")).unwrap();
     lock.lock().unwrap();
     assert_eq!(folder.state(member, &longer), MemberState::Running);

@@ -1,5 +1,6 @@
 //! Families: scenes that stand for many runs, one for each seed of `[ensemble]` at each point of `[sweep]`.
 
+mod convergence;
 mod lists;
 mod member;
 #[cfg(test)]
@@ -8,6 +9,7 @@ mod tests;
 use super::error::{Explain, Fault};
 use super::{KINDS, Scene, SceneError, kept_paths, overrides, text_size};
 use crate::document::{Node, excerpt};
+pub use convergence::Convergence;
 use lists::Lists;
 pub use member::Member;
 use std::path::{Path, PathBuf};

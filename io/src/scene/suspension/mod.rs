@@ -2,12 +2,14 @@
 
 mod attraction;
 mod cell;
+mod duration;
 mod flow;
 mod names;
 mod raw;
 mod species;
 mod tethers;
 
+use super::checks::positive;
 use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
 use crate::StartSource;
@@ -45,14 +47,15 @@ impl SuspensionScene {
         let (cell, turn) = cell::cell(&raw)?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, room(&raw, &cell))?;
-        let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
+        let shears = cell.boundaries() == Boundaries::Periodic;
+        let time_step = positive("time.step", raw.time.step)?;
+        let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time_step), shears)?;
+        let (time, last_strain) = duration::time(&raw.time, &flow, &protocol)?;
         check_contacts(&raw)?;
         let output = output(raw.output, time.steps);
         output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
         let (start, source) = start(&raw.particles, folder)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
-        let shears = cell.boundaries() == Boundaries::Periodic;
-        let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time.step), shears)?;
         let traps = tethers::traps(&raw.traps, &species)?;
         let parameters = Parameters {
             seed: raw.seed,
@@ -73,6 +76,7 @@ impl SuspensionScene {
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
             steps: time.steps,
+            last_strain,
             integrator: integrator(&raw.time, usual_integrator, raw.contacts.is_some())?,
             statistics: raw.statistics.as_ref().map(statistics),
             fields: output.fields != Schedule::NEVER,

@@ -404,10 +404,13 @@ names! { BrownianScheme for suspension::BrownianScheme: Midpoint TwoEvaluations 
 pub(super) struct Time {
     /// Time step.
     pub(super) step: f64,
-    /// How many steps; or duration.
+    /// How many steps; or duration, or strain.
     pub(super) steps: Option<u64>,
-    /// Time at the end; or steps.
+    /// Time at the end; or steps, or strain.
     pub(super) duration: Option<f64>,
+    /// Strain at the end, of flows of given rates; or steps, or duration. Under a given stress the run ends at this strain, or after
+    /// the duration or steps that are set besides.
+    pub(super) strain: Option<f64>,
     /// Steps all alike, or each in as many parts as needed; "implicit" takes short-range forces at the end of a part, so that
     /// their stiffness does not limit it, and is the default with contacts; "brownian" is that with heat.
     pub(super) integrator: Option<Integrator>,
