@@ -3,6 +3,7 @@
 Mobility    the mobility of spheres at given positions, planned once
 Scene       what to compute, as in a scene file
 Simulation  a scene that is run, with callbacks and forces of one's own
+run_family  many runs: seeds and values of keys, and the means over the seeds
 open        the results of a run, for pandas and xarray
 report      a page about a run; show, the same in a notebook
 """
@@ -15,6 +16,7 @@ os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 from ._core import __version__  # noqa: E402
 from ._errors import Caution, Error, InputError  # noqa: E402
 from .answers import Answer, Answers  # noqa: E402
+from .families import run_family  # noqa: E402
 from .mobility import Drift, Mobility, Motion, Noise, Plan  # noqa: E402
 from .pages import report, show  # noqa: E402
 from .results import Run, open  # noqa: A004, E402
@@ -38,5 +40,6 @@ __all__ = [
     "__version__",
     "open",
     "report",
+    "run_family",
     "show",
 ]

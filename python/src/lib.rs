@@ -7,6 +7,7 @@ mod arrays;
 mod communicator;
 mod confined;
 mod error;
+mod family;
 mod mobility;
 mod own_loads;
 mod report;
@@ -32,6 +33,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scene::template, module)?)?;
     module.add_function(wrap_pyfunction!(scene::read, module)?)?;
     module.add_function(wrap_pyfunction!(scene::check, module)?)?;
+    module.add_function(wrap_pyfunction!(family::claim_family, module)?)?;
+    module.add_function(wrap_pyfunction!(family::write_family, module)?)?;
     module.add_function(wrap_pyfunction!(report::write_report, module)?)?;
     module.add_function(wrap_pyfunction!(whole_scene::carry_out, module)?)
 }

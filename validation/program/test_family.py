@@ -5,11 +5,12 @@ import json
 import os
 import pathlib
 import signal
+import subprocess
 import tempfile
 import time
 import unittest
 
-from program import run, start
+from program import PROGRAM, run, start
 from small_run import wait_for
 
 SCENE = """
@@ -199,6 +200,48 @@ class Families(unittest.TestCase):
         said = run(["check", self.scene(FAMILY.replace("0.05, 0.1", "0.05, 0.9"))], expect=1)
         self.assertIn("point-0002", said)
         self.assertIn("species[0].volume_fraction is 0.9", said)
+
+    def test_converge_says_what_changes_an_answer(self):
+        scene = self.scene(SCENE, steps=2)
+        words = ["converge", scene, "--of", "viscosity", "--seeds", 2, "--out", self.out]
+        # Whatever the answers of such short runs are, these are in their place below.
+        subprocess.run([PROGRAM, *map(str, words)], capture_output=True, timeout=120)
+        self.assertEqual(set(states(self.out).values()), {"finished"})
+        columns = "quantity,species,value,error,samples,transient,verdict,longer,unit\n"
+        for point, values in enumerate(((2.0, 2.2), (2.01, 2.22), (3.0, 3.2), (2.0, 2.2)), 1):
+            for seed, value in zip((4, 5), values):
+                summary = self.out / f"point-{point:04}" / f"seed-{seed:04}" / "summary.csv"
+                summary.write_text(f"{columns}relative_viscosity,all,{value},0.1,9.0,0.0,converged,,\n")
+        said = run(words)
+        self.assertIn("left out   the stiffness: the scene has neither contacts nor repulsion", said)
+        self.assertIn("8 finished before", said)
+        self.assertRegex(said, r"relative_viscosity\nas it is +2\.1 \+- 0\.18  \(2 seeds\)\nhalf the step ")
+        self.assertRegex(said, r"half the step +2\.115 \+- \S+  changed by 0\.015 \+- 0\.0092: within two errors")
+        self.assertRegex(said, r"twice the edges +3\.1 \+- \S+  changed by 1 \+- \S+: matters")
+        answer = json.loads(subprocess.run([PROGRAM, *map(str, words), "--json"], capture_output=True, text=True).stdout)
+        self.assertEqual([row["matters"] for row in answer["runs"]], [False, False, True, False])
+        said = run(["converge", scene, "--of", "colour", "--seeds", 2, "--out", self.out], expect=1)
+        self.assertIn("--of colour: no answer of the runs has that name; there are relative_viscosity", said)
+        # The larger box has eight times the spheres.
+        larger = json.loads(run(["info", self.out, "--json"]))["members"][4]["values"]
+        self.assertIn("box.edges = [18.0, 18.0, 18.0]", larger)
+
+    def test_a_run_ends_at_a_strain(self):
+        scene = self.scene(SCENE.replace("steps = {steps}", "strain = 0.2").replace("rate = 1.0", "rate = 2.0"))
+        run(["run", scene, "--out", self.out])
+        self.assertEqual(len(series(self.out)), 6)
+        driven = SCENE.replace("rate = 1.0", 'control = "stress"\nstress = 1.3').replace("tolerance", "lubrication = true\ntolerance")
+        scene = self.scene(driven.replace("steps = {steps}", "strain = 0.1\nduration = 4.0"))
+        out = self.place / "driven"
+        said = run(["run", scene, "--out", out])
+        self.assertRegex(said, r"the suspension is sheared by a strain of 0\.1, at which its run ends\nfinished after step [4-9];")
+        again = run(["run", scene, "--out", out, "--continue"])
+        self.assertIn("finished after step", again)
+        family = self.place / "family.toml"
+        family.write_text(scene.read_text() + "[ensemble]\nseeds = 2\n")
+        run(["run", family, "--out", self.place / "ended"])
+        self.assertEqual(set(states(self.place / "ended").values()), {"finished"})
+        self.assertIn("2 finished before", run(["resume", self.place / "ended"]))
 
     def test_every_kind_of_scene_has_families(self):
         cases = {

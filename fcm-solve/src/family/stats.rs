@@ -23,8 +23,11 @@ pub fn stats(path: &Path, as_json: bool) -> anyhow::Result<String> {
         let [point, values, quantity, species, verdicts, unit] = &words[..] else { continue };
         let [.., mean, error, seeds, _, claimed, _] = numbers[..] else { continue };
         let [mean, error, claimed] = [mean, error, claimed].map(Number);
-        let of =
-            [values.as_str(), species].into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join(", ");
+        let of = [values.as_str(), species]
+            .into_iter()
+            .filter(|words| !["", "all"].contains(words))
+            .collect::<Vec<_>>()
+            .join(", ");
         let about = format!("{seeds} seeds, of which each claims {claimed:.2}; {verdicts}");
         writeln!(text, "{point} {of}: {quantity} {mean:.5} +- {error:.2} {unit} ({about})").expect("text grows");
     }

@@ -3,6 +3,7 @@
 mod convergence;
 mod lists;
 mod member;
+mod swept_paths;
 #[cfg(test)]
 mod tests;
 
@@ -104,6 +105,7 @@ impl Family {
         };
         let folder = Path::new(name).parent().unwrap_or(Path::new("")).to_owned();
         let text = kept_paths::with_absolute_paths(&text, &folder).unwrap_or(text);
+        let text = swept_paths::with_absolute_paths(text, &folder);
         let lists = Lists::read(&text).map_err(|fault| explain.fault(&fault))?;
         let mut family = Self { text, name: name.to_owned(), folder, keys: lists.keys.clone(), members: Vec::new() };
         family.members = family.members_of(lists, &explain)?;
