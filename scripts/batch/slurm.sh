@@ -23,6 +23,9 @@ if [ $# = 0 ]; then
     exit 2
 fi
 launch=${LAUNCH:-srun --mpi=pmix}
+# One job of an array: the number of the last of them is that of the whole array too.
+job=$SLURM_JOB_ID
+if [ -n "${SLURM_ARRAY_TASK_ID:-}" ]; then job=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID; fi
 arguments=("${@//\{\}/${SLURM_ARRAY_TASK_ID:-}}")
 # Steps of newer Slurms do not take this over from the job.
 export SRUN_CPUS_PER_TASK=${SLURM_CPUS_PER_TASK:-1}
@@ -33,7 +36,7 @@ rm -f "$steps"
 
 date
 # shellcheck disable=SC2086
-$launch "${FCM_SOLVE:-fcm-solve}" run "${arguments[@]}" --continue --walltime "$(squeue -h -j "$SLURM_JOB_ID" -o %L)" \
+$launch "${FCM_SOLVE:-fcm-solve}" run "${arguments[@]}" --continue --walltime "$(squeue -h -j "$job" -o %L)" \
     --steps-taken "$steps" &
 run=$!
 # Open MPI's mpirun gives its ranks a second after SIGTERM, which may be too short for a checkpoint; SIGUSR1 it passes on.
@@ -56,6 +59,6 @@ if [ $code = 75 ] && [ -z "$cancelled" ]; then
     fi
     echo $count > "$vain"
     echo "back into the queue, time $((${SLURM_RESTART_COUNT:-0} + 1))"
-    scontrol requeue "$SLURM_JOB_ID"
+    scontrol requeue "$job"
 fi
 exit $code

@@ -14,12 +14,15 @@ pub(super) fn with_absolute_paths(text: String, folder: &Path) -> String {
 /// Whether anything was changed.
 fn make_absolute(value: &mut Value, key: &str, folder: &Path) -> bool {
     match value {
-        Value::Table(table) => table.iter_mut().fold(false, |changed, (name, inner)| {
-            let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
-            make_absolute(inner, &key, folder) || changed
-        }),
+        Value::Table(table) => {
+            let changed = table.iter_mut().map(|(name, inner)| {
+                let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+                make_absolute(inner, &key, folder)
+            });
+            changed.filter(|changed| *changed).count() > 0
+        }
         Value::Array(items) => {
-            items.iter_mut().fold(false, |changed, item| make_absolute(item, key, folder) || changed)
+            items.iter_mut().map(|item| make_absolute(item, key, folder)).filter(|changed| *changed).count() > 0
         }
         Value::String(path) if key == "particles.path" => {
             let absolute = std::fs::canonicalize(folder.join(&*path)).ok();
