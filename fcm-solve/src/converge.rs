@@ -92,17 +92,15 @@ fn quantity(name: &str, known: &BTreeSet<(String, String)>) -> anyhow::Result<(S
         return Ok(found.clone());
     }
     let like: Vec<&(String, String)> = known.iter().filter(|of| full(of).contains(name)).collect();
-    match like[..] {
-        [found] => Ok(found.clone()),
-        _ => {
-            let all: Vec<String> = known.iter().map(full).collect();
-            let which = if like.is_empty() { "no answer of the runs" } else { "more than one answer of the runs" };
-            bail!(
-                "--of {name}: {which} has that name; there are {}",
-                if all.is_empty() { "none".to_owned() } else { all.join(", ") }
-            )
-        }
+    if let [found] = like[..] {
+        return Ok(found.clone());
     }
+    let which = if like.is_empty() { "no answer of the runs has" } else { "more than one answer of the runs has" };
+    let all: Vec<String> = known.iter().map(full).collect();
+    bail!(
+        "--of {name}: {which} that name; there are {}",
+        if all.is_empty() { "none".to_owned() } else { all.join(", ") }
+    )
 }
 
 fn words(quantity: &str, species: &str, rows: &[(&str, Option<AnswerChange>)]) -> String {

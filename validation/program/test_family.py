@@ -164,6 +164,11 @@ class Families(unittest.TestCase):
         said = run(["check", scene], expect=1)
         self.assertIn("point-0002/seed-0004 (particles.minimum_gap = 3.0): can't place the spheres", said)
 
+    def test_ranks_are_refused(self):
+        said = run(["run", self.scene(), "--out", self.out], ranks=2, expect=1)
+        self.assertIn("without mpirun", said)
+        self.assertFalse(self.out.exists())
+
     def test_a_member_that_is_killed_is_named(self):
         process = start(["run", self.scene(steps=400), "--out", self.out, "--threads", 1])
         wait_for(lambda: list(self.out.glob("point-*/seed-*/checkpoint-*.bin")), process)

@@ -28,8 +28,10 @@ pub fn stats(path: &Path, as_json: bool) -> anyhow::Result<String> {
             .filter(|words| !["", "all"].contains(words))
             .collect::<Vec<_>>()
             .join(", ");
-        let about = format!("{seeds} seeds, of which each claims {claimed:.2}; {verdicts}");
-        writeln!(text, "{point} {of}: {quantity} {mean:.5} +- {error:.2} {unit} ({about})").expect("text grows");
+        let about =
+            if seeds > 1.0 { format!("{seeds} seeds, of which each claims {claimed:.2}; ") } else { String::new() };
+        writeln!(text, "{point} {of}: {quantity} {mean:.5} +- {error:.2} {unit} ({about}{verdicts})")
+            .expect("text grows");
     }
     writeln!(text, "table      {}", path.join("family.csv").display()).expect("text grows");
     Ok(text)
