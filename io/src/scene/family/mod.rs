@@ -56,17 +56,20 @@ impl SceneFile {
 
     /// The same of a text, as [`Scene::parse`] does.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        let is_family = sections(text) || overrides.iter().any(|set| is_of_family(&overrides::key_of(set)));
-        if !is_family {
-            return Ok(Self::Scene(Box::new(Scene::parse(text, name, overrides)?)));
+        let may_become_one = overrides.iter().any(|set| is_of_family(&overrides::key_of(set)));
+        let changed = if may_become_one { overrides::apply(text, overrides, &[]).ok() } else { None };
+        if sections(changed.as_deref().unwrap_or(text)) {
+            return Family::parse(text, name, overrides).map(Self::Family);
         }
-        Family::parse(text, name, overrides).map(Self::Family)
+        Ok(Self::Scene(Box::new(Scene::parse(text, name, overrides)?)))
     }
 }
 
 /// Whether a text has a section of families.
 fn sections(text: &str) -> bool {
-    toml::from_str::<Table>(text).is_ok_and(|table| is_family(&table))
+    // Long texts without either word are not read twice.
+    let may_be = SECTIONS.iter().any(|section| text.contains(section));
+    may_be && toml::from_str::<Table>(text).is_ok_and(|table| is_family(&table))
 }
 
 fn is_family(table: &Table) -> bool {

@@ -124,3 +124,17 @@ fn scenes_without_random_numbers_have_no_seeds() {
     let error = SceneFile::parse(&format!("{text}\n[ensemble]\nseeds = 2\n"), "c.toml", &[]).unwrap_err().to_string();
     assert!(error.contains("ensemble goes with scenes that have random numbers"), "{error}");
 }
+
+#[test]
+fn a_sweep_of_disks_is_one_scene_whatever_is_set() {
+    let text = crate::Template::named("disk-sweep").unwrap().text;
+    for sets in [vec![], vec!["sweep.seeds=[1, 2, 3]".to_owned()], vec!["sweep.rates=[0.01]".to_owned()]] {
+        let Ok(SceneFile::Scene(_)) = SceneFile::parse(text, "d.toml", &sets) else { panic!("{sets:?}") };
+    }
+    let ensemble = ["ensemble.seeds=2".to_owned()];
+    let error = SceneFile::parse(text, "d.toml", &ensemble).unwrap_err().to_string();
+    assert!(error.contains("sweep.\"seeds\" is"), "{error}");
+    let disks = crate::Template::named("granular-disks").unwrap().text;
+    let Ok(SceneFile::Family(family)) = SceneFile::parse(disks, "d.toml", &ensemble) else { panic!("a family") };
+    assert_eq!(family.members().len(), 2);
+}
