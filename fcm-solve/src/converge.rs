@@ -47,7 +47,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let scene = read(&args.scene, &args.overrides, comm)?;
     let wanted = Convergence::of(&scene, args.seeds)?;
     for what in &wanted.left_out {
-        streams::log(format_args!("left out   {what}"));
+        streams::log(format_args!("left out: {what}"));
     }
     let path = args.folder();
     let signals = Signals::watch(comm, args.command(&path), &args.stops)?;

@@ -218,7 +218,7 @@ class Families(unittest.TestCase):
                 summary = self.out / f"point-{point:04}" / f"seed-{seed:04}" / "summary.csv"
                 summary.write_text(f"{columns}relative_viscosity,all,{value},0.1,9.0,0.0,converged,,\n")
         said = run(words)
-        self.assertIn("left out   the stiffness: the scene has neither contacts nor repulsion", said)
+        self.assertIn("left out: the stiffness: the scene has neither contacts nor repulsion", said)
         self.assertIn("8 finished before", said)
         self.assertRegex(said, r"relative_viscosity\nas it is +2\.1 \+- 0\.18  \(2 seeds\)\nhalf the step ")
         self.assertRegex(said, r"half the step +2\.115 \+- \S+  changed by 0\.015 \+- 0\.0092: within two errors")
