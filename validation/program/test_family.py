@@ -239,7 +239,8 @@ class Families(unittest.TestCase):
         scene = self.scene(driven.replace("steps = {steps}", "strain = 0.1\nduration = 4.0"))
         out = self.place / "driven"
         said = run(["run", scene, "--out", out])
-        self.assertRegex(said, r"the suspension is sheared by a strain of 0\.1, at which its run ends\nfinished after step [4-9];")
+        self.assertIn("the suspension is sheared by a strain of 0.1, at which its run ends", said)
+        self.assertRegex(said, r"finished after step [4-9];")
         again = run(["run", scene, "--out", out, "--continue"])
         self.assertIn("finished after step", again)
         family = self.place / "family.toml"
