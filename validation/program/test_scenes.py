@@ -33,7 +33,7 @@ SMALLER = {
     "granular-disks": {"time.strain": 1.0},
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},
-    "family": {"time.duration": 0.1},
+    "family": {"time.strain": 0.05},
     "shear-cell": {"time.steps": 3, "time.settle": 0},
 }
 # Scenes of grains and families run in one process.

@@ -22,6 +22,7 @@ pub fn stats(path: &Path, as_json: bool) -> anyhow::Result<String> {
     for (words, numbers) in &table.rows {
         let [point, values, quantity, species, verdicts, unit] = &words[..] else { continue };
         let [.., mean, error, seeds, _, claimed, _] = numbers[..] else { continue };
+        let has_value = mean.is_finite();
         let [mean, error, claimed] = [mean, error, claimed].map(Number);
         let of = [values.as_str(), species]
             .into_iter()
@@ -30,8 +31,8 @@ pub fn stats(path: &Path, as_json: bool) -> anyhow::Result<String> {
             .join(", ");
         let about =
             if seeds > 1.0 { format!("{seeds} seeds, of which each claims {claimed:.2}; ") } else { String::new() };
-        writeln!(text, "{point} {of}: {quantity} {mean:.5} +- {error:.2} {unit} ({about}{verdicts})")
-            .expect("text grows");
+        let value = if has_value { format!("{mean:.5} +- {error:.2} {unit}") } else { "has no value".to_owned() };
+        writeln!(text, "{point} {of}: {quantity} {value} ({about}{verdicts})").expect("text grows");
     }
     writeln!(text, "table      {}", path.join("family.csv").display()).expect("text grows");
     Ok(text)
