@@ -65,6 +65,9 @@ impl Precision {
 /// Effective samples without which a mean has no meaning, and without which a run is too short.
 const MEANINGFUL: f64 = 2.0;
 const ENOUGH: f64 = 10.0;
+/// The square of an error grows by this over the effective samples: by so much the means of short series vary more than
+/// their cosines show, from slower fluctuations.
+const UNSEEN: f64 = 5.0;
 /// The probability of a trend by chance below which it is none.
 const CHANCE: f64 = 0.01;
 /// Variations of this part of a value are round-off.
@@ -80,6 +83,7 @@ impl SteadyMean {
         let (value, error, variance) = (steady.mean(), error_of(&steady), steady.variance());
         let count = steady.len() as f64;
         let samples = if error > 0.0 { (variance / (error * error) + 1.0).min(count) } else { count };
+        let error = error * (1.0 + UNSEEN / samples).sqrt();
         let is_unknown = precision.is_positive && value <= error && error > 0.0;
         if samples < MEANINGFUL || is_unknown || !value.is_finite() || !error.is_finite() {
             return Self::meaningless(&steady);
