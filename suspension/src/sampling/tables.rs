@@ -298,7 +298,8 @@ mod tests {
     #[test]
     fn diffusivities_that_may_be_none_have_no_value() {
         let of = |mean, error| known(Estimate { mean, error, converged: true });
-        for unknown in [of(-0.008, 0.034), of(-0.17, 0.01), of(0.03, 0.034), of(0.35, f64::INFINITY), of(f64::NAN, 0.1)] {
+        for unknown in [of(-0.008, 0.034), of(-0.17, 0.01), of(0.03, 0.034), of(0.35, f64::INFINITY), of(f64::NAN, 0.1)]
+        {
             assert!(unknown.mean.is_nan() && unknown.error.is_nan() && !unknown.converged);
         }
         assert_eq!(of(0.35, 0.03), Estimate { mean: 0.35, error: 0.03, converged: true });
