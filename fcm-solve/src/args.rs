@@ -24,7 +24,7 @@ pub struct Args {
     /// Run as one rank, whatever launcher started this process: for many runs side by side under srun
     #[arg(long, global = true)]
     pub alone: bool,
-    /// Log warnings and errors only: no plan, no progress
+    /// Log warnings, answers and errors only: no plan, no progress
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }

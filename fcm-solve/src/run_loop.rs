@@ -54,7 +54,7 @@ pub fn run_to_end(
         progress.say(&format!("the suspension is {why}"));
     }
     if !answers.is_empty() {
-        progress.inform(answers.trim_end());
+        progress.say(answers.trim_end());
     }
     progress.inform(&format!(
         "finished after step {}; results in {}",

@@ -52,8 +52,10 @@ fn value_of(text: &str) -> Value {
 }
 
 fn set(root: &mut Value, key: &str, value: Value) -> Result<(), String> {
+    let is_stress = get(root, "flow.control").and_then(Value::as_str) == Some("stress");
     if let (Some(end), Some(time)) = (key.strip_prefix("time."), root.get_mut("time").and_then(Value::as_table_mut)) {
-        let replaced = ENDS.iter().filter(|other| ENDS.contains(&end) && **other != end);
+        let go_together = |other: &str| is_stress && [end, other].iter().all(|end| ENDS[1..].contains(end));
+        let replaced = ENDS.iter().filter(|other| ENDS.contains(&end) && **other != end && !go_together(other));
         replaced.for_each(|other| drop(time.remove(*other)));
     }
     let mut place = root;
@@ -116,7 +118,8 @@ fn parts(key: &str) -> Result<Vec<Part<'_>>, String> {
     Ok(parts)
 }
 
-/// Ways to say when a run ends: one takes the place of another.
+/// Ways to say when a run ends: one takes the place of another, but a strain and the longest duration that it may take under a
+/// stress.
 const ENDS: [&str; 3] = ["steps", "duration", "strain"];
 
 #[cfg(test)]
@@ -137,6 +140,13 @@ mod tests {
         assert_eq!(with("hydrodynamics.method=direct").unwrap()["hydrodynamics"]["method"].as_str(), Some("direct"));
         let ended = apply("[time]\nduration = 2.0\n", &["time.steps=3".to_owned()], &[]).unwrap();
         assert_eq!(ended.trim(), "[time]\nsteps = 3");
+        let sets = ["time.strain=2", "time.duration=9.0"].map(str::to_owned);
+        let ended = |text: &str, sets: &[String]| apply(text, sets, &[]).unwrap().trim().to_owned();
+        assert_eq!(ended("[time]\nsteps = 5\n", &sets), "[time]\nduration = 9.0");
+        let stress = "[flow]\ncontrol = \"stress\"\n\n[time]\n";
+        assert_eq!(ended(&format!("{stress}steps = 5\n"), &sets), format!("{stress}duration = 9.0\nstrain = 2"));
+        let steps = ended(&format!("{stress}duration = 9.0\nstrain = 2"), &["time.steps=3".to_owned()]);
+        assert_eq!(steps, format!("{stress}steps = 3"));
         assert_eq!(with("title=two words").unwrap()["title"].as_str(), Some("two words"));
     }
 
