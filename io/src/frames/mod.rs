@@ -24,6 +24,7 @@ use crate::{FileError, atomic_file, atomic_hdf5};
 pub(crate) use element::{Added, Element, Values, group, one_of};
 use hdf5::File;
 use open::Open;
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 pub use sums::Damage;
 pub(crate) use sums::Sums;
@@ -141,8 +142,21 @@ impl Frames {
             let frames = self.steps_written()?.len();
             *self = self.larger(kind, frames).inspect_err(|_| self.abandon())?;
         }
-        self.attempt(|open, file| open.append(clock, values, file))?;
+        let sums = self.attempt(|open, _| open.write(clock, values))?;
+        // Now a file that was cut meanwhile is still shorter, or has lost its beginning.
+        self.file.check().and_then(|()| self.check_start()).inspect_err(|_| self.abandon())?;
+        self.attempt(|open, file| open.publish(clock.0, &sums, file))?;
         self.file.note_growth()
+    }
+
+    /// `Err` if the header of the root group is not there any more, which begins the second page of the file.
+    fn check_start(&self) -> Result<(), FileError> {
+        let mut header = [0; 4];
+        let read = self.file.file().read_exact_at(&mut header, open::PAGE);
+        if read.is_ok() && header == *b"OHDR" {
+            return Ok(());
+        }
+        Err(FileError::Lost { path: self.path.clone(), what: "was cut or overwritten".to_owned() })
     }
 
     /// Writes something else into the file.

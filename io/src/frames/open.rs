@@ -87,26 +87,30 @@ impl Open {
         Ok((keep, damage))
     }
 
-    /// Adds a frame with its checksums. `on_disk` is another handle of the file.
-    pub(super) fn append(&self, clock: (u64, f64), values: &[Added], on_disk: &std::fs::File) -> hdf5::Result<()> {
+    /// Writes the values of a frame after the last one; returns their checksums.
+    pub(super) fn write(&self, clock: (u64, f64), values: &[Added]) -> hdf5::Result<Vec<u64>> {
+        assert_eq!(values.len(), self.stored.len(), "a value for each element");
         let frame = self.steps.size();
-        self.write(frame, clock, values, None)?;
+        let mut sums = vec![Sums::of_clock(clock)];
+        for (stored, value) in self.stored.iter().zip(values) {
+            sums.push(stored.write(frame, value)?);
+        }
+        write_number(&self.times, frame, clock.1)?;
+        Ok(sums)
+    }
+
+    /// Makes a frame that is written one of the file, of which `on_disk` is another handle.
+    pub(super) fn publish(&self, step: u64, sums: &[u64], on_disk: &std::fs::File) -> hdf5::Result<()> {
+        let frame = self.steps.size();
+        self.write_sums(frame, sums)?;
         end_of_file::extend_to(on_disk, self.file.size()).map_err(|e| hdf5::Error::from(e.to_string()))?;
         self.file.flush()?;
-        write_number(&self.steps, frame, clock.0 as i64)?;
+        write_number(&self.steps, frame, step as i64)?;
         self.file.flush()
     }
 
-    /// Writes a frame but for its step, with checksums that it has already or with its own.
-    fn write(&self, frame: usize, clock: (u64, f64), values: &[Added], sums: Option<Vec<u64>>) -> hdf5::Result<()> {
-        assert_eq!(values.len(), self.stored.len(), "a value for each element");
-        let mut found = vec![Sums::of_clock(clock)];
-        for (stored, value) in self.stored.iter().zip(values) {
-            found.push(stored.write(frame, value)?);
-        }
-        write_number(&self.times, frame, clock.1)?;
-        let Some(stored) = &self.sums else { return Ok(()) };
-        stored.write(frame, &sums.unwrap_or(found))
+    fn write_sums(&self, frame: usize, sums: &[u64]) -> hdf5::Result<()> {
+        self.sums.as_ref().map_or(Ok(()), |stored| stored.write(frame, sums))
     }
 
     /// Step, time and values of a frame.
@@ -143,11 +147,11 @@ impl Open {
     pub(super) fn copy_to(&self, new: &Self, frames: usize) -> hdf5::Result<()> {
         for frame in 0..frames {
             let clock = (one::<i64>(&self.steps, frame)?, one(&self.times, frame)?);
-            let clock = (clock.0 as u64, clock.1);
             let values: Vec<Added> = self.stored.iter().map(|stored| stored.blocks(frame)).collect();
-            let sums = self.sums.as_ref().map(|sums| sums.read(frame)).transpose()?;
-            new.write(frame, clock, &values, sums)?;
-            write_number(&new.steps, frame, clock.0 as i64)?;
+            let now = new.write((clock.0 as u64, clock.1), &values)?;
+            let former = self.sums.as_ref().map(|sums| sums.read(frame)).transpose()?;
+            new.write_sums(frame, &former.unwrap_or(now))?;
+            write_number(&new.steps, frame, clock.0)?;
         }
         new.file.flush()
     }
