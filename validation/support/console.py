@@ -9,8 +9,7 @@ from .program import PROGRAM
 
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-# A command may be followed by this, and only its last lines are shown then.
-TAIL = re.compile(r" \| tail -n (\d+)$")
+VERDICT = re.compile(r"\+-|(?<= )-(?= )|converged|still drifting|too short for any value|too short: +times longer|, s$|, +s$")
 
 
 def commands(block):
@@ -47,5 +46,6 @@ def run_page(text, folder):
 
 
 def without_numbers(text):
-    """A text in which numbers, bars of progress and widths of columns may differ."""
-    return [re.sub(r"\s+", " ", NUMBER.sub("0", line)).strip() for line in text.splitlines()]
+    """The lines of a text without what another machine may find otherwise: numbers, verdicts, warnings and parentheses."""
+    kept = [line for line in text.splitlines() if not line.startswith(("warning: ", "step "))]
+    return [" ".join(VERDICT.sub(" ", NUMBER.sub(" ", re.sub(r"\(.*\)", "", line))).split()) for line in kept]
