@@ -29,7 +29,7 @@ def test_every_member_is_run_once(tmp_path):
     alone = {key: value for key, value in FAMILY.items() if key not in ("ensemble", "sweep")}
     with fcm.Simulation(fcm.Scene.from_dict(alone | {"seed": 4}), out=tmp_path / "alone") as simulation:
         simulation.run()
-    [one, other] = [fcm.open(folder).observables["relative_viscosity"] for folder in (tmp_path / "alone", out / MEMBERS[3])]
+    [one, other] = [fcm.open(folder).observables.to_pandas()["relative_viscosity"] for folder in (tmp_path / "alone", out / MEMBERS[3])]
     assert list(one) == list(other)
 
 
