@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Which scene, and which of its answers.
+/// The scene, the quantity, and the runs to make.
 #[derive(clap::Args)]
 pub struct Args {
     /// The scene file

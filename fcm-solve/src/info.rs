@@ -36,7 +36,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What there is to say of a file or a folder.
+/// The description of a file or a folder, and its damage.
 #[derive(Default)]
 struct Described {
     text: String,

@@ -279,7 +279,7 @@ impl Problem {
         self.lengths(window, self.overlap(candidate.width))
     }
 
-    /// How far apart common Gaussians do not overlap: the cutoff, but of forces alone, which may have none.
+    /// The distance from which common Gaussians do not overlap: the cutoff, except for forces alone, which may have none.
     fn overlap(&self, width: f64) -> f64 {
         let brackets = self.brackets(width, self.stretch());
         width * accuracy::cutoff(Multipoles::Dipole, self.tolerance * self.leeway(), brackets)

@@ -22,7 +22,7 @@ pub struct Running<'a> {
     steps_taken: PathBuf,
 }
 
-/// What a process is started with.
+/// The setting in which processes of members are started.
 pub struct Launch<'a> {
     pub family: &'a Family,
     pub folder: &'a FamilyFolder,

@@ -58,7 +58,7 @@ pub fn run(work: &Work, (path, former): (&Path, ExistingRun), signals: &Signals)
     end(&pool, &folder, (members.len(), signals))
 }
 
-/// What there is to do.
+/// A line on the members to make.
 fn described(work: &Work, (all, missing): (usize, usize), at_once: usize) -> String {
     let Work { family, part, .. } = work;
     let points = family.points().count();

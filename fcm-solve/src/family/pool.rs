@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 const PAUSE: Duration = Duration::from_millis(3);
 /// The table is written so many times less often than it takes to write.
 const RARELY: u32 = 50;
-/// How long a member that another program is working on is waited for, once nothing else is left to start.
+/// The longest wait for a member that another program is working on, once nothing else is left to start.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Time with which it is worth to start a member.
 const LEAST_TIME: Duration = Duration::from_secs(2);
@@ -142,7 +142,7 @@ impl<'a> Pool<'a> {
         }
     }
 
-    /// Which failed, and why.
+    /// The members that failed, with reasons.
     pub fn failures(&self) -> &[String] {
         &self.failures
     }

@@ -11,7 +11,7 @@ use named::is_option;
 pub use numbers::{of_hdf5, of_table, of_text};
 use std::os::unix::process::ExitStatusExt;
 
-/// How a process ended that did nothing wrong.
+/// The end of a process that did nothing wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// It did what it was asked to.
