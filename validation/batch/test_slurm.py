@@ -31,6 +31,7 @@ class Jobs(unittest.TestCase):
         cls.place = pathlib.Path(place.name)
         (cls.place / "slurm").mkdir()
         cls.slurm = Slurm(cls.place / "slurm")
+        cls.slurm.environment["FCM_SOLVE"] = PROGRAM
         cls.addClassCleanup(cls.slurm.stop)
         cls.slurm.start()
 
@@ -76,8 +77,9 @@ class Jobs(unittest.TestCase):
         arguments = [ROOT / "scripts" / "batch" / "slurm.sh", scene, "--part", "{}/2", "--out", out, *sets]
         job = self.slurm.submit("--array=1-2", "--ntasks=1", *arguments, log=log)
         self.slurm.wait(lambda: not self.slurm.call("squeue", "-h", "-j", job, check=False), "the array does not end")
-        told = subprocess.run([PROGRAM, "info", out, "--json"], capture_output=True, text=True, check=True).stdout
-        states = [member["state"] for member in json.loads(told)["members"]]
+        told = subprocess.run([PROGRAM, "info", out, "--json"], capture_output=True, text=True)
+        self.assertEqual(told.returncode, 0, told.stderr + log.read_text())
+        states = [member["state"] for member in json.loads(told.stdout)["members"]]
         self.assertEqual(states, ["finished"] * 6, log.read_text())
 
     def test_a_job_that_is_requeued_twice_ends_with_the_bits_of_one_that_is_not(self):
