@@ -3,6 +3,7 @@
 import contextlib
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -12,12 +13,15 @@ import time
 OUT, VERSION = pathlib.Path(sys.argv[1]), sys.argv[2]
 # Nothing of this machine's own but the system's programs.
 EMPTY = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8"}
-# The first lines of the page on Python: a viscosity with its error.
-FIRST_LINES = """
+# From nothing to a viscosity with its error, in Python and by the program.
+STRAIN = 10
+FIRST_LINES = f"""
 import fcm_solve as fcm
-scene = fcm.Scene.template("suspension")
-print(fcm.__version__)
+scene = fcm.Scene.new("shear").set("time.strain", {STRAIN})
+with fcm.Simulation(scene, out="shear") as simulation: simulation.run()
+print("relative viscosity", fcm.open("shear").answers["relative_viscosity"])
 """
+VISCOSITY = re.compile(r"relative.viscosity\D+(1\.\d+).*?(0\.\d+)")
 
 
 def call(command, **options):
@@ -42,14 +46,22 @@ def one(pattern):
     return found[0] if len(found) == 1 else None
 
 
+def viscosity(said):
+    """The viscosity with its error in what was printed."""
+    found = VISCOSITY.search(said)
+    if not found:
+        raise SystemExit(f"no viscosity with an error in:\n{said}")
+    return f"{found[1]} ± {found[2]}"
+
+
 def try_wheel(wheel):
     """A fresh virtual environment; numpy comes from the package index."""
     with tempfile.TemporaryDirectory() as place:
         python = pathlib.Path(place) / "bin" / "python"
         _, made = call([sys.executable, "-m", "venv", place])
         _, installed = call([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", wheel])
-        _, ran = call([python, "-c", FIRST_LINES], cwd=place)
-        return f"virtual environment {made:.1f} s, installed {installed:.1f} s, first lines {ran:.1f} s"
+        said, ran = call([python, "-c", FIRST_LINES], cwd=place)
+        return f"virtual environment {made:.1f} s, installed {installed:.1f} s, relative viscosity {viscosity(said)} in {ran:.1f} s"
 
 
 def try_binary(archive):
@@ -58,16 +70,17 @@ def try_binary(archive):
         root = folder / "root"
         (root / "tmp").mkdir(parents=True)
         shutil.copy(folder / "fcm-solve", root)
-        shutil.copy(folder / "scenes" / "pair-settling.toml", root)
         inside = ["unshare", "--map-root-user", "chroot", root, "/fcm-solve"] if os.getuid() else ["chroot", root, "/fcm-solve"]
         said, _ = call([*inside, "--version"])
         if VERSION not in said:
             raise SystemExit(f"the binary says {said}")
-        _, ran = call([*inside, "run", "/pair-settling.toml", "--out", "/out"])
-        if not (root / "out" / "trajectory.h5").exists():
+        scene, _ = call([*inside, "new", "shear"])
+        (root / "shear.toml").write_text(scene)
+        said, ran = call([*inside, "run", "/shear.toml", "--set", f"time.strain={STRAIN}", "--out", "/shear"])
+        if not (root / "shear" / "trajectory.h5").exists():
             raise SystemExit("the binary has written no trajectory")
         pages = len(list((folder / "man" / "man1").iterdir()))
-        return f"in a root of its own {ran:.1f} s; {pages} manual pages, {len(list((folder / 'completions').iterdir()))} completions"
+        return f"in a root of its own: relative viscosity {viscosity(said)} in {ran:.1f} s; {pages} manual pages, {len(list((folder / 'completions').iterdir()))} completions"
 
 
 def try_source(archive):

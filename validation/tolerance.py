@@ -5,6 +5,8 @@ The errors of velocities, angular velocities and stresslets are each to be at mo
 
 import argparse
 import collections
+import os
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from support import arrangements
@@ -151,6 +153,17 @@ def ratios(case):
             yield tolerance, kind, error / (tolerance * max(np.linalg.norm(exact[kind]), least[kind]))
 
 
+def measured_cases(count):
+    """By case, its names and ratios, or none where spheres were not placed; as many programs at a time as there are cores."""
+
+    def measured(index):
+        drawn_case = sample(index)
+        return drawn_case and (drawn_case[1], list(ratios(drawn_case[0])))
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        yield from pool.map(measured, range(count))
+
+
 def rows(worst):
     """Lines of a table: by a name, the number of cases, and by kind the worst ratio and the median."""
     for name, found in worst.items():
@@ -168,13 +181,12 @@ def main():
     count = parser.parse_args().cases
     groups = {key: collections.defaultdict(list) for key in ("box", "model", "loads", "tolerance")}
     above, made = [], 0
-    for index in range(count):
-        drawn_case = sample(index)
-        if drawn_case is None:
+    for index, found in enumerate(measured_cases(count)):
+        if found is None:
             continue
-        case, (box, model, loads, spheres, fraction) = drawn_case
+        (box, model, loads, spheres, fraction), measured = found
         made += 1
-        for tolerance, kind, ratio in ratios(case):
+        for tolerance, kind, ratio in measured:
             for key, name in (("box", box), ("model", model), ("loads", loads), ("tolerance", f"{tolerance:.0e}")):
                 groups[key][name].append((index, kind, ratio))
             if ratio > 1:
