@@ -3,6 +3,7 @@
 Mobility    the mobility of spheres at given positions, planned once
 Scene       what to compute, as in a scene file
 Simulation  a scene that is run, with callbacks and forces of one's own
+Logger, Writer, Action  what is done in the course of a simulation, at the steps of a trigger
 run_family  many runs: seeds and values of keys, and the means over the seeds
 open        the results of a run, for pandas and xarray
 report      a page about a run; show, the same in a notebook
@@ -15,8 +16,10 @@ os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 
 from ._core import __version__  # noqa: E402
 from ._errors import Caution, Error, InputError  # noqa: E402
+from .actions import Action  # noqa: E402
 from .answers import Answer, Answers  # noqa: E402
 from .families import run_family  # noqa: E402
+from .loggers import Logger, Writer  # noqa: E402
 from .mobility import Drift, Mobility, Motion, Noise, Plan  # noqa: E402
 from .pages import report, show  # noqa: E402
 from .results import Run, open  # noqa: A004, E402
@@ -24,12 +27,14 @@ from .scene import Scene  # noqa: E402
 from .simulation import Simulation  # noqa: E402
 
 __all__ = [
+    "Action",
     "Answer",
     "Answers",
     "Caution",
     "Drift",
     "Error",
     "InputError",
+    "Logger",
     "Mobility",
     "Motion",
     "Noise",
@@ -37,6 +42,7 @@ __all__ = [
     "Run",
     "Scene",
     "Simulation",
+    "Writer",
     "__version__",
     "open",
     "report",

@@ -1,4 +1,4 @@
-"""Steps that are counted, and functions that are called at some of them."""
+"""The number of steps taken, which takes more when it is called."""
 
 
 class StepCount(int):
@@ -15,18 +15,3 @@ class StepCount(int):
 
     def __reduce__(self):
         return int, (int(self),)
-
-
-class Watcher:
-    """A function that is called every so many steps, once at each."""
-
-    def __init__(self, steps, function):
-        self._steps, self._function, self._called = steps, function, -1
-
-    def next_after(self, step):
-        return (step // self._steps + 1) * self._steps
-
-    def call_if_due(self, step, simulation):
-        if step % self._steps == 0 and step != self._called:
-            self._called = step
-            self._function(simulation)

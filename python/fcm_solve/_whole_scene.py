@@ -6,7 +6,7 @@ from . import _core
 from ._errors import Error
 
 _log = logging.getLogger("fcm_solve")
-_NO_STEPS = "scenes of this kind have no steps"
+NO_STEPS = "scenes of this kind have no steps"
 
 
 class WholeScene:
@@ -18,7 +18,7 @@ class WholeScene:
     def run(self, steps, time):
         """Carries it out. What was done before it is interrupted is kept; its lines go to the logger `fcm_solve`."""
         if steps is not None or time is not None:
-            raise Error(f"{_NO_STEPS}: run() carries them out as a whole")
+            raise Error(f"{NO_STEPS}: run() carries them out as a whole")
         scene = (self._scene.to_toml(), self._scene._name)
         _core.carry_out(scene, self._folder, self._goes_on, _log.info)
 
@@ -31,4 +31,4 @@ class WholeScene:
         """Its results are whole at any time."""
 
     def __getattr__(self, name):
-        raise Error(f"{_NO_STEPS}: run() carries them out as a whole")
+        raise Error(f"{NO_STEPS}: run() carries them out as a whole")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,9 @@ import numpy as np
 from . import _arrays, _core
 from ._communicator import handle
 from ._errors import Caution, Error
-from ._steps import StepCount, Watcher
-from ._whole_scene import WholeScene
+from ._steps import StepCount
+from ._whole_scene import NO_STEPS, WholeScene
+from .actions import Action, ActionList
 from .scene import Scene, scene_of
 from .state import State
 
@@ -50,7 +51,7 @@ class Simulation(State):
             self._core = WholeScene(checked, folder, False)
         else:
             self._core = _core.Simulation.start((checked.to_toml(), checked._name), folder, handle(comm))
-        self._begin()
+        self._begin(comm, is_resumed=False)
 
     @classmethod
     def resume(
@@ -67,11 +68,12 @@ class Simulation(State):
             simulation._core = WholeScene(Scene.load(kept), (fspath(folder), False), True)
         else:
             simulation._core = _core.Simulation.resume(fspath(folder), list(accept), handle(comm))
-        simulation._begin()
+        simulation._begin(comm, is_resumed=True)
         return simulation
 
-    def _begin(self):
-        self._watchers = []
+    def _begin(self, comm, is_resumed):
+        self._comm, self._is_resumed = comm, is_resumed
+        self._actions = ActionList()
         self._is_closed = False
         for caution in self._core.cautions():
             warn(caution, Caution, stacklevel=3)
@@ -107,17 +109,17 @@ class Simulation(State):
         whole, without `steps` and `time`. Ctrl-C ends the run between two evaluations; the checkpoint is written
         before `KeyboardInterrupt` is raised.
         """
-        if self._is_closed:
-            raise Error("this simulation is closed; go on with fcm_solve.Simulation.resume(folder)")
+        self._check_open()
         if isinstance(self._core, WholeScene):
             self._core.run(steps, time)
             return
         last = self._last(steps, time)
-        self._call_watchers()
-        while self._core.clock()[0] < last:
-            now = self._core.clock()[0]
-            self._core.run_to(min([last, *(watcher.next_after(now) for watcher in self._watchers)]))
-            self._call_watchers()
+        self._actions.act(self)
+        while (now := self._core.clock()[0]) < last:
+            self._core.run_to(min(last, self._actions.next_after(now, self._core.time_step())))
+            if self._core.clock()[0] == now:
+                return
+            self._actions.act(self)
 
     def _last(self, steps, time):
         now, _ = self._core.clock()
@@ -129,32 +131,79 @@ class Simulation(State):
             return self._core.end()
         return now + _arrays.whole("steps", steps, 0)
 
+    # Actions.
+
+    def add(
+        self,
+        action: Action | Callable[[Simulation], Any],
+        *,
+        every: int | None = None,
+        every_time: float | None = None,
+        at: int | Iterable[int] | None = None,
+        when: Callable[[Simulation], Any] | None = None,
+    ) -> Any:
+        """Adds an action, and returns it: a function of the simulation, or an object such as an `Action`, `Logger` or `Writer`.
+
+        One trigger says when it is carried out, once at each of these steps, from the present one on:
+
+        every       the steps 0, n, 2n, ...
+        every_time  the first steps at or after the times 0, t, 2t, ...
+        at          a step, or several
+        when        the steps after which this function of the simulation is true; it is called after each step
+
+        Actions may be added and removed at any time, also by actions. What an action raises ends `run` after the step.
+        """
+        if isinstance(self._core, WholeScene):
+            raise Error(NO_STEPS)
+        self._check_open()
+        self._actions.add(action, {"every": every, "every_time": every_time, "at": at, "when": when}, self)
+        return action
+
+    def remove(self, action: Action | Callable[[Simulation], Any]) -> None:
+        """Removes an action, with all of its triggers."""
+        self._actions.remove(action, self)
+
+    @property
+    def actions(self) -> tuple:
+        """The actions, in the order in which they were added."""
+        return self._actions.listed()
+
     def every(self, steps: int) -> Callable[[Callable], Callable]:
         """Decorates a function of the simulation that is called at the steps 0, `steps`, 2 `steps`, ..."""
         steps = _arrays.whole("steps of every()", steps, 1)
-
-        def watched(function):
-            self._watchers.append(Watcher(steps, function))
-            return function
-
-        return watched
-
-    def _call_watchers(self):
-        step = self._core.clock()[0]
-        for watcher in self._watchers:
-            watcher.call_if_due(step, self)
+        return lambda function: self.add(function, every=steps)
 
     def checkpoint(self) -> None:
         """Writes a checkpoint of the state now."""
         self._core.checkpoint()
 
     def close(self) -> None:
-        """Writes a checkpoint and leaves the folder to others. The state stays readable."""
+        """Writes a checkpoint, leaves the folder to others and gives all actions back. The state stays readable."""
         if not self._is_closed:
             self._is_closed = True
-            self._core.close()
+            try:
+                self._actions.remove_all(self)
+            finally:
+                self._core.close()
             for warning in self._core.warnings():
                 warn(warning, Caution, stacklevel=2)
+
+    def _check_open(self):
+        if self._is_closed:
+            raise Error("this simulation is closed; go on with fcm_solve.Simulation.resume(folder)")
+
+    @property
+    def _is_first(self):
+        """Whether this is the first rank, which has all arrays."""
+        return self._comm is None or self._comm.rank == 0
+
+    def _agree(self, error):
+        """Raises the error of the first rank, if it has one, on all ranks. Collective."""
+        said = None if self._comm is None else self._comm.bcast(None if error is None else str(error))
+        if self._is_first and error is not None:
+            raise error
+        if said is not None:
+            raise Error(said)
 
     def __enter__(self) -> Simulation:
         return self

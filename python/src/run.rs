@@ -96,7 +96,9 @@ impl Run {
             advanced?;
             self.record()?;
         }
-        if target == self.end() {
+        if self.simulation.ended().is_some() {
+            self.finish()?;
+        } else if target == self.end() {
             self.checkpoint()?;
         }
         Ok(Ended::AtItsStep)
@@ -139,6 +141,14 @@ impl Run {
     pub fn checkpoint(&mut self) -> Result<(), RunError> {
         match &mut self.output {
             Output::Files(recorder) if !self.has_failed => recorder.checkpoint(&mut *self.simulation),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the answers and the checkpoint of a run that has come to its end before its last step. Collective.
+    fn finish(&mut self) -> Result<(), RunError> {
+        match &mut self.output {
+            Output::Files(recorder) => recorder.finish(&mut *self.simulation).map(drop),
             _ => Ok(()),
         }
     }

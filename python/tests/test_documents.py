@@ -8,6 +8,7 @@ import fcm_solve as fcm
 import matplotlib
 import nbclient
 import nbformat
+import numpy as np
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -45,3 +46,14 @@ def test_the_twenty_lines_run(tmp_path, monkeypatch, capsys, pair):
     said = capsys.readouterr().out
     assert "tolerance" in said and [line.split()[0] for line in said.splitlines()[-3:]] == ["0", "100", "200"]
     assert names["A"].shape == (192, 192) and names["ds"]["position"].shape == (3, 2, 3)
+
+
+def test_the_blocks_about_simulations_run(tmp_path, monkeypatch, pair):
+    page = PACKAGE.parent / "docs" / "src" / "python.md"
+    monkeypatch.chdir(tmp_path)
+    scene = fcm.Scene.from_dict(pair).set({"flow": {"kind": "shear", "rate": 1.0}, "time.steps": 40})
+    shown = [block for block in blocks(page) if "sim." in block and "import fcm_solve" not in block]
+    assert len(shown) >= 2
+    for number, block in enumerate(shown):
+        with fcm.Simulation(scene, out=f"run-{number}") as sim:
+            exec(block, {"fcm": fcm, "np": np, "sim": sim})

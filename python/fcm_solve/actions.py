@@ -1,0 +1,100 @@
+"""Actions: what is done in the course of a simulation, at the steps of a trigger."""
+
+from __future__ import annotations
+
+from types import MethodType
+from typing import TYPE_CHECKING
+
+from . import _triggers
+from ._errors import Error, InputError
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
+
+class Action:
+    """An action with a state of its own. A class of yours has `act`, and the others where it needs them.
+
+    A simulation takes it by `simulation.add(action, every=100)`, and plain functions of the simulation alike.
+    """
+
+    def attach(self, simulation: Simulation) -> None:
+        """Called when the simulation takes the action, before anything else."""
+
+    def act(self, simulation: Simulation) -> None:
+        """Called at each step of the trigger, once."""
+        raise NotImplementedError
+
+    def detach(self, simulation: Simulation) -> None:
+        """Called when the action is removed, or the simulation is closed."""
+
+
+class ActionList:
+    """The actions of a simulation, each with its trigger, in the order in which they were added."""
+
+    def __init__(self):
+        self._entries = []
+
+    def add(self, action, triggers, simulation):
+        """Takes an action up, or leaves all as it was if the action refuses."""
+        if not callable(getattr(action, "act", None)) and not callable(action):
+            raise InputError(f"{action!r} is no action; it needs to be a function of the simulation, or to have act()")
+        entry = _Entry(action, _triggers.of(triggers))
+        if not self._has(action) and hasattr(action, "attach"):
+            action.attach(simulation)
+        self._entries.append(entry)
+
+    def remove(self, action, simulation):
+        """Gives an action back, with all of its triggers."""
+        if not self._has(action):
+            raise Error(f"{action!r} is no action of this simulation")
+        self._entries = [entry for entry in self._entries if not _are_same(entry.action, action)]
+        if hasattr(action, "detach"):
+            action.detach(simulation)
+
+    def remove_all(self, simulation):
+        """Gives all actions back, and raises the first error that one of them has raised."""
+        errors = []
+        for action in self.listed():
+            try:
+                self.remove(action, simulation)
+            except Exception as error:  # noqa: BLE001
+                errors.append(error)
+        if errors:
+            raise errors[0]
+
+    def listed(self):
+        """Each action once."""
+        return tuple(entry.action for place, entry in enumerate(self._entries) if not self._has(entry.action, place))
+
+    def _has(self, action, among=None):
+        return any(_are_same(entry.action, action) for entry in self._entries[:among])
+
+    def next_after(self, step, time_step):
+        """The first step after this one at which any is due, infinity for none."""
+        return min((entry.trigger.next_after(step, time_step) for entry in self._entries), default=float("inf"))
+
+    def act(self, simulation):
+        """Carries out what is due at the present step and was not yet. Actions may add and remove actions."""
+        done = []
+        while waiting := [entry for entry in self._entries if not any(entry is other for other in done)]:
+            done.append(waiting[0])
+            waiting[0].act_if_due(simulation)
+
+
+def _are_same(one, other):
+    """Whether these are one action: methods are made anew whenever they are asked for."""
+    return one is other or (isinstance(one, MethodType) and one == other)
+
+
+class _Entry:
+    def __init__(self, action, trigger):
+        self.action, self.trigger, self._asked = action, trigger, None
+        self._act = action.act if callable(getattr(action, "act", None)) else action
+
+    def act_if_due(self, simulation):
+        step = int(simulation.step)
+        if step != self._asked:
+            self._asked = step
+            if self.trigger.is_due(simulation):
+                self._act(simulation)
