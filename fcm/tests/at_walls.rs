@@ -1,8 +1,6 @@
 //! Spheres at walls, closer to them than a grid resolves.
 
-mod common;
-
-use common::{Suspension, error, errors, rigid_errors, solved, vectors, worst};
+use crate::common::{Suspension, error, errors, rigid_errors, solved, vectors, worst};
 use domain::{Boundaries, PeriodicBox, Random, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Loads, Multipoles, Plan, PlanError, Precision, Problem};
 use std::f64::consts::PI;

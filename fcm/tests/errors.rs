@@ -1,8 +1,6 @@
 //! What can't be done is refused with a message that says why, on all ranks.
 
-mod common;
-
-use common::{Suspension, on_ranks};
+use crate::common::{Suspension, on_ranks};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Fixed, Hydrodynamics, Loads, MethodName, Motion, Plan, Problem, SolveError};
 use std::sync::Mutex;

@@ -1,8 +1,6 @@
 //! The velocity of the fluid at points of boxes that do not repeat along all axes.
 
-mod common;
-
-use common::Suspension;
+use crate::common::{self, Suspension};
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Envelope, Loads, Mobility, Plan, Raster};
 use std::f64::consts::PI;

@@ -1,8 +1,6 @@
 //! Rigid spheres in a shear flow along walls, whose motions beside it are small.
 
-mod common;
-
-use common::{Suspension, tensors, vectors};
+use crate::common::{Suspension, tensors, vectors};
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Hydrodynamics, Loading, Loads, Plan, Problem, Solved};
 use std::f64::consts::PI;

@@ -1,8 +1,6 @@
 //! Grids of any even number of points keep the tolerance against a sum that has no grid.
 
-mod common;
-
-use common::{Suspension, on_ranks, worst};
+use crate::common::{Suspension, on_ranks, worst};
 use domain::{PeriodicBox, Vector};
 use fcm::{Evaluation, Fixed, Loads, MethodName, Mobility, Plan, Precision};
 

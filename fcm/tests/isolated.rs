@@ -1,8 +1,6 @@
 //! One sphere in a periodic box, for which there are exact answers.
 
-mod common;
-
-use common::Suspension;
+use crate::common::Suspension;
 use domain::{Comm, Partition, Traceless, Vector};
 use fcm::{Fixed, Hydrodynamics, Loads, MethodName, Motion, Multipoles, Plan, Problem};
 use std::f64::consts::PI;

@@ -1,8 +1,6 @@
 //! Boxes of other lattices than upright ones.
 
-mod common;
-
-use common::{Suspension, worst};
+use crate::common::{Suspension, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Loads, MethodName, Motion, Multipoles, Plan, Precision, Problem};
 

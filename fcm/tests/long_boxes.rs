@@ -1,8 +1,6 @@
 //! Sheared boxes that are long along the flow, flat or slender: their strain is up to half the ratio of the edges.
 
-mod common;
-
-use common::{Suspension, on_ranks, worst};
+use crate::common::{Suspension, on_ranks, worst};
 use domain::{PeriodicBox, Random, Vector};
 use fcm::{Evaluation, Fixed, Mobility, Plan, Precision};
 

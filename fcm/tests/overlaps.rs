@@ -1,8 +1,6 @@
 //! Random motions of spheres that overlap as in no suspension: on the grid alone they have a root, near the split's they may not.
 
-mod common;
-
-use common::Suspension;
+use crate::common::Suspension;
 use domain::{Comm, Partition, PeriodicBox, Random, Traceless, Vector};
 use fcm::{Drawn, Envelope, Evaluation, Fixed, Loads, MethodName, Mobility, Motion, Multipoles, Plan, Problem, Stream};
 

@@ -1,8 +1,6 @@
 //! What holds for any mobility, whatever its error.
 
-mod common;
-
-use common::{Suspension, error, vectors, worst};
+use crate::common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Loads, MethodName, Mobility, Motion, Precision};
 

@@ -1,8 +1,6 @@
 //! However many ranks and threads there are, the answer is the same.
 
-mod common;
-
-use common::{Suspension, error, on_ranks, tensors, vectors, worst};
+use crate::common::{Suspension, error, on_ranks, tensors, vectors, worst};
 use domain::{PeriodicBox, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Mobility, Motion, Plan, Precision};
 

@@ -1,8 +1,6 @@
 //! Rigid spheres against a dense solve of the sums over wavevectors.
 
-mod common;
-
-use common::{Suspension, at_surfaces, difference, error, tensors};
+use crate::common::{Suspension, at_surfaces, difference, error, tensors};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Hydrodynamics, Loads, Motion, Plan, Problem, SolveError, Solved};
 

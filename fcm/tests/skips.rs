@@ -1,8 +1,6 @@
 //! What a scene does not need is not done: counters of work, not timings.
 
-mod common;
-
-use common::Suspension;
+use crate::common::{self, Suspension};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, Method, MethodName, Mobility, Multipoles, Plan, Problem, Work};
 

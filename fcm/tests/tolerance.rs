@@ -1,8 +1,6 @@
 //! The error is below the tolerance, and not far below it, against a sum that has no grid.
 
-mod common;
-
-use common::{Suspension, at_surfaces, difference, errors, worst};
+use crate::common::{self, Suspension, at_surfaces, difference, errors, worst};
 use domain::{PeriodicBox, Random, Vector};
 use fcm::{Fixed, Loads, MethodName, Multipoles, Plan, Precision, Problem};
 use std::f64::consts::PI;

@@ -1,8 +1,6 @@
 //! The same particles in other units have the same answers.
 
-mod common;
-
-use common::{Suspension, error, tensors, vectors};
+use crate::common::{Suspension, error, tensors, vectors};
 use domain::{Comm, Number, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
     Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Motion, Multipoles, Plan, PlanError, Precision, Problem,

@@ -1,8 +1,6 @@
 //! Random motions and the divergence of the mobility in boxes that do not repeat along all axes.
 
-mod common;
-
-use common::Suspension;
+use crate::common::Suspension;
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Random, Traceless, Vector};
 use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles, Plan, Problem, Stream};
 

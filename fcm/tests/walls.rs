@@ -1,8 +1,6 @@
 //! Spheres between walls, above a wall, and in layers that are open along z.
 
-mod common;
-
-use common::{Reference, Suspension, errors, on_ranks, rigid_errors, solved, worst};
+use crate::common::{Reference, Suspension, errors, on_ranks, rigid_errors, solved, worst};
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, Mobility, Motion, Plan, Precision, Problem, Solved};
 use std::f64::consts::PI;

@@ -1,9 +1,7 @@
 //! Runs of near spheres: accuracy, safety, and the same answer on any ranks and after a stop.
 
-mod support;
-
+use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
-use support::model_of;
 use suspension::{Model, StepError, Suspension};
 
 /// Two spheres pressed together, and one that falls by.

@@ -1,13 +1,11 @@
 //! Forces and torques of a user's own, beside those of the model.
 
-mod support;
-
+use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
 use simulation::{AppliedLoads, LoadFunction};
 use std::cell::RefCell;
 use std::error::Error;
 use std::rc::Rc;
-use support::model_of;
 use suspension::{Model, Suspension};
 
 const SCENE: &str = r#"

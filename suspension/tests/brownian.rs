@@ -1,13 +1,9 @@
 //! Spheres that heat moves.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
-use ended::ended;
 use simulation::Simulation;
-use support::model_of;
 use suspension::{Model, Observed, Suspension};
 
 const ALONE: &str = r#"

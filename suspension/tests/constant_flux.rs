@@ -1,17 +1,13 @@
 //! Flow between walls whose mean velocity is given.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
-use ended::ended;
 use fcm::{Costs, Loads, Multipoles};
 use lubrication::{Range, WallForce};
 use simulation::{Quantity, Simulation};
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
-use support::model_of;
 use suspension::{
     ANGULAR_VELOCITY, Mobility, MobilityParameters, Observed, ParticleStress, STRESSLET, Suspension, VELOCITY,
 };

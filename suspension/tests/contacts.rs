@@ -1,13 +1,9 @@
 //! Contacts of rough spheres in runs.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Particles, Random, Tensor, Vector};
-use ended::ended;
 use simulation::{ContactForces, ContactState, Simulation};
-use support::model_of;
 use suspension::{Integrator, Model, Observed, Parameters, Suspension};
 
 /// Two spheres in a shear flow that brings them together, in the plane of the flow.

@@ -1,12 +1,8 @@
 //! Extensions, in boxes that repeat for ever.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Particles, Tensor, Vector};
-use ended::ended;
-use support::model_of;
 use suspension::{Extension, Model, Suspension};
 
 /// Spheres that pass each other closely, one across the faces of the box.

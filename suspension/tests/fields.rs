@@ -1,10 +1,8 @@
 //! The velocity of the fluid in runs whose boxes do not repeat along all axes.
 
-mod support;
-
+use crate::support::model_of;
 use domain::{Comm, Turn, Vector};
 use simulation::{Simulation, VelocityField};
-use support::model_of;
 use suspension::{Model, Observed};
 
 /// Edges where the special axis is z.

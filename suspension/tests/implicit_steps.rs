@@ -1,9 +1,7 @@
 //! Steps that take repulsion at their end: order, stiffness, and the same answer on any ranks and after a stop.
 
-mod support;
-
+use crate::support::model_of;
 use domain::{Comm, Particles};
-use support::model_of;
 use suspension::{Model, Suspension};
 
 /// Two spheres that forces press together against repulsion and let roll about each other in a shear flow, one image

@@ -1,15 +1,11 @@
 //! Extensions of open fluid.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Tensor, Vector};
-use ended::ended;
 use fcm::{Costs, Loads, Multipoles};
 use lubrication::Range;
 use std::f64::consts::PI;
-use support::model_of;
 use suspension::{Extension, Mobility, MobilityParameters, Model, Suspension};
 
 /// Spheres of two sizes that the flow draws apart, and the box with them.

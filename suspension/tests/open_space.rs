@@ -1,16 +1,12 @@
 //! Runs in open fluid, in which the box follows the spheres.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Interrupt, Vector};
-use ended::ended;
 use lubrication::two_sphere::{Function, TwoSphere};
 use simulation::Simulation;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use support::model_of;
 use suspension::{Asked, Observed, Ranks, Suspension, VELOCITY, outline};
 
 const PAIR: &str = r#"

@@ -1,12 +1,8 @@
 //! Rates of shear that change in the course of a run.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Particles, PeriodicBox, Vector};
-use ended::ended;
-use support::model_of;
 use suspension::{Model, Suspension};
 
 /// Spheres that pass each other closely in a shear flow that is reversed, one across the faces of the box.

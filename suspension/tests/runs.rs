@@ -1,15 +1,11 @@
 //! Runs: on any ranks, with steps that are interrupted, against exact answers.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Interrupt, Particles, Vector};
-use ended::ended;
 use simulation::{AppliedLoads, Simulation};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use support::model_of;
 use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, StepError, Suspension, VELOCITY, longest_step};
 
 const SCENE: &str = r#"

@@ -1,14 +1,10 @@
 //! The stiffness of contacts that settles.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Interrupt};
-use ended::ended;
 use simulation::Simulation;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use support::model_of;
 use suspension::{Model, Observed, Suspension};
 
 /// Spheres of two sizes at 45%, which touch soon.

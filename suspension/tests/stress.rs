@@ -1,10 +1,8 @@
 //! The stress of the particles.
 
-mod support;
-
+use crate::support::model_of;
 use domain::{Comm, Tensor, Vector};
 use std::f64::consts::PI;
-use support::model_of;
 use suspension::{ParticleStress, Suspension};
 
 const SCENE: &str = r#"

@@ -1,13 +1,9 @@
 //! Attraction and screened repulsion.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::Vector;
-use ended::ended;
 use lubrication::SurfaceForce;
-use support::model_of;
 
 /// A pair that attracts and repels each other, at rest in the end.
 const PAIR: &str = r#"

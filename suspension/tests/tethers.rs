@@ -1,12 +1,8 @@
 //! Bonds and traps in runs.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
-use ended::ended;
-use support::model_of;
 use suspension::{Model, Suspension};
 
 /// A sphere in a trap, from whose centre it starts some way off.

@@ -1,11 +1,9 @@
 //! Runs with walls across x or y are those with walls across z, turned, in whatever they show.
 
-mod support;
-
+use crate::support::model_of;
 use domain::{Comm, Tensor, Traceless, Turn, Vector};
 use simulation::{AppliedLoads, Frame, Simulation};
 use std::collections::HashMap;
-use support::model_of;
 use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, VELOCITY};
 
 const AXES: [&str; 3] = ["x", "y", "z"];

@@ -1,14 +1,10 @@
 //! Runs between walls and above a bottom.
 
-#[path = "support/ended.rs"]
-mod ended;
-mod support;
-
+use crate::support::ended::ended;
+use crate::support::model_of;
 use domain::{Comm, Vector};
-use ended::ended;
 use lubrication::two_sphere::{Function, SphereWall};
 use std::f64::consts::PI;
-use support::model_of;
 use suspension::{Suspension, VELOCITY};
 
 /// A heavy sphere above a bottom, which its repulsion keeps it off.

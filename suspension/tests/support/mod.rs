@@ -1,4 +1,6 @@
-//! Models from the text of scenes.
+//! Models from the text of scenes, and their runs.
+
+pub mod ended;
 
 use io::{Kind, Scene};
 use suspension::Model;

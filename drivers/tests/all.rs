@@ -1,0 +1,15 @@
+//! Tests of grains without a fluid, in one program: each file here is a module of it, or it is not run.
+
+mod continuum;
+mod continuum_shooting;
+mod disks;
+mod disks_input;
+mod disks_lattice;
+mod disks_start;
+mod disks_sweep;
+mod extremes;
+mod runs;
+mod shear_cell_flow;
+mod shear_cell_gas;
+mod shear_cell_hits;
+mod units;

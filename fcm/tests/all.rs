@@ -1,0 +1,20 @@
+//! Tests of evaluations, in one program: each file here is a module of it, or it is not run.
+
+mod at_walls;
+mod common;
+mod errors;
+mod flow;
+mod flow_at_walls;
+mod grids;
+mod isolated;
+mod lattices;
+mod long_boxes;
+mod overlaps;
+mod properties;
+mod ranks;
+mod rigid;
+mod skips;
+mod tolerance;
+mod units;
+mod wall_drift;
+mod walls;

@@ -1,0 +1,24 @@
+//! Tests of suspensions, in one program: each file here is a module of it, or it is not run.
+
+mod adaptive_steps;
+mod applied_loads;
+mod bounded_mobility;
+mod brownian;
+mod constant_flux;
+mod contacts;
+mod extension;
+mod fields;
+mod implicit_steps;
+mod lattices;
+mod noise;
+mod open_extension;
+mod open_space;
+mod protocols;
+mod runs;
+mod settling;
+mod stress;
+mod support;
+mod surface_forces;
+mod tethers;
+mod turned;
+mod walls;
