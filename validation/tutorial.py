@@ -1,5 +1,5 @@
-"""The tutorial's question, answered: how fast do spheres settle at 5% by volume? The commands that it shows, with what
-they print, and the runs by which it judges time step, tolerance and box."""
+"""The tutorial's question, answered: how fast do spheres settle at 5% by volume? The runs by which it judges time step,
+tolerance and box; `scripts/validate pages tutorial` makes what its commands print."""
 
 import csv
 import pathlib
@@ -58,15 +58,13 @@ def row(name, value, error, converged):
 
 
 def main():
-    outline = said("check", SCENE)
     with tempfile.TemporaryDirectory() as folder:
         place = pathlib.Path(folder)
         found = {name: settled(place / name.replace(" ", "-"), keys) for name, keys in RUNS.items()}
     rows = [row(name, *values) for name, values in found.items()]
     rows.append(["a box without end, by extrapolation", "", *(f"{number:.4f}" for number in unbounded(found))])
-    lines = ["```text", "$ fcm-solve check tutorial.toml", *outline.splitlines(), "```", ""]
-    lines += table(["run", "edge", "mean velocity downwards", "error"], rows)
-    write_section("tutorial.md", "tutorial", "What the commands print, and the table", lines)
+    lines = table(["run", "edge", "mean velocity downwards", "error"], rows)
+    write_section("tutorial.md", "tutorial", "The table", lines)
     print("\n".join(lines))
 
 

@@ -1,5 +1,6 @@
 """The formulas of the book, as a reader sees them."""
 
+import re
 import sys
 import unittest
 
@@ -59,6 +60,14 @@ class Source(unittest.TestCase):
                 faults = formulas.read(page)[1]
                 self.assertTrue(faults)
                 self.assertTrue(faults[0].startswith(expected), faults)
+
+
+class Credits(unittest.TestCase):
+    def test_the_sources_that_use_a_reference_exist(self):
+        text = (rendered.SOURCE / "credits.md").read_text()
+        named = re.findall(r"`([a-z-]+/[a-z0-9_/.-]+)`", text)
+        self.assertGreater(len(named), 40)
+        self.assertEqual([name for name in named if not (ROOT / name).exists()], [])
 
 
 class Page(unittest.TestCase):

@@ -3,13 +3,20 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 
-from .program import PROGRAM
+from .page import BOOK
+from .program import PROGRAM, ROOT
 
-BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-VERDICT = re.compile(r"\+-|(?<= )-(?= )|converged|still drifting|too short for any value|too short: +times longer|, s$|, +s$")
+CHOSEN = [ROOT / "README.md", *(BOOK / f"{name}.md" for name in ("getting-started", "tutorial", "families"))]
+PAGES = [*CHOSEN, *sorted((BOOK / "how-to").glob("*.md"))]
+BLOCK = re.compile(r"^```(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+INCLUDED = re.compile(r"\{\{#include (\S+)\}\}")
+# A command with arguments, and one that stands for many: its arguments are words in capitals.
+COMMAND = r"(?:fcm-solve [a-z-]+|scripts/[a-z-]+|mpirun|cargo|pip|python|curl|module) "
+INLINE = re.compile(rf"`({COMMAND}[^`]+)`")
+FORM = re.compile(r" [A-Z]+(?: |$)")
 
 
 def commands(block):
@@ -21,6 +28,35 @@ def commands(block):
         else:
             found[-1][1].append(line)
     return found
+
+
+def blocks(text):
+    """The blocks of commands with what they print."""
+    return [block for kind, block in BLOCK.findall(text) if kind == "console"]
+
+
+def inline_commands(text):
+    """The commands in the text of a page, outside its blocks."""
+    found = [" ".join(command.split()) for command in INLINE.findall(BLOCK.sub("", text))]
+    return [command for command in found if not FORM.search(command)]
+
+
+def unprinted_commands(text):
+    """The commands of a page that stand without what they print: in blocks of a shell, and in indented or unnamed ones."""
+    shell = [line for kind, block in BLOCK.findall(text) if kind in ("sh", "bash") for line in block.splitlines()]
+    others = [line for kind, block in BLOCK.findall(text) if kind in ("", "text") for line in block.splitlines()]
+    others += re.findall(r"^ {4}(\S.*)$", BLOCK.sub("", text), re.MULTILINE)
+    lines = shell + [line for line in others if re.match(rf"(?:\$ )?{COMMAND}", line)]
+    lines = [re.split(r"(?:^|\s)#", line)[0].strip() for line in lines]
+    return [line for line in lines if line]
+
+
+def prepare(text, folder):
+    """Puts what a page relies on into a folder: the scripts and scenes of the checkout, and the files that the page includes."""
+    for name in ("scripts", "scenes"):
+        (folder / name).symlink_to(ROOT / name)
+    for name in INCLUDED.findall(text):
+        shutil.copy(BOOK / name, folder)
 
 
 def printed(command, folder):
@@ -37,15 +73,11 @@ def run_page(text, folder):
     """The text of a page with what its commands print now, called one after another in a folder."""
 
     def again(match):
+        if match[1] != "console":
+            return match[0]
         lines = []
-        for command, _ in commands(match[1]):
+        for command, _ in commands(match[2]):
             lines += [f"$ {command}", *printed(command, folder)]
         return "```console\n" + "".join(f"{line}\n" for line in lines) + "```"
 
     return BLOCK.sub(again, text)
-
-
-def without_numbers(text):
-    """The lines of a text without what another machine may find otherwise: numbers, verdicts, warnings and parentheses."""
-    kept = [line for line in text.splitlines() if not line.startswith(("warning: ", "step "))]
-    return [" ".join(VERDICT.sub(" ", NUMBER.sub(" ", re.sub(r"\(.*\)", "", line))).split()) for line in kept]

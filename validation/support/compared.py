@@ -1,0 +1,72 @@
+"""Differences of what a command prints now from what a page shows, beyond those that another processor makes."""
+
+import re
+
+VALUE = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+NUMBER = re.compile(rf"(?<![\w.-]){VALUE}")
+ESTIMATE = re.compile(rf"({VALUE}) \+- ({VALUE})")
+SCALED = re.compile(rf"\(({VALUE}) \+- ({VALUE})\)(e[-+]?\d+)")
+SIZE = re.compile(rf"({VALUE}) (?:kB|MB|GB)")
+# What differs between machines and from run to run: durations and all that follows from them.
+TIMING = re.compile(
+    rf"{VALUE} (?:s|ms|microseconds|seconds|minutes|hours|days)\b|\bby its first \d+ steps|\b\d+(?= (?:runs )?at a time)|^run \d+ of (?=\d)"
+)
+# A verdict is found by errors, and a value is refused by its verdict: both change with the last bit of a chaotic run.
+VERDICT = re.compile(rf"converged|still drifting|too short for any value|too short: {VALUE} times longer|has no value|: matters|: within two errors|(?<= )-(?= )")
+# Two runs of a chaotic suspension agree within their errors, which short runs know to a factor of two or three; where few
+# seeds are near each other by chance, their spread says less than that.
+ERRORS, RELATIVE, MEMORY = 10, 0.25, 2
+ROUNDED = 0.02
+
+
+class Line:
+    """A line of output in its parts: words, estimates with their errors, sizes in memory and plain numbers."""
+
+    def __init__(self, line):
+        text = SCALED.sub(r"\1\3 +- \2\3", line)
+        text = re.sub(r"\([^()]*\)", "", text)
+        text = VERDICT.sub(" ", TIMING.sub(" ", text))
+        self.estimates = [(float(value), float(error)) for value, error in ESTIMATE.findall(text)]
+        text = ESTIMATE.sub(" ", text)
+        self.sizes = [float(size) for size in SIZE.findall(text)]
+        text = SIZE.sub(" ", text)
+        self.numbers = [float(number) for number in NUMBER.findall(text)]
+        self.words = NUMBER.sub("#", text).split()
+
+    def agrees(self, other):
+        """Whether both say the same, within what another processor may change."""
+        return (
+            self.words == other.words
+            and len(self.numbers) == len(other.numbers)
+            and all(map(same_number, self.numbers, other.numbers))
+            and all(max(pair) <= MEMORY * min(pair) for pair in zip(self.sizes, other.sizes))
+            and all(map(same_estimate, self.estimates, other.estimates))
+        )
+
+
+def same_number(one, other):
+    """Whether numbers without an error are equal, but for rounding where they are not whole."""
+    if one.is_integer() and other.is_integer():
+        return one == other
+    return abs(one - other) <= ROUNDED * max(abs(one), abs(other))
+
+
+def same_estimate(one, other):
+    """Whether means are equal within their errors."""
+    (value, error), (mean, spread) = one, other
+    return abs(value - mean) <= max(ERRORS * max(error, spread), RELATIVE * max(abs(value), abs(mean)))
+
+
+def kept(lines):
+    """The lines that are compared: without progress and counts of overlaps, members of a family in a fixed order."""
+    lines = [line for line in lines if not line.startswith(("warning: spheres overlap", "step "))]
+    members = iter(sorted((line for line in lines if line.startswith("run ")), key=lambda line: line.split(": ", 1)[1]))
+    return [next(members) if line.startswith("run ") else line for line in lines]
+
+
+def differences(shown, now):
+    """The lines that differ between what a page shows and what a command prints now."""
+    shown, now = kept(shown), kept(now)
+    if len(shown) != len(now):
+        return [f"{len(shown)} lines on the page, {len(now)} now:", *now]
+    return [f"{old!r} is now {new!r}" for old, new in zip(shown, now) if not Line(old).agrees(Line(new))]
