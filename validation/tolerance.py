@@ -1,10 +1,11 @@
 """Errors of single evaluations over the tolerance asked for, in random cases of every kind, against solves to a tighter tolerance.
 
 The errors of velocities, angular velocities and stresslets are each to be at most the tolerance times the norm that the page
-`tolerance` defines. Cases are the same in every run; `--cases N` takes the first N of them."""
+`tolerance` defines. Cases are the same in every run; `--cases N` takes the first N of them. Draws whose spheres find no room are no cases."""
 
 import argparse
 import collections
+import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
 
@@ -154,14 +155,16 @@ def ratios(case):
 
 
 def measured_cases(count):
-    """By case, its names and ratios, or none where spheres were not placed; as many programs at a time as there are cores."""
+    """The numbers of cases, their names and ratios; as many programs at a time as there are cores."""
+    drawn_cases = ((index, sample(index)) for index in itertools.count())
+    placed_cases = itertools.islice((of for of in drawn_cases if of[1]), count)
 
-    def measured(index):
-        drawn_case = sample(index)
-        return drawn_case and (drawn_case[1], list(ratios(drawn_case[0])))
+    def measured(of):
+        index, (case, names) = of
+        return index, names, list(ratios(case))
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        yield from pool.map(measured, range(count))
+        yield from pool.map(measured, placed_cases)
 
 
 def rows(worst):
@@ -180,12 +183,8 @@ def main():
     parser.add_argument("--full", action="store_true")
     count = parser.parse_args().cases
     groups = {key: collections.defaultdict(list) for key in ("box", "model", "loads", "tolerance")}
-    above, made = [], 0
-    for index, found in enumerate(measured_cases(count)):
-        if found is None:
-            continue
-        (box, model, loads, spheres, fraction), measured = found
-        made += 1
+    above = []
+    for index, (box, model, loads, spheres, fraction), measured in measured_cases(count):
         for tolerance, kind, ratio in measured:
             for key, name in (("box", box), ("model", model), ("loads", loads), ("tolerance", f"{tolerance:.0e}")):
                 groups[key][name].append((index, kind, ratio))
@@ -194,7 +193,7 @@ def main():
                 print(*above[-1], flush=True)
     worst = max(ratio for found in groups["box"].values() for _, _, ratio in found)
     lines = [
-        f"{made} random cases, each at {len(TOLERANCES)} tolerances, against solves to {EXACT:.0e}: the error over the tolerance, the",
+        f"{count} random cases, each at {len(TOLERANCES)} tolerances, against solves to {EXACT:.0e}: the error over the tolerance, the",
         "worst and in brackets the median.",
         "",
     ]
@@ -204,7 +203,7 @@ def main():
     if above:
         lines += table(["case", "tolerance", "box", "model", "loads", "spheres", "fraction", "kind", "error over tolerance"], above)
     write_section("tolerance.md", "tolerance", "Errors over tolerances", lines)
-    print(f"{made} cases, worst ratio {worst:.2f}, {len(above)} above 1")
+    print(f"{count} cases, worst ratio {worst:.2f}, {len(above)} above 1")
     if above:
         raise SystemExit(1)
 
