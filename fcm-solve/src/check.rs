@@ -1,13 +1,12 @@
 //! `fcm-solve check`: the plan, memory and cost of a scene.
 
 use crate::family;
-use crate::part_progress::PartProgress;
+use crate::outlined::outlined;
 use crate::scene_file::read_any;
 use crate::streams::{self, json};
-use anyhow::ensure;
+use anyhow::{bail, ensure};
 use domain::Comm;
-use io::{RunError, Scene, SceneFile};
-use simulation::Outline;
+use io::SceneFile;
 use std::path::PathBuf;
 use suspension::{Asked, Ranks};
 
@@ -45,35 +44,18 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
             return streams::print(comm, &family::check(&family, !args.no_trial, args.json)?);
         }
     };
-    let (scene, notes) = io::with_start_file(scene, comm)?;
-    let scene = io::on_this_machine(scene, comm)?;
-    let placing = PartProgress::start(comm, "the particles are placed");
-    let outline = io::outline(scene.kind(), asked(args, comm), comm)?;
-    drop(placing);
-    let outline = notes.iter().fold(outline, |outline, note| outline.line("start", note));
     // Of ranks that are not present no time is known.
     let is_tried = !args.no_trial && args.ranks.is_none();
-    let outline = if is_tried { tried(&scene, outline, comm)? } else { outline };
-    streams::print(comm, &if args.json { json(&outline.to_json()) } else { outline.to_string() })
-}
-
-/// The outline with what a trial of the first steps says; a scene that can't start is refused as it is by `run`.
-fn tried(scene: &Scene, outline: Outline, comm: &Comm) -> anyhow::Result<Outline> {
-    match io::trial(scene, comm) {
-        Ok(trial) => Ok(trial.iter().fold(outline, |outline, trial| trial.add_to(outline))),
-        Err(RunError::Simulation(error)) => {
-            Ok(outline.warnings([format!("the first steps fail in a trial: {}", io::in_full(&error))]))
-        }
-        Err(error) => Err(error.into()),
-    }
+    let (outline, trial) = outlined(scene, asked(args, comm), is_tried, comm)?;
+    let outline = trial.iter().fold(outline, |outline, trial| trial.add_to(outline));
+    streams::print(comm, &if args.json { json(&outline.to_json()) } else { outline.to_string() })?;
+    outline.refused().map_or(Ok(()), |reason| bail!("{reason}"))
 }
 
 /// The ranks to predict memory for; those that are not present have the threads that this machine would give them.
 fn asked(args: &Args, comm: &Comm) -> Asked {
     let threads = rayon::current_num_threads();
-    let Some(count) = args.ranks.map(|ranks| ranks as usize) else {
-        return Asked { ranks: Ranks { count: comm.size(), threads }, on_a_machine: comm.size() };
-    };
+    let Some(count) = args.ranks.map(|ranks| ranks as usize) else { return Asked::present(comm) };
     let on_a_machine = args.ranks_per_machine.map_or(count, |ranks| ranks as usize).min(count);
-    Asked { ranks: Ranks { count, threads: (threads / on_a_machine).max(1) }, on_a_machine }
+    Asked { ranks: Ranks { count, threads: (threads / on_a_machine).max(1) }, on_a_machine, are_present: false }
 }

@@ -19,6 +19,7 @@ mod manual;
 mod mobility;
 mod new;
 mod number;
+mod outlined;
 mod part_progress;
 mod prepared_scene;
 mod progress;

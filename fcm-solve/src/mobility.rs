@@ -2,6 +2,7 @@
 
 use crate::causes::in_full;
 use crate::number::tolerance;
+use crate::part_progress::PartProgress;
 use crate::streams;
 use anyhow::{Context, ensure};
 use domain::{Bytes, Comm, Tensor, Traceless, Turn, Vector};
@@ -60,7 +61,9 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let read = if comm.is_first() { read(&args.case).map(Some) } else { Ok(None) };
     let read = comm.agree(read)?;
     let case = Case::from_json(&comm.broadcast_text(&read.map_or_else(String::new, |case| case.to_json())));
+    let evaluating = PartProgress::start_late(comm, "the case is evaluated");
     let answer = answer_to(&case, args.tolerance, comm).with_context(|| args.case.display().to_string())?;
+    drop(evaluating);
     let written = answer.map_or(Ok(()), |answer| write(args, &answer));
     Ok(comm.agree(written.map_err(|e| in_full(&e)))?)
 }

@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 /// Time between two lines where there is no terminal.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// Time for which work is silent before it is named.
+/// Time for which work is silent before it is named, and that of work which usually takes about a second.
 const SILENCE: Duration = Duration::from_secs(1);
+const LONG_SILENCE: Duration = Duration::from_secs(4);
 
 /// A bar on a terminal, which is removed at the end; elsewhere a line now and then. Only the first rank shows it.
 pub struct PartProgress {
@@ -33,11 +34,20 @@ enum Display {
 impl PartProgress {
     /// Starts to show work, described in a few words.
     pub fn start(comm: &Comm, what: &'static str) -> Self {
+        Self::start_after(SILENCE, comm, what)
+    }
+
+    /// The same for work that usually ends soon: it is named when it has taken some seconds.
+    pub fn start_late(comm: &Comm, what: &'static str) -> Self {
+        Self::start_after(LONG_SILENCE, comm, what)
+    }
+
+    fn start_after(silence: Duration, comm: &Comm, what: &'static str) -> Self {
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
             (false, _) => Display::Nothing,
             (true, _) if streams::is_quiet() => Display::Quiet,
-            (true, true) => Display::Bar(bar(what)),
-            (true, false) => Display::Lines { said: Instant::now(), naming: Naming::start(what) },
+            (true, true) => Display::Bar(bar(what, silence)),
+            (true, false) => Display::Lines { said: Instant::now(), naming: Naming::start(what, silence) },
         };
         Self { display, what }
     }
@@ -76,14 +86,14 @@ impl Drop for PartProgress {
     }
 }
 
-fn bar(what: &'static str) -> ProgressBar {
+fn bar(what: &'static str, silence: Duration) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:30} {percent}%, {msg}").expect("a good template");
     let bar = ProgressBar::new(100).with_style(style).with_message(what);
-    bar.enable_steady_tick(SILENCE);
+    bar.enable_steady_tick(silence);
     bar
 }
 
-/// Names work of which no part is known to be done for longer than a second, and how long it has taken, less and less often.
+/// Names work of which no part is known to be done for longer than a silence, and how long it has taken, less and less often.
 struct Naming {
     /// Its end ends the thread.
     _end: Sender<()>,
@@ -91,9 +101,9 @@ struct Naming {
 
 impl Naming {
     /// Names work from now on; where there can be no thread it is not named.
-    fn start(what: &'static str) -> Option<Self> {
+    fn start(what: &'static str, silence: Duration) -> Option<Self> {
         let (end, ended) = channel::<()>();
-        let (began, mut pause) = (Instant::now(), SILENCE);
+        let (began, mut pause) = (Instant::now(), silence);
         let name = move || {
             while ended.recv_timeout(pause) == Err(RecvTimeoutError::Timeout) {
                 streams::log(format_args!("{what}: {} s so far", began.elapsed().as_secs()));

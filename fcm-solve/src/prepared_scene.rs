@@ -1,20 +1,31 @@
 //! Scenes with the values that are determined when they are run.
 
-use crate::streams;
+use crate::part_progress::PartProgress;
 use domain::{Comm, Number};
 use io::Scene;
 
+/// A scene that is ready to be run, and what was found for it: labels of at most ten letters with a text, on the first rank.
+pub struct Prepared {
+    /// The scene.
+    pub scene: Scene,
+    /// What was found.
+    pub notes: Vec<(&'static str, String)>,
+}
+
 /// The scene with the strain of the box in the file that it starts from, the costs of this machine, and with a calibrated
-/// repulsion if it asks for that. Collective.
-pub fn prepared(scene: Scene, comm: &Comm) -> anyhow::Result<Scene> {
+/// repulsion if it asks for that and it `is_calibrated`. Collective.
+pub fn prepared(scene: Scene, is_calibrated: bool, comm: &Comm) -> anyhow::Result<Prepared> {
     let (scene, notes) = io::with_start_file(scene, comm)?;
-    for note in notes {
-        streams::inform(format_args!("start      {note}"));
+    let scene = io::on_this_machine(scene, comm)?;
+    let mut notes: Vec<_> = notes.into_iter().map(|note| ("start", note)).collect();
+    if !is_calibrated {
+        return Ok(Prepared { scene, notes });
     }
-    let (scene, strength) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
+    let _calibrating = PartProgress::start(comm, "the repulsion is calibrated");
+    let (scene, strength) = io::with_least_repulsion(scene, comm)?;
     if let Some(strength) = strength.filter(|_| comm.is_first()) {
-        let strength = Number(strength);
-        streams::inform(format_args!("repulsion  strength {strength:.5} keeps the spheres apart in a trial"));
+        let text = format!("strength {:.5} keeps the spheres apart in a trial", Number(strength));
+        notes.push(("repulsion", text));
     }
-    Ok(scene)
+    Ok(Prepared { scene, notes })
 }

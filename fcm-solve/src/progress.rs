@@ -1,9 +1,9 @@
 //! The progress of a run.
 
 use crate::streams;
-use domain::{Comm, Number};
+use domain::Number;
 use indicatif::{ProgressBar, ProgressStyle};
-use simulation::Clock;
+use simulation::Simulation;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -16,6 +16,8 @@ pub struct Progress {
     display: Display,
     first: u64,
     last: u64,
+    /// The part that was done at the start of what may end the run before its last step.
+    first_part: Option<f64>,
     began: Instant,
 }
 
@@ -30,20 +32,21 @@ enum Display {
 }
 
 impl Progress {
-    /// The progress from where the clock is to step `last`.
-    pub fn start(comm: &Comm, clock: &Clock, last: u64) -> Self {
+    /// The progress from where a simulation is to step `last`.
+    pub fn start(simulation: &dyn Simulation, last: u64) -> Self {
+        let (comm, clock) = (simulation.comm(), simulation.clock());
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
             (false, _) => Display::Nothing,
             (true, _) if streams::is_quiet() => Display::Quiet,
             (true, true) => Display::Bar(bar(clock.step(), last)),
             (true, false) => Display::Lines { said: Instant::now() },
         };
-        Self { display, first: clock.step(), last, began: Instant::now() }
+        Self { display, first: clock.step(), last, first_part: simulation.part_done(), began: Instant::now() }
     }
 
-    /// Shows where the clock is.
-    pub fn show(&mut self, clock: &Clock) {
-        let pace = self.pace(clock);
+    /// Shows where the simulation is.
+    pub fn show(&mut self, simulation: &dyn Simulation) {
+        let (clock, pace) = (simulation.clock(), self.pace(simulation));
         let pause = PAUSE.max(self.began.elapsed().mul_f64(PAUSE_SHARE));
         match &mut self.display {
             Display::Bar(bar) => {
@@ -60,14 +63,18 @@ impl Progress {
     }
 
     /// Steps a second, and what is left of the run at that pace.
-    fn pace(&self, clock: &Clock) -> String {
+    fn pace(&self, simulation: &dyn Simulation) -> String {
+        let clock = simulation.clock();
         let (taken, left) = (clock.step() - self.first, self.last.saturating_sub(clock.step()));
         let seconds = self.began.elapsed().as_secs_f64();
         if taken == 0 {
             return "first step".to_owned();
         }
         let rate = taken as f64 / seconds;
-        let left = Duration::from_secs((left as f64 / rate) as u64);
+        let until_last = left as f64 / rate;
+        let parts = self.first_part.zip(simulation.part_done()).filter(|(first, now)| now > first);
+        let until_end = parts.map_or(f64::INFINITY, |(first, now)| seconds * (1.0 - now) / (now - first));
+        let left = Duration::from_secs(until_last.min(until_end) as u64);
         format!("{:.3} steps/s, {} left", Number(rate), indicatif::HumanDuration(left))
     }
 

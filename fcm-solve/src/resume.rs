@@ -39,6 +39,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let folder = comm.agree(RunFolder::reopen(&args.folder, comm).map_err(|e| in_full(&e.into())))?;
     let scene = kept_scene(&folder, args.steps, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
+        io::check_ranks(scene.kind(), comm.size())?;
         io::check_memory(scene.kind(), comm)?;
         return carry_out(&work, (&scene, &folder), (comm, &signals));
     }

@@ -5,11 +5,12 @@ use crate::commands::{quoted, resume_command};
 use crate::continuation::go_on;
 use crate::family::{self, Part, Work};
 use crate::part_progress::PartProgress;
+use crate::prepared_scene::{Prepared, prepared};
 use crate::run_loop::run_to_end;
 use crate::scene_file::{read, read_any};
 use crate::signals::{Signals, StopArgs};
+use crate::streams;
 use crate::whole_scene::carry_out;
-use crate::{prepared_scene::prepared, streams};
 use anyhow::ensure;
 use domain::Comm;
 use io::{
@@ -52,6 +53,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
         SceneFile::Scene(scene) => *scene,
         SceneFile::Family(family) => return run_family(args, &family, comm),
     };
+    io::check_ranks(scene.kind(), comm.size())?;
     comm.agree(io::check_accepted(&args.accept))?;
     ensure!(args.part.is_none(), "--part goes with families, scenes with [ensemble] or [sweep]; leave it out");
     let path = args.folder(scene.kind().folder());
@@ -77,7 +79,10 @@ fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitC
 
 /// A run from its start. Collective.
 fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
-    let scene = prepared(scene, comm)?;
+    let Prepared { scene, notes } = prepared(scene, true, comm)?;
+    for (label, note) in notes {
+        streams::inform(format_args!("{label:<10} {note}"));
+    }
     if let Some(work) = WholeScene::of(&scene) {
         io::check_memory(scene.kind(), comm)?;
         folder.start_with(scene.text())?;

@@ -18,7 +18,7 @@ pub fn run_to_end(
 ) -> anyhow::Result<ExitCode> {
     simulation.listen(signals.interrupt());
     signals.run_begins(resume_command(recorder.folder(), None));
-    let mut progress = Progress::start(simulation.comm(), simulation.clock(), last);
+    let mut progress = Progress::start(simulation, last);
     for warning in simulation.cautions().iter().chain(recorder.warnings()) {
         progress.say(&format!("warning: {warning}"));
     }
@@ -40,7 +40,7 @@ pub fn run_to_end(
             progress.say(&format!("step {}: {found}", simulation.clock().step()));
             knew = true;
         }
-        progress.show(simulation.clock());
+        progress.show(simulation);
     }
     let (answers, warning) = recorder.finish(simulation)?;
     let answers = io::answers_in_lines(answers);

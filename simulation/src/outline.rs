@@ -9,6 +9,7 @@ pub struct Outline {
     lines: String,
     values: Map<String, Value>,
     warnings: Vec<String>,
+    refusal: Option<String>,
 }
 
 impl Outline {
@@ -38,6 +39,18 @@ impl Outline {
     pub fn warnings(mut self, warnings: impl IntoIterator<Item = String>) -> Self {
         self.warnings.extend(warnings);
         self
+    }
+
+    /// Adds the reason for which the run would be refused here, if there is one.
+    #[must_use]
+    pub fn refusal(mut self, reason: Option<String>) -> Self {
+        self.refusal = self.refusal.or(reason);
+        self
+    }
+
+    /// The reason for which the run would be refused here.
+    pub fn refused(&self) -> Option<&str> {
+        self.refusal.as_deref()
     }
 
     /// The lines, without warnings.

@@ -91,6 +91,11 @@ pub trait Simulation {
         None
     }
 
+    /// The part that is done of what ends it before its last step, from 0 to 1, such as a strain; nothing where only steps end it.
+    fn part_done(&self) -> Option<f64> {
+        None
+    }
+
     /// Warnings for the user at the start.
     fn cautions(&self) -> Vec<String> {
         Vec::new()

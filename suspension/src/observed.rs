@@ -157,6 +157,11 @@ impl Simulation for Observed {
         Some(format!("sheared by a strain of {:.6}, at which its run ends", Number(last)))
     }
 
+    fn part_done(&self) -> Option<f64> {
+        let [_, strain] = self.suspension.shear();
+        self.last_strain.map(|last| (strain.abs() / last).min(1.0))
+    }
+
     fn cautions(&self) -> Vec<String> {
         self.cautions.clone()
     }

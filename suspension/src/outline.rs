@@ -23,6 +23,16 @@ pub struct Asked {
     pub ranks: Ranks,
     /// Ranks that share a machine.
     pub on_a_machine: usize,
+    /// Whether they are the ranks that are present, for which a run that has too little memory is refused.
+    pub are_present: bool,
+}
+
+impl Asked {
+    /// The ranks that are present.
+    pub fn present(comm: &Comm) -> Self {
+        let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
+        Self { ranks, on_a_machine: comm.size(), are_present: true }
+    }
 }
 
 /// What each rank needs, and whether this machine has it.
@@ -54,10 +64,7 @@ pub fn outline(
     let outline = with_particles(Outline::default(), model, &planned.radii, gap.as_ref());
     let outline =
         outline.lines(&planned.plan.describe_for(model.turn)).value("plan", plan_values(&planned.plan, model.turn));
-    let outline = outline
-        .line("steps", format_args!("{}, until time {:.6}", model.steps, Number(model.end())))
-        .value("steps", model.steps)
-        .value("end_time", model.end());
+    let outline = with_end(outline, model);
     let outline = match diffusive_step(model, &planned.radii) {
         None => outline,
         Some(step) => outline
@@ -66,6 +73,8 @@ pub fn outline(
     };
     let outline = with_flux(with_stiffness(outline, model), model);
     let memory = Memory::of(model, &planned, asked);
+    let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
+    let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
     let outline = with_cost(memory.add_to(outline), (&planned.plan, model.turn), &others);
     let outline = beside_periodic(outline, (model, &cell), &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
@@ -77,6 +86,20 @@ pub fn predicted_memory(model: &Model, ranks: Ranks) -> Result<Option<f64>, Star
     let Some(planned) = Planned::of_model(model)? else { return Ok(None) };
     let needs = memory::needs(model, (&planned.radii, &planned.plan), ranks);
     Ok(needs.iter().map(|need| need.resident).reduce(f64::max))
+}
+
+/// The last step, or those of which a strain may be the end before.
+fn with_end(outline: Outline, model: &Model) -> Outline {
+    let (steps, end) = (model.steps, Number(model.end()));
+    let text = match model.last_strain {
+        Some(strain) => format!("at most {steps}, until strain {:.6} or time {end:.6}", Number(strain)),
+        None => format!("{steps}, until time {end:.6}"),
+    };
+    let outline = outline.line("steps", text).value("steps", steps).value("end_time", model.end());
+    match model.last_strain {
+        Some(strain) => outline.value("last_strain", strain),
+        None => outline,
+    }
 }
 
 /// The stiffness of contacts, where the scene says no number.
@@ -196,7 +219,7 @@ impl Memory {
         let needs = memory::needs(model, (&planned.radii, &planned.plan), asked.ranks);
         // The first ranks share a machine, and the first of them needs the most.
         let together = &needs[..asked.on_a_machine.min(needs.len())];
-        let missing = Comm::check_memory_of(together).err();
+        let missing = if asked.are_present { None } else { Comm::check_memory_of(together).err() };
         let remedy = memory::remedy(model, &planned.radii);
         Self { missing: missing.map(|error| format!("{error}, and `run` would refuse it here; {remedy}")), needs }
     }

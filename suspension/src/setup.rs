@@ -197,7 +197,7 @@ impl Planned {
     }
 
     /// Refuses a run for which the ranks present have no memory. Collective.
-    fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
+    pub fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
         let need = memory::need(model, (&self.radii, &self.plan), ranks, comm.rank());
         let remedy = || memory::remedy(model, &self.radii);

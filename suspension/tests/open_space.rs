@@ -246,7 +246,10 @@ fn what_is_told_of_clouds_and_of_boundaries() {
     let told = |keys: &[&str]| {
         let ranks = Ranks { count: 2, threads: 1 };
         let model = model_of(CLOUD, keys);
-        outline(&model, None, Asked { ranks, on_a_machine: 2 }, &Comm::alone()).unwrap().text().to_owned()
+        outline(&model, None, Asked { ranks, on_a_machine: 2, are_present: false }, &Comm::alone())
+            .unwrap()
+            .text()
+            .to_owned()
     };
     let edges = "box.edges=[40.0, 40.0, 40.0]";
     let walls = ["box.boundaries=[\"periodic\", \"periodic\", \"walls\"]", edges, "particles={initial=\"random\"}"];

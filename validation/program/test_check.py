@@ -1,12 +1,14 @@
 """`check` refuses what `run` refuses at its start, in the same words, and nothing else."""
 
 import csv
+import json
 import pathlib
 import subprocess
 import tempfile
 import unittest
 
-from program import PATIENCE, command, run
+from program import PATIENCE, ROOT, command, run
+from test_scenes import SMALLER
 
 SCENES = {
     "spheres": """
@@ -70,6 +72,23 @@ step = 0.1
 steps = 1
 """,
 }
+FAILING = """
+box.edges = [10.0, 10.0, 10.0]
+fluid.viscosity = 1.0
+time = { step = 1.0, steps = 3, integrator = "adaptive" }
+hydrodynamics.tolerance = 0.01
+particles = { initial = "positions", positions = [[1.0, 5.0, 5.0], [3.2, 5.0, 5.0]] }
+[[species]]
+name = "right"
+radius = 1.0
+count = 1
+force = [30.0, 0.0, 0.0]
+[[species]]
+name = "left"
+radius = 1.0
+count = 1
+force = [-30.0, 0.0, 0.0]
+"""
 CHANGES = {
     "spheres": [
         [],
@@ -95,6 +114,8 @@ CHANGES = {
         ["flow.kind=shear", "flow.rate=1.0", "output.fields_every=1"],
         ["box.boundaries=['periodic', 'periodic', 'walls']"],
         ["fluid.thermal_energy=1.0"],
+        ["repulsion.strength=1.0", "repulsion.calibrate=true"],
+        ["hydrodynamics.grid=[4000, 4000, 4000]"],
     ],
     "disks": [
         [],
@@ -113,25 +134,75 @@ CHANGES = {
 
 
 class Check(unittest.TestCase):
-    def test_check_and_run_refuse_the_same_scenes(self):
-        with tempfile.TemporaryDirectory() as folder:
-            folder = pathlib.Path(folder)
-            (folder / "places.csv").write_text("x,y,z\n" + "\n".join(f"{3 * i + 0.5},{2 * i},1" for i in range(6)) + "\n")
-            for kind, text in SCENES.items():
-                (folder / f"{kind}.toml").write_text(text)
-                for number, sets in enumerate(CHANGES[kind]):
-                    with self.subTest(kind=kind, sets=sets):
-                        self.compare(folder / f"{kind}.toml", sets, folder / f"{kind}{number}")
+    def setUp(self):
+        place = tempfile.TemporaryDirectory()
+        self.addCleanup(place.cleanup)
+        self.folder = pathlib.Path(place.name)
 
-    def compare(self, scene, sets, out):
+    def test_check_and_run_refuse_the_same_scenes(self):
+        (self.folder / "places.csv").write_text("x,y,z\n" + "\n".join(f"{3 * i + 0.5},{2 * i},1" for i in range(6)) + "\n")
+        for kind, text in SCENES.items():
+            (self.folder / f"{kind}.toml").write_text(text)
+            for number, sets in enumerate(CHANGES[kind]):
+                self.compare(self.folder / f"{kind}.toml", sets, f"{kind}{number}")
+
+    def test_every_scene_has_the_same_verdict(self):
+        for scene in sorted((ROOT / "io" / "tests" / "bad").glob("*.toml")):
+            self.assertEqual(self.compare(scene, [], scene.stem), 1, scene)
+        for scene in sorted((ROOT / "io" / "tests" / "good").glob("*.toml")):
+            self.compare(scene, ["time.steps=1"], scene.stem)
+        for scene in sorted((ROOT / "scenes").glob("*.toml")):
+            sets = [f"{key}={value}" for key, value in SMALLER.get(scene.stem, {}).items()]
+            steps = [] if scene.stem in ("shear-cell-continuum", "disk-sweep") else ["time.steps=1"]
+            self.assertEqual(self.compare(scene, [*sets, *steps], scene.stem), 0, scene)
+
+    def test_several_ranks_make_the_same_scenes(self):
+        """Families and grains are made by one process."""
+        alone = []
+        for scene in sorted((ROOT / "scenes").glob("*.toml")):
+            sets = [f"{key}={value}" for key, value in SMALLER.get(scene.stem, {}).items()]
+            if self.compare(scene, sets, scene.stem, ranks=2):
+                alone.append(scene.stem)
+                self.assertEqual([*self.folder.glob(f"{scene.stem}/*")], [], "nothing is left of a run that is refused")
+        grains = ["disk-sweep", "family", "granular-disks", "poiseuille-disks", "shear-cell", "shear-cell-continuum"]
+        self.assertEqual(alone, grains)
+        for name in grains[2:]:
+            said = run(["check", ROOT / "scenes" / f"{name}.toml", "--ranks", 2], expect=1)
+            self.assertIn("scenes of grains run in one process", said)
+
+    def compare(self, scene, sets, name, ranks=None):
+        """The exit code of `check`, which is that of `run`, as are the errors."""
         words = [word for item in sets for word in ("--set", item)]
         checked, ran = (
-            subprocess.run(command(line), capture_output=True, text=True, timeout=PATIENCE)
-            for line in (["check", scene, *words], ["run", scene, *words, "--out", out])
+            subprocess.run(command(line, ranks), capture_output=True, text=True, timeout=PATIENCE)
+            for line in (["check", scene, *words], ["run", scene, *words, "--out", self.folder / name])
         )
         errors = [[line for line in said.stderr.splitlines() if line.startswith("error:")] for said in (checked, ran)]
-        self.assertEqual(checked.returncode, ran.returncode, f"{checked.stderr}\n{ran.stderr}")
-        self.assertEqual(*errors)
+        with self.subTest(scene=scene.name, sets=sets, ranks=ranks):
+            self.assertEqual(checked.returncode, ran.returncode, f"{checked.stderr}\n{ran.stderr}")
+            self.assertEqual(*errors)
+        return checked.returncode
+
+    def test_steps_that_fail_are_an_error_after_the_outline(self):
+        """Nothing keeps two spheres apart that are pressed together."""
+        scene = self.folder / "fails.toml"
+        scene.write_text(FAILING)
+        self.assertEqual(self.compare(scene, [], "fails"), 1)
+        self.assertIn("trial      the first steps fail", run(["check", scene], expect=1))
+        run(["check", scene, "--no-trial"])
+
+    def test_a_run_that_a_strain_ends_is_timed_until_then(self):
+        scene = ROOT / "scenes" / "thickening.toml"
+        sets = ["--set", "box.edges=[7.0, 7.0, 7.0]", "--set", "flow.stress=2.0", "--set", "time.duration=1e5"]
+        outline = json.loads(run(["check", scene, *sets, "--json"]))
+        self.assertEqual((outline["steps"], outline["last_strain"]), (100_000, 10.0))
+        self.assertTrue(1 <= outline["expected_steps"] < 10_000, outline["expected_steps"])
+        self.assertLess(outline["seconds_of_run"], 10 * outline["seconds_per_step"] * outline["expected_steps"])
+        said = run(["check", scene, *sets])
+        self.assertRegex(said, r"steps      at most 100000, until strain 10 or time 100000\n")
+        self.assertRegex(said, r"strain     reached after about \d+ steps at the rate of the first \d+, which may change\n")
+        said = run(["check", scene, *sets, "--set", "time.duration=2.0"])
+        self.assertRegex(said, r"strain     [0-9.]+% of it reached at time.duration")
 
     def test_a_scene_may_be_completed_on_the_command_line(self):
         with tempfile.TemporaryDirectory() as folder:

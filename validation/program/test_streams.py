@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 import unittest
 
-from program import PATIENCE, ROOT, command, run
+from program import PATIENCE, ROOT, command, run, start
 
 RUN = ["run", ROOT / "scenes" / "settling.toml", "--set", "box.edges=[14.0, 14.0, 14.0]", "--set", "species[0].count=30"]
 RUN += ["--set", "hydrodynamics.tolerance=1e-2", "--set", "time.steps=40", "--set", "output.trajectory_every=1"]
@@ -40,6 +40,17 @@ class Streams(unittest.TestCase):
         self.assertTrue(any("settling" in line for line in quiet), quiet)
         self.assertTrue(set(quiet) < set(whole))
         self.assertFalse([line for line in quiet if line.startswith(("method", "step", "results", "finished"))])
+
+    def test_an_evaluation_that_takes_long_is_named(self):
+        case = self.place / "long.json"
+        positions = [[2.5 * (k // 10**axis % 10) for axis in range(3)] for k in range(1000)]
+        noise = {"draws": 10_000, "seed": 1}
+        case.write_text(json.dumps({"box": [25, 25, 25], "viscosity": 1, "radii": 1, "positions": positions, "noise": noise}))
+        process = start(["mobility", case])
+        self.addCleanup(process.kill)
+        self.assertEqual(process.stderr.readline(), "the case is evaluated: 4 s so far\n")
+        process.kill()
+        process.communicate()
 
     def call(self, arguments, out, err):
         return subprocess.run(command(arguments), stdout=out, stderr=err, text=True, timeout=PATIENCE)

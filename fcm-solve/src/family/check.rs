@@ -1,13 +1,15 @@
 //! `fcm-solve check` of a family: every member, how many runs, and how long in all.
 
 use super::at_once;
+use crate::outlined::outlined;
 use crate::streams::json;
-use anyhow::{anyhow, ensure};
+use anyhow::{anyhow, bail, ensure};
 use domain::{Comm, Number, readable_bytes};
 use io::{Family, Member, Trial};
 use serde_json::{Value, json};
 use simulation::Outline;
 use std::fmt::Write as _;
+use suspension::Asked;
 
 /// A point of a family, by its first member.
 struct Checked<'a> {
@@ -37,23 +39,15 @@ pub fn check(family: &Family, is_tried: bool, as_json: bool) -> anyhow::Result<S
 
 fn point<'a>(members: &'a [Member], family: &Family, is_tried: bool) -> anyhow::Result<Checked<'a>> {
     let member = &members[0];
-    let of_member = |error: io::RunError| anyhow!("{member}: {}", io::in_full(&error));
     let work = || {
         let comm = Comm::alone();
-        let (scene, _) = io::with_start_file(family.scene(member)?, &comm)?;
-        let scene = io::on_this_machine(scene, &comm)?;
-        let asked = suspension::Asked { ranks: suspension::Ranks { count: 1, threads: 1 }, on_a_machine: 1 };
-        let outline = io::outline(scene.kind(), asked, &comm)?;
-        let trial = if is_tried { io::trial(&scene, &comm) } else { Ok(None) };
-        Ok::<_, io::RunError>(match trial {
-            Err(io::RunError::Simulation(error)) => {
-                (outline.warnings([format!("the first steps fail in a trial: {}", io::in_full(&error))]), None)
-            }
-            trial => (outline, trial?),
-        })
+        outlined(family.scene(member)?, Asked::present(&comm), is_tried, &comm)
     };
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let (outline, trial) = one.install(work).map_err(of_member)?;
+    let (outline, trial) = one.install(work).map_err(|error| anyhow!("{member}: {error:#}"))?;
+    if let Some(reason) = outline.refused() {
+        bail!("{member}: {reason}");
+    }
     Ok(Checked { member, runs: members.len(), outline, trial })
 }
 

@@ -38,14 +38,13 @@ pub fn check_memory(kind: &Kind, comm: &Comm) -> Result<(), RunError> {
     comm.check_memory(need(kind)).map_err(|missing| RunError::Memory { remedy: remedy(kind), missing })
 }
 
-/// Adds the memory of a scene to its outline, and a warning if it is insufficient.
-pub fn add_to(outline: Outline, kind: &Kind) -> Outline {
+/// Adds the memory of a scene to its outline, and the refusal of its run if it is insufficient.
+pub fn add_to(outline: Outline, kind: &Kind, comm: &Comm) -> Outline {
     let need = need(kind);
-    let missing = Comm::check_memory_of(&[need]).err();
     outline
         .line("memory", format_args!("about {} at most", readable_bytes(need.resident)))
         .value("memory_bytes", vec![need.resident.ceil() as u64])
-        .warnings(missing.map(|error| format!("{}: {error}", remedy(kind))))
+        .refusal(check_memory(kind, comm).err().map(|error| error.to_string()))
 }
 
 /// The description of a scene, and what to change if it needs too much memory.

@@ -1,7 +1,7 @@
 //! Scenes of grains in numbers, before they are run.
 
 use super::trial::sweep_steps;
-use super::{RunError, memory, start, start_positions};
+use super::{RunError, check_ranks, memory, start, start_positions};
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Comm, Number};
 use drivers::disks::Sweep;
@@ -16,6 +16,7 @@ const GRAIN_STEPS: f64 = 2.5e7;
 
 /// The outline of a scene: its particles, plan, memory and cost, on ranks that need not exist. Collective.
 pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunError> {
+    check_ranks(kind, asked.ranks.count)?;
     let outline = match kind {
         Kind::Suspension(scene) => {
             return Ok(suspension::outline(&scene.model, start_positions(scene, comm)?, asked, comm)?
@@ -29,7 +30,7 @@ pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunErr
         Kind::ShearCell(scene) => with_cost(scene.experiment.outline(), cell_seconds(scene)),
         Kind::Continuum(scene) => continuum(scene),
     };
-    Ok(memory::add_to(outline, kind).value("kind", kind.name()))
+    Ok(memory::add_to(outline, kind, comm).value("kind", kind.name()))
 }
 
 fn of_disks(scene: &GranularDisksScene) -> Outline {

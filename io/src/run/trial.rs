@@ -1,5 +1,6 @@
 //! What a run will take, by a trial of its first steps.
 
+use super::strain_end::StrainEnd;
 use super::{RunError, start};
 use crate::checkpoint;
 use crate::{GranularDisksScene, Kind, Output, Scene, SceneRecord, SuspensionScene, Trajectory};
@@ -19,6 +20,8 @@ pub struct Trial {
     pub run: f64,
     /// Bytes of all files at its end.
     pub bytes: f64,
+    /// The end by a strain, of a run that has one.
+    strain: Option<StrainEnd>,
     /// Steps that were taken.
     tried: u64,
     /// Particles of the copy that took them, if it was not the scene itself.
@@ -118,9 +121,9 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     loop {
         let (step, time) = (simulation.clock().step(), agreed(began, comm));
         ends.push((step, time));
-        let whole = time / step.max(1) as f64 * steps_of_all(scene);
+        let whole = time / step.max(1) as f64 * steps_of_all(scene, StrainEnd::of(simulation, last));
         let is_enough = time > TIME.as_secs_f64().max(PART * whole) && step >= WARM_UP + TIMED;
-        if step >= last || is_enough || time > MOST_TIME.as_secs_f64() {
+        if step >= last || simulation.ended().is_some() || is_enough || time > MOST_TIME.as_secs_f64() {
             break;
         }
         match simulation.advance(next(output, step).min(last)) {
@@ -140,12 +143,14 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let step = trying.costs * usual(&ends[warm..]);
     let course = if let Kind::Suspension(scene) = scene.kind() { suspension::course(&scene.model) } else { 1.0 };
     let step = step * course;
-    let steps = step * (steps_of_all(scene) - warm_step as f64).max(0.0);
-    let written = written(&mut trying, scene, output);
+    let strain = StrainEnd::of(&*trying.simulation, last);
+    let all = steps_of_all(scene, strain);
+    let steps = step * (all - warm_step as f64).max(0.0);
+    let written = written(&mut trying, (scene, output), all.ceil() as u64);
     let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
     let start = LAUNCH_TIME + trying.costs * start;
     let run = start + trying.costs * warm_time + steps + written.seconds;
-    Ok(Some(Trial { start, step, run, bytes: written.bytes, tried, copy }))
+    Ok(Some(Trial { start, step, run, bytes: written.bytes, strain, tried, copy }))
 }
 
 /// Seconds a step, by steps and times at the ends of some: the mean, in which those that took many times as long as the median,
@@ -222,8 +227,8 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
     }))
 }
 
-/// The steps of a run; of a sweep those of all its runs, as many of which go on at a time as there are threads.
-fn steps_of_all(scene: &Scene) -> f64 {
+/// The steps of a run, at most where a strain may end it before; of a sweep those of all its runs, as many of which go on at a time as there are threads.
+fn steps_of_all(scene: &Scene, strain: Option<StrainEnd>) -> f64 {
     match scene.kind() {
         Kind::GranularDisks(disks) => match &disks.sweep {
             Some(sweep) => {
@@ -232,7 +237,7 @@ fn steps_of_all(scene: &Scene) -> f64 {
             }
             None => disks.time.steps as f64,
         },
-        kind => kind.steps() as f64,
+        kind => strain.map_or(kind.steps() as f64, |end| end.steps(kind.steps() as f64)),
     }
 }
 
@@ -243,8 +248,8 @@ pub(super) fn sweep_steps(scene: &GranularDisksScene) -> f64 {
 }
 
 /// What is written until the last step.
-fn written(trying: &mut Trying, scene: &Scene, output: &Output) -> Written {
-    let count = |schedule: Schedule| schedule.count_until(scene.kind().steps()) as f64;
+fn written(trying: &mut Trying, (scene, output): (&Scene, &Output), last: u64) -> Written {
+    let count = |schedule: Schedule| schedule.count_until(last) as f64;
     let [rows, frames] = [output.observables, output.trajectory].map(count);
     let simulation = &mut *trying.simulation;
     let quantities = simulation.quantities();
@@ -319,8 +324,9 @@ impl Trial {
         };
         let text =
             format!("about {} a step and {} for the run, by {of}", time_in_words(self.step), time_in_words(self.run));
+        let outline = outline.line("time", text);
+        let outline = if let Some(end) = self.strain { end.add_to(outline, self.tried) } else { outline };
         outline
-            .line("time", text)
             .line("output", format_args!("about {}", readable_bytes(self.bytes)))
             .value("seconds_to_start", self.start)
             .value("seconds_per_step", self.step)

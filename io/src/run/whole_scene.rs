@@ -1,9 +1,8 @@
 //! Scenes that are not advanced in steps: they are carried out as a whole.
 
-use super::{Listener, RunError, RunFolder, continuum, sweep};
+use super::{Listener, RunError, RunFolder, check_ranks, continuum, sweep};
 use crate::{ContinuumScene, Kind, Scene};
 use domain::Comm;
-use drivers::StartError;
 use drivers::disks::Sweep;
 use std::path::Path;
 
@@ -33,9 +32,7 @@ impl<'a> WholeScene<'a> {
         comm: &Comm,
         listener: &dyn Listener,
     ) -> Result<(), RunError> {
-        if comm.size() > 1 {
-            return Err(StartError::Processes.into());
-        }
+        check_ranks(scene.kind(), comm.size())?;
         folder.manifest().remove_temporary_files();
         match self {
             Self::Continuum(problems) => continuum::solve(problems, scene, folder.manifest(), listener),

@@ -1,0 +1,14 @@
+//! The ranks that a scene can be run on.
+
+use super::RunError;
+use crate::Kind;
+use drivers::StartError;
+
+/// Refuses more ranks than one for scenes of grains.
+pub fn check_ranks(kind: &Kind, ranks: usize) -> Result<(), RunError> {
+    match kind {
+        Kind::Suspension(_) => Ok(()),
+        _ if ranks == 1 => Ok(()),
+        _ => Err(StartError::Processes.into()),
+    }
+}
