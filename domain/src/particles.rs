@@ -90,6 +90,18 @@ impl Particles {
         bytemuck::cast_slice_mut(&mut self.column(name, 3).values)
     }
 
+    /// Adds the sum of `weights[k] * columns[k]` to the positions; columns that are missing are made, of zeros.
+    pub fn displace_by<const N: usize>(&mut self, columns: [&str; N], weights: [f64; N]) {
+        for name in columns {
+            self.column(name, 3);
+        }
+        let find = |name| self.columns.iter().find(|column| column.name == name).expect("made above");
+        let columns: [&[Vector]; N] = columns.map(|name| bytemuck::cast_slice(&find(name).values));
+        for (row, position) in self.positions.iter_mut().enumerate() {
+            *position += (0..N).map(|k| columns[k][row] * weights[k]).sum::<Vector>();
+        }
+    }
+
     /// Refuses a store whose columns do not fit its number of particles.
     pub fn check(&self) -> Result<(), ColumnError> {
         let particles = self.len();

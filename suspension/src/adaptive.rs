@@ -1,7 +1,7 @@
 //! Steps as long as accuracy and near pairs allow.
 
 use crate::dynamics::{Dynamics, Moment, Outcome};
-use crate::integrator::{move_by, remember};
+use crate::integrator::remember;
 use crate::model::Adaptive;
 use crate::orders::{Estimate, USED, Weights, of_displacements, weights};
 use crate::relative_motion::RelativeMotion;
@@ -62,7 +62,7 @@ pub fn advance(
         let Chosen { step, weights, apart } =
             Substep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
         let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
-        move_by(particles, USED, weights);
+        particles.displace_by(USED, weights);
         particles.positions.iter_mut().zip(&apart).for_each(|(position, &apart)| *position += apart);
         remember(particles, PAST_VELOCITIES);
         let moment = Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit: None };

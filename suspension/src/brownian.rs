@@ -2,12 +2,12 @@
 
 use crate::columns::VELOCITY;
 use crate::dynamics::{Dynamics, Moment, Outcome};
-use crate::integrator::{PAST, move_by};
+use crate::integrator::PAST;
 use crate::model::BrownianScheme;
-use crate::random_motion::{self, DISPLACEMENT, DRIFT_VELOCITY};
 use crate::step_error::StepError;
 use domain::Particles;
 use fcm::Stream;
+use hydrodynamics::brownian::{self, DISPLACEMENT, DRIFT_VELOCITY};
 use simulation::Clock;
 
 /// What heat does.
@@ -95,12 +95,12 @@ fn midpoint(
     let half = 0.5 * clock.dt();
     dynamics.fluctuate(particles, noise);
     dynamics.carry(particles);
-    move_by(particles, [PAST[0]], [half]);
+    particles.displace_by([PAST[0]], [half]);
     let middle = Moment::in_step(clock, 0.5, 0);
     let outcome = dynamics.evaluate_fluctuating(particles, &middle, noise)?;
-    move_by(particles, [VELOCITY, PAST[0]], [2.0 * half, -half]);
+    particles.displace_by([VELOCITY, PAST[0]], [2.0 * half, -half]);
     dynamics.place(particles, &Moment::in_step(clock, 1.0, 0))?;
-    random_motion::forget(particles);
+    brownian::forget(particles);
     Ok(outcome)
 }
 
@@ -112,14 +112,14 @@ fn two_evaluations(
 ) -> Result<Outcome, StepError> {
     let start = Moment::in_step(clock, 0.0, 0);
     dynamics.fluctuate(particles, noise);
-    random_motion::displace(particles, PART * 0.5 * clock.dt());
+    brownian::displace(particles, PART * 0.5 * clock.dt());
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
-    move_by(particles, [DISPLACEMENT], [1.0]);
+    particles.displace_by([DISPLACEMENT], [1.0]);
     dynamics.place(particles, &start)?;
     dynamics.note_drift(particles, &start, (PART, noise.energy))?;
-    random_motion::limit_drift(particles, clock.dt());
-    move_by(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
-    random_motion::forget(particles);
+    brownian::limit_drift(particles, clock.dt());
+    particles.displace_by([DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
+    brownian::forget(particles);
     dynamics.place(particles, &Moment::in_step(clock, 1.0, 0))?;
     Ok(outcome)
 }

@@ -13,5 +13,4 @@ pub const ANGULAR_VELOCITY: &str = "angular_velocity";
 pub const PAIR_MOMENT: &str = "pair moment";
 pub const PAIR_MOMENT_NUMBERS: usize = 9;
 
-/// The column of stresslets by heat of the last step, where they are told apart from random ones.
-pub const BROWNIAN: &str = "brownian stresslet";
+pub use hydrodynamics::brownian::BROWNIAN;

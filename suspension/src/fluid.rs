@@ -1,9 +1,9 @@
 //! The fluid's velocity on a grid, for pictures.
 
-use crate::poiseuille::Poiseuille;
 use bytemuck::cast_slice;
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Vector};
 use fcm::{Evaluation, Loads, Mobility, Plan, Raster};
+use hydrodynamics::Poiseuille;
 
 /// The velocity of the fluid at points, in the order `[z][y][x]`, x fastest; on the first rank.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use crate::columns::VELOCITY;
 use crate::contacts;
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::extrapolation;
-use crate::integrator::{EXPECTED, MEAN, PAST, PAST_OF_ANY_LENGTH, move_by, remember};
+use crate::integrator::{EXPECTED, MEAN, PAST, PAST_OF_ANY_LENGTH, remember};
 use crate::model::Adaptive;
 use crate::relative_motion::RelativeMotion;
 use crate::step_error::StepError;
@@ -193,7 +193,7 @@ fn expect(particles: &mut Particles, length: &Length, mut approach: RelativeMoti
     particles.vectors(EXPECTED).copy_from_slice(&expected);
     let sheared = approach.carried_by(dynamics.moving_box().carry(length.step, length.expected()));
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
-    move_by(particles, USED, length.expected());
+    particles.displace_by(USED, length.expected());
     displace(particles, &apart);
     remember(particles, PAST_OF_ANY_LENGTH);
     dynamics.expect_flow(length.extrapolation(), length.expected());
@@ -212,7 +212,7 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let sheared = approach.carried_by(dynamics.moving_box().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
     let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
-    move_by(particles, columns, weights);
+    particles.displace_by(columns, weights);
     displace(particles, &apart);
     error.max(change.error / GAP_ERROR)
 }

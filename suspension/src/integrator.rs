@@ -1,7 +1,7 @@
 //! Positions advanced in time.
 
 use crate::columns::VELOCITY;
-use domain::{Particles, Vector};
+use domain::Particles;
 
 /// Velocities of the steps before, the last one first.
 pub const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocity 3"];
@@ -80,11 +80,13 @@ impl AdamsBashforth {
 
     fn go(self, particles: &mut Particles, dt: f64) {
         match self {
-            Self::Two => move_by(particles, [VELOCITY, PAST[0]], [3.0, -1.0].map(|w| w / 2.0 * dt)),
-            Self::Three => move_by(particles, [VELOCITY, PAST[0], PAST[1]], [23.0, -16.0, 5.0].map(|w| w / 12.0 * dt)),
+            Self::Two => particles.displace_by([VELOCITY, PAST[0]], [3.0, -1.0].map(|w| w / 2.0 * dt)),
+            Self::Three => {
+                particles.displace_by([VELOCITY, PAST[0], PAST[1]], [23.0, -16.0, 5.0].map(|w| w / 12.0 * dt))
+            }
             Self::Four => {
                 let weights = [55.0, -59.0, 37.0, -9.0].map(|w| w / 24.0 * dt);
-                move_by(particles, [VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
+                particles.displace_by([VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
             }
         }
         remember(particles, self.past());
@@ -118,30 +120,18 @@ fn runge_kutta<E>(
 ) -> Result<(), E> {
     remember(particles, past);
     let first = PAST[0];
-    move_by(particles, [first], [0.5 * dt]);
+    particles.displace_by([first], [0.5 * dt]);
     evaluate(particles, 0.5)?;
     copy(particles, VELOCITY, STAGES[0]);
-    move_by(particles, [STAGES[0], first], [0.5 * dt, -0.5 * dt]);
+    particles.displace_by([STAGES[0], first], [0.5 * dt, -0.5 * dt]);
     evaluate(particles, 0.5)?;
     copy(particles, VELOCITY, STAGES[1]);
-    move_by(particles, [STAGES[1], STAGES[0]], [dt, -0.5 * dt]);
+    particles.displace_by([STAGES[1], STAGES[0]], [dt, -0.5 * dt]);
     evaluate(particles, 1.0)?;
     let weights = [1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0 - 1.0, 1.0 / 6.0].map(|w| w * dt);
-    move_by(particles, [first, STAGES[0], STAGES[1], VELOCITY], weights);
+    particles.displace_by([first, STAGES[0], STAGES[1], VELOCITY], weights);
     particles.columns.retain(|column| !STAGES.contains(&column.name.as_str()));
     Ok(())
-}
-
-/// Adds the sum of `weights[k] * column[k]` to the positions.
-pub fn move_by<const N: usize>(particles: &mut Particles, columns: [&str; N], weights: [f64; N]) {
-    for name in columns {
-        particles.column(name, 3);
-    }
-    let find = |name| particles.columns.iter().find(|c| c.name == name).expect("made above");
-    let columns: [&[Vector]; N] = columns.map(|name| bytemuck::cast_slice(&find(name).values));
-    for (i, position) in particles.positions.iter_mut().enumerate() {
-        *position += (0..N).map(|k| columns[k][i] * weights[k]).sum::<Vector>();
-    }
 }
 
 /// Forgets all velocities but those of now.
@@ -167,6 +157,7 @@ fn copy(particles: &mut Particles, from: &str, to: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use domain::Vector;
     use simulation::Clock;
 
     /// A particle on a circle whose angular velocity changes in time: `x' = (1 + t) e_z x x`.

@@ -27,7 +27,6 @@ mod averages;
 pub mod benchmark;
 mod brownian;
 mod cautions;
-mod channel_flow;
 mod cloud;
 mod columns;
 mod contacts;
@@ -43,15 +42,12 @@ mod forces;
 mod forecast;
 mod gap;
 mod given_positions;
-mod hydrodynamics;
 mod implicit;
 mod initial;
 mod integrator;
 mod least_repulsion;
-mod lengths;
 mod memory;
 mod migration;
-mod mobility;
 mod model;
 mod moving_box;
 mod near;
@@ -60,20 +56,15 @@ mod observed;
 mod open_box;
 mod orders;
 mod outline;
-mod overlaps;
 mod plan;
-mod poiseuille;
 mod pressure_flow;
-mod random_motion;
 mod relative_motion;
 mod rheology;
 mod sampling;
 mod setup;
-mod single_evaluation;
 mod steadiness;
 mod step_error;
 mod step_lengths;
-mod strain_rate;
 mod stress;
 mod stretching;
 mod substeps;
@@ -82,19 +73,19 @@ mod tethers;
 mod user_axes;
 mod warm_start;
 
-pub use channel_flow::FlowRefused;
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 pub use course::course;
 pub use error::{PlacingError, StartError};
 pub use fluid::FluidVelocity;
 pub use forecast::Forecast;
+pub use hydrodynamics::memory::Ranks;
 pub use hydrodynamics::{
-    Acting, ContactSprings, Guess, Hydrodynamics as CoupledHydrodynamics, ShortRange, Solved, Springs,
+    Acting, BondSprings, ContactSprings, Drift, FlowRefused, Guess, Hydrodynamics as CoupledHydrodynamics, Mobility,
+    MobilityError, MobilityParameters, Motions, Overlaps, ShortRange, SingleEvaluation, Solved, Springs,
+    TetherResistance,
 };
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use lubrication::Elasticity;
-pub use memory::Ranks;
-pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
 pub use model::{
     Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics,
     Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion,
@@ -102,12 +93,9 @@ pub use model::{
 };
 pub use observed::Observed;
 pub use outline::{Asked, outline, plan_values, predicted_memory};
-pub use overlaps::Overlaps;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
-pub use single_evaluation::SingleEvaluation;
 pub use steadiness::longest_step;
 pub use step_error::StepError;
 pub use stress::ParticleStress;
 pub use suspension::{StepReport, Suspension};
-pub use tethers::{BondSprings, TetherResistance};
 pub use user_axes::UserAxes;

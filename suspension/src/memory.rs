@@ -9,13 +9,11 @@ use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::contacts::{CONTACT_NUMBERS, SETTLING_NUMBERS, most_contacts};
 use crate::driven::DRIVEN_NUMBERS;
 use crate::forces::SurfaceForces;
-use crate::hydrodynamics::memory::{solve_bytes, table_bytes};
 use crate::integrator::{AdamsBashforth, PAST_OF_ANY_LENGTH};
 use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
 use crate::near::NearLists;
 use crate::open_box;
 use crate::plan::{Radii, largest_strain};
-use crate::random_motion::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use crate::relative_motion::WATCHED;
 use crate::sampling;
 use crate::tethers::TRAP_NUMBERS;
@@ -25,6 +23,8 @@ use domain::{
     packing_bytes, readable_bytes,
 };
 use fcm::{Footprint, Plan};
+use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
+use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use lubrication::Range;
 use simulation::Frame;
 
@@ -36,15 +36,6 @@ const DENSE: f64 = 0.25;
 
 /// Species, in columns of which they are counted to see how far they are apart, beyond which those are worth a word.
 const MANY: usize = 16;
-
-/// Who takes memory: one of so many ranks, each with so many threads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Ranks {
-    /// How many.
-    pub count: usize,
-    /// Threads of each.
-    pub threads: usize,
-}
 
 /// What each rank of a run needs at its peak.
 pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec<Need> {
@@ -59,13 +50,6 @@ pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: u
     let (threads, rank_of) = (ranks.threads, (rank, ranks.count));
     let share = Share { model, far, expected: &expected, threads, rank_of };
     of_peak(share.peak(), &share.far, (rank, ranks.count))
-}
-
-/// What a rank needs whose allocations have a peak, with the far field of a plan.
-pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> Need {
-    let reached = far.reached();
-    let resident = Process::of(rank, ranks).resident(peak.most) + reached;
-    Need { resident, reached, mapped: far.columns_of_others(ranks) - reached }
 }
 
 /// What to change in a scene that takes too much memory.

@@ -4,11 +4,11 @@ use crate::deformation::Deformation;
 use crate::driven::{Driven, Search};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::model::{Extension, ShearRates};
-use crate::poiseuille::Poiseuille;
 use crate::pressure_flow::PressureFlow;
-use crate::strain_rate::StrainRate;
 use crate::stretching::{Matrix, Named, StretchingLattice};
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
+use hydrodynamics::Poiseuille;
+use hydrodynamics::StrainRate;
 use simulation::Clock;
 use solver::BackgroundFlow;
 

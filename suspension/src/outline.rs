@@ -3,13 +3,14 @@
 use crate::cautions::{cautions, diffusive_step};
 use crate::error::StartError;
 use crate::gap::Gap;
-use crate::memory::{self, Ranks};
+use crate::memory;
 use crate::model::{Contacts, Flow, Model};
 use crate::open_box::follows;
 use crate::plan::{Radii, problem_in};
 use crate::setup::{Planned, Setup};
 use domain::{Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, Turn, readable_bytes};
 use fcm::{Method, Plan, Precision, Problem};
+use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
 use simulation::Outline;
 

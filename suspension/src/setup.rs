@@ -3,19 +3,20 @@
 use crate::error::StartError;
 use crate::gap::Gap;
 use crate::initial;
-use crate::lengths::check_lubricated;
-use crate::memory::{self, Ranks};
+use crate::memory;
 use crate::model::{Flow, Model};
 use crate::moving_box::MovingBox;
 use crate::near::smallest_gap;
 use crate::open_box;
 use crate::plan::{Radii, plan, plan_in};
-use crate::poiseuille::Poiseuille;
 use crate::pressure_flow::PressureFlow;
 use crate::relative_motion::RelativeMotion;
 use crate::tethers;
 use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition, PeriodicBox};
 use fcm::{Plan, PlanError};
+use hydrodynamics::Poiseuille;
+use hydrodynamics::lengths::check_lubricated;
+use hydrodynamics::memory::Ranks;
 use simulation::Clock;
 
 /// What a run and its outline have in common.

@@ -2,9 +2,9 @@
 
 use crate::columns::STRESSLET;
 use crate::extrapolation;
-use crate::hydrodynamics::{Guess, Solved};
 use domain::{Comm, Particles, Vector};
 use fcm::{Loads, Motion};
+use hydrodynamics::{Guess, Solved};
 use rayon::prelude::*;
 
 /// With forces between near spheres in the solve: the stresslets of the far field, the forces and torques that the fluid

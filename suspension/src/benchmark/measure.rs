@@ -2,12 +2,12 @@
 
 use super::BenchmarkError;
 use super::spheres::{Kind, Spheres, loads};
-use crate::single_evaluation::SingleEvaluation;
 use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{
     Costs, Evaluation, Fixed, Loading, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem,
     Seconds,
 };
+use hydrodynamics::SingleEvaluation;
 use serde::Serialize;
 use std::time::Instant;
 

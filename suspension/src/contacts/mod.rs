@@ -6,14 +6,14 @@ mod measured;
 mod settling;
 mod touching;
 
-use crate::hydrodynamics::ContactSprings;
 use crate::moving_box::MovingBox;
-use crate::strain_rate::StrainRate;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
 pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
+use hydrodynamics::ContactSprings;
+use hydrodynamics::StrainRate;
 use lubrication::{Contact, Surfaces};
 pub use measured::Measured;
 pub use settling::{SETTLING_NUMBERS, Settling};

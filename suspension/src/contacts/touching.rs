@@ -1,8 +1,8 @@
 //! The contacts of the particles that a rank owns.
 
 use super::history::{CONTACTS, Memory, recall};
-use crate::hydrodynamics::ContactSprings;
 use domain::{Halo, Neighbours, Particles, Partition, PeriodicBox, Vector};
+use hydrodynamics::ContactSprings;
 use lubrication::{Contact, Surfaces};
 
 /// A contact as one of its two particles sees it. The other, on this rank or another, sees the same with its axis and force

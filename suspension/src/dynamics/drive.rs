@@ -4,11 +4,11 @@ use super::{Dynamics, Moment, Outcome};
 use crate::columns::{STRESSLET, VELOCITY};
 use crate::driven::Search;
 use crate::forces::{Ahead, Surface};
-use crate::hydrodynamics::Guess;
 use crate::integrator::EXPECTED;
 use crate::step_error::StepError;
 use domain::{Particles, Tensor, Traceless};
 use fcm::Motion;
+use hydrodynamics::Guess;
 
 impl Dynamics {
     /// Solves for the rate of shear with which the stress is what it is to be, and for the motions at that rate. Collective.

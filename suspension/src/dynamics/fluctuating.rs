@@ -3,12 +3,12 @@
 use super::{Dynamics, Moment, Outcome};
 use crate::brownian::Noise;
 use crate::crowding::{Crowded, Crowding};
-use crate::hydrodynamics::{Guess, Solved};
 use crate::integrator::PAST;
-use crate::random_motion::{self, CHANGE, Change, ambient, set_ambient};
 use crate::step_error::StepError;
 use domain::{Interrupted, Particles, Vector};
 use fcm::Loads;
+use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
+use hydrodynamics::{Guess, Solved};
 
 /// Error of random motions over the tolerance.
 const ROOT: f64 = 0.3;
@@ -68,7 +68,7 @@ impl Dynamics {
     }
 
     /// As [`Self::evaluate_fluctuating`], but what was found is not that of the particles: its velocities are the first past ones,
-    /// and its motions are noted, as their change is to be known, see [`random_motion::note_solved`]. Collective; fails on every rank
+    /// and its motions are noted, as their change is to be known, see [`brownian::note_solved`]. Collective; fails on every rank
     /// or on none.
     pub fn move_at_random(
         &mut self,
@@ -80,13 +80,13 @@ impl Dynamics {
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
         if self.rigid {
             let cell = *self.moving.cell();
-            let noted = random_motion::note_solved(&mut self.hydrodynamics, (&cell, particles), (&loads, &solved));
+            let noted = brownian::note_solved(&mut self.hydrodynamics, (&cell, particles), (&loads, &solved));
             noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         }
         Ok(Outcome::of(&solved))
     }
 
-    /// Notes the drift of the random motions at a thermal energy where the particles are now, see [`random_motion::note_drift`]; that of
+    /// Notes the drift of the random motions at a thermal energy where the particles are now, see [`brownian::note_drift`]; that of
     /// particles that do not resist to strain is the divergence of the mobility. Collective; fails on every rank or on none.
     pub fn note_drift(
         &mut self,
@@ -96,11 +96,11 @@ impl Dynamics {
     ) -> Result<(), StepError> {
         let cell = *self.moving.cell();
         if !self.rigid {
-            random_motion::note_divergence(&mut self.hydrodynamics, (&cell, particles), energy);
+            brownian::note_divergence(&mut self.hydrodynamics, (&cell, particles), energy);
             return Ok(());
         }
         let change = Change { over, energy, tolerance: CHANGE };
-        let noted = random_motion::note_drift(&mut self.hydrodynamics, (&cell, particles), change);
+        let noted = brownian::note_drift(&mut self.hydrodynamics, (&cell, particles), change);
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }
 

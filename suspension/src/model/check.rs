@@ -5,8 +5,8 @@ use super::{
     Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps,
     travel,
 };
-use crate::lengths::check_lubricated;
 use domain::{Boundaries, Number, ParameterError};
+use hydrodynamics::lengths::check_lubricated;
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
 

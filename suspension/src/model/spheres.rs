@@ -1,8 +1,8 @@
 //! The spheres: their species and where they start.
 
 use super::Parameters;
-use crate::lengths::check_radius;
 use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector};
+use hydrodynamics::lengths::check_radius;
 
 /// The largest volume fraction that spheres may have together.
 pub const MAX_FRACTION: f64 = 0.64;

@@ -1,10 +1,10 @@
 //! The flow without spheres, which velocities are relative to, in the axes of the user.
 
 use crate::model::{Flow, Model};
-use crate::poiseuille::Poiseuille;
 use crate::setup::profile;
 use crate::user_axes::UserAxes;
 use domain::Vector;
+use hydrodynamics::Poiseuille;
 use solver::BackgroundFlow;
 
 /// The flows of a scene at any rate.

@@ -4,6 +4,7 @@ use crate::forces::Ahead;
 use crate::model::Model;
 use domain::{Comm, Failure, Halo, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
+use hydrodynamics::BondSprings;
 use simulation::{ContactForce, ContactState};
 
 /// The column of the bonds of a particle, in slots: the id of the other particle plus 1, or 0 for none; the distance at rest;
@@ -27,17 +28,6 @@ pub struct Bonds {
 struct Kind {
     stiffness: f64,
     breaking_force: f64,
-}
-
-/// What a bond resists to the parting of the centres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BondSprings {
-    /// The id of the other particle.
-    pub other: u64,
-    /// The distance up to which an image of it is the one that is meant.
-    pub within: f64,
-    /// Force over velocity.
-    pub resistance: f64,
 }
 
 /// A bond as one of its two particles sees it; the other sees the same with its axis reversed, to the last bit.

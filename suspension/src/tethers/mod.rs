@@ -5,7 +5,7 @@ mod start;
 mod traps;
 
 use bonds::Tied;
-pub use bonds::{BOND_NUMBERS, BondSprings, Bonds};
+pub use bonds::{BOND_NUMBERS, Bonds};
 pub use start::{check, tie};
 pub use traps::{TRAP_NUMBERS, Traps};
 
@@ -13,6 +13,7 @@ use crate::forces::Ahead;
 use crate::model::Model;
 use domain::{Comm, Failure, Particles, Partition, PeriodicBox, Tensor};
 use fcm::Loads;
+use hydrodynamics::TetherResistance;
 use simulation::ContactForce;
 
 /// What the end of each step makes sure of.
@@ -22,15 +23,6 @@ const KNOWN: &str = "bonds are shorter than half of the box between steps";
 pub struct Tethers {
     bonds: Option<Bonds>,
     traps: Option<Traps>,
-}
-
-/// What bonds and traps resist to motions of the particles that a rank owns, force over velocity; empty without them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct TetherResistance {
-    /// Of bonds, particle by particle.
-    pub bonds: Vec<Vec<BondSprings>>,
-    /// Of traps.
-    pub traps: Vec<f64>,
 }
 
 impl Tethers {

@@ -1,0 +1,376 @@
+//! Rigid spheres with lubrication: the far field and the near field, solved together.
+
+mod constant_flux;
+mod perturbed_solve;
+
+use crate::ambient::StrainRate;
+use crate::noise;
+use crate::pairs::lubrication::PairLubrication;
+use crate::pairs::search::{NearField, NearPairs, Pairs};
+use crate::preconditioner::ParticleMatrix;
+use crate::six_vector::{Screw, Screws};
+use crate::springs::Springs;
+use crate::system::{self, Coupled, Unknowns};
+use crate::units::{self, Scaled};
+use constant_flux::ConstantFlux;
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
+use fcm::{
+    Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
+};
+use lubrication::{PairForce, PairForceError, Range, WallForce};
+pub use perturbed_solve::Found;
+use std::borrow::Cow;
+use std::f64::consts::PI;
+
+/// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added. As
+/// with those, results have the same digits in any units.
+pub struct Hydrodynamics {
+    far: fcm::Hydrodynamics,
+    /// In units of length and viscosity in which the particles' and the fluid's are about 1.
+    near: Option<NearField>,
+    units: Units,
+    preconditioned: bool,
+    partition: Partition,
+}
+
+/// What acts between near particles besides the far field.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ShortRange {
+    /// Gaps at which there is lubrication, if there is any.
+    pub lubrication: Option<Range>,
+    /// Distance of the centres up to which springs act, if there are any.
+    pub springs: Option<f64>,
+}
+
+/// What makes the particles move.
+pub struct Acting<'a> {
+    /// Forces and torques; stresslets are ignored and solved for.
+    pub loads: &'a Loads,
+    /// The rate of strain of the background flow.
+    pub strain_rate: StrainRate,
+    /// Springs whose resistance goes with the loads, if there are any.
+    pub springs: Option<&'a Springs<'a>>,
+    /// How the fluid moves at the particles besides, each its own, such as by heat; no entries stand for none.
+    pub ambient: &'a Motion,
+    /// Whether a flow along x besides, between two walls, keeps the flux what it is without particles.
+    pub constant_flux: bool,
+}
+
+/// The motions of the spheres and what was needed to find them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// Motions relative to the background flow.
+    pub motion: Motion,
+    /// The whole hydrodynamic stresslets; empty with monopoles only.
+    pub stresslets: Vec<Traceless>,
+    /// What the far field sees: the loads given and those of lubrication, and its part of the stresslets.
+    pub far: Loads,
+    /// What the loads of all others do to each sphere: its velocities less those that its own loads alone would give it.
+    pub induced: Motion,
+    /// The curvature `-u''` of the flow that keeps the flux; 0 if none does.
+    pub curvature: f64,
+    /// Applications of the mobility, besides one to begin with.
+    pub iterations: usize,
+    /// The error left, as the iteration estimates it, relative to the solution.
+    pub residual: f64,
+}
+
+/// Where the search for a solution starts; empty lists stand for nothing known.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Guess {
+    /// The far field's part of the stresslets.
+    pub stresslets_far: Vec<Traceless>,
+    /// Velocities that the loads of all others induce, see [`Solved::induced`].
+    pub induced_velocities: Vec<Vector>,
+    /// Angular velocities that they induce.
+    pub induced_angular_velocities: Vec<Vector>,
+    /// Velocities relative to the background flow: where the search for those that go with the former starts.
+    pub velocities: Vec<Vector>,
+    /// Angular velocities relative to the background flow.
+    pub angular_velocities: Vec<Vector>,
+}
+
+impl Guess {
+    /// That of particles that the fluid around moves.
+    pub fn induced_by(ambient: &Motion) -> Self {
+        Self {
+            induced_velocities: ambient.velocities.clone(),
+            induced_angular_velocities: ambient.angular_velocities.clone(),
+            ..Self::default()
+        }
+    }
+}
+
+/// Fluid that does not move besides.
+pub static STILL: Motion = Motion { velocities: Vec::new(), angular_velocities: Vec::new(), strain_rates: Vec::new() };
+
+/// Iterations after which a solve has failed.
+const MOST_ITERATIONS: usize = 1000;
+
+/// Error left in the preconditioner's solves of the stiff pairs: the outer iteration corrects it, and takes hardly fewer
+/// steps if they are ten times more exact.
+const ROUGH: f64 = 0.1;
+
+/// Errors left in the near field of the start and of the end, over that allowed: small enough that where the far field was
+/// guessed well, nothing is left to iterate on, and that the next guess is as good.
+const START: f64 = 0.6;
+const END: f64 = 0.2;
+
+impl Hydrodynamics {
+    /// Prepares what `plan` decided, with what acts between near particles. Not to be called from a rayon task.
+    pub fn new(plan: &Plan, partition: &Partition, short_range: ShortRange) -> Result<Self, PairForceError> {
+        let extreme = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
+        let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
+        let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
+        let force = short_range.lubrication.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
+        let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
+        let lubrication = force.map(|force| PairLubrication::new(force, &single));
+        let reaches =
+            [lubrication.as_ref().map(|pairs| pairs.force.reach()), short_range.springs.map(|r| r / units.length)];
+        let at_walls = short_range.lubrication.filter(|_| plan.boundaries.walls() > 0);
+        let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
+        let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
+            let lists = VerletList::new(reach, partition);
+            NearField { lubrication, at_walls, lists, precision: plan.precision, radii, reach }
+        });
+        let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
+        Ok(Self { far, near, units, preconditioned: true, partition })
+    }
+
+    /// With the preconditioner of the solve with lubrication, as it comes, or without, to see what it is worth.
+    #[must_use]
+    pub fn preconditioned(self, preconditioned: bool) -> Self {
+        Self { preconditioned, ..self }
+    }
+
+    /// Goes on with another plan for the same radii and fluid, on ranks that share out its grid.
+    pub fn replan(&mut self, plan: &Plan, partition: &Partition) {
+        let interrupt = self.far.interrupt().clone();
+        self.far = fcm::Hydrodynamics::new(plan, partition);
+        self.far.listen(interrupt);
+        if let Some(near) = &mut self.near {
+            near.lists = VerletList::new(near.reach, partition);
+        }
+        self.partition = partition.clone();
+    }
+
+    /// The mobility of the far field.
+    pub fn mobility(&mut self) -> &mut Mobility {
+        self.far.mobility()
+    }
+
+    /// Looks at this interrupt at each evaluation of a solve from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.far.listen(interrupt);
+    }
+
+    /// What it looks at.
+    pub fn interrupt(&self) -> &Interrupt {
+        self.far.interrupt()
+    }
+
+    /// The motion of the particles under what acts on them, relative to the background flow. Where no pair is near, this is
+    /// the far field alone. Collective; an error is an error on all ranks.
+    pub fn solve(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        acting: &Acting,
+        guess: &Guess,
+    ) -> Result<Solved, SolveError> {
+        let Acting { loads, strain_rate, springs, ambient, constant_flux } = *acting;
+        let sloping = sloping(strain_rate, particles, ambient);
+        let ambient = sloping.as_ref().unwrap_or(ambient);
+        let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
+        self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
+        if let Some(field) = &mut self.near {
+            let (units, own) = (self.units, units::particles(particles, &self.units));
+            let scaled_rate = strain_rate.in_units(units.rate(), units.length);
+            let flow = (&cell.scaled(1.0 / units.length), scaled_rate);
+            let resistance = springs.map(|springs| units::resistance(springs, &units));
+            let contacts = springs.map(|springs| units::contacts(springs, &units)).unwrap_or_default();
+            let tethers = springs.map(|springs| units::tethers(springs, &units)).unwrap_or_default();
+            let springs =
+                resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
+            let near = NearPairs::find((field, springs.as_ref()), &own, flow, &self.partition);
+            if self.partition.comm().any(!near.is_empty()) {
+                let interrupt = self.far.interrupt().clone();
+                let mobility = self.far.mobility();
+                if flux.is_none() {
+                    mobility.arrange(cell, particles);
+                }
+                let ambient =
+                    &flux.as_ref().map_or_else(|| Cow::Borrowed(ambient), |flux| Cow::Owned(flux.ambient(ambient)));
+                let parts = (Scaled { mobility, units }, &near, self.preconditioned);
+                let group = (self.partition.comm(), &interrupt);
+                let (loads, guess) = (units::times(loads, 1.0 / units.torque()), units::guess(guess, &units));
+                let ambient = units::motion(ambient, &units);
+                let found = lubricated(group, parts, &own.radii, (&loads, &ambient, scaled_rate.at_zero), &guess)?;
+                let mut solved = units::solution(&found, &units);
+                if let Some(flux) = &flux {
+                    flux.complete(&mut solved, self.partition.comm());
+                }
+                return Ok(solved);
+            }
+        }
+        let solved =
+            self.far.solve_in(cell, particles, (loads, ambient), strain_rate.at_zero, &guess.stresslets_far)?;
+        let fcm::Solved { motion, stresslets, iterations, residual } = solved;
+        let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
+        let plan = self.far.mobility().plan();
+        let single: Vec<Screw> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
+        let induced = induced(&single, &motion, &far);
+        let mut solved = Solved { motion, stresslets, far, induced, curvature: 0.0, iterations, residual };
+        if let Some(flux) = &flux {
+            flux.complete(&mut solved, self.partition.comm());
+        }
+        Ok(solved)
+    }
+}
+
+impl Hydrodynamics {
+    /// Random motions of particles whose covariance is the mobility of the method, to a tolerance: what fluctuations of the fluid
+    /// do to spheres that do not resist to strain. Collective.
+    pub fn noise(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        (tolerance, stream): (f64, Stream),
+    ) -> (Motion, Drawn) {
+        let mobility = self.far.mobility();
+        mobility.arrange(cell, particles);
+        mobility.noise(&particles.ids, tolerance, stream)
+    }
+
+    /// Adds to motions of particles so many times the divergence of the mobility of the method, which vanishes but near walls.
+    pub fn add_divergence(&mut self, (cell, particles): (&PeriodicBox, &Particles), times: f64, motion: &mut Motion) {
+        if let Some(divergence) = self.far.mobility().divergence_at_walls(cell, particles) {
+            motion.add(times, &divergence);
+        }
+    }
+
+    /// Random forces and torques whose covariance is the resistance of lubrication; nothing without it. Collective.
+    pub fn pair_noise(&mut self, cell: &PeriodicBox, particles: &Particles, stream: Stream) -> Loads {
+        let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else {
+            return Loads::default();
+        };
+        let (units, own) = (self.units, units::particles(particles, &self.units));
+        let loads = noise::loads(field, &own, (&cell.scaled(1.0 / units.length), &self.partition), stream);
+        // The root of the unit of a resistance to velocities, and of one to turning.
+        let [force, torque] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt());
+        Loads {
+            forces: loads.forces.into_iter().map(|f| f * force).collect(),
+            torques: loads.torques.into_iter().map(|t| t * torque).collect(),
+            stresslets: Vec::new(),
+        }
+    }
+}
+
+fn in_units(lengths: &[f64], unit: f64) -> Vec<f64> {
+    lengths.iter().map(|length| length / unit).collect()
+}
+
+/// How the fluid moves at particles besides the background flow at `z = 0`, whose rate of strain slopes, if it does.
+fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> Option<Motion> {
+    (!strain_rate.is_uniform()).then(|| {
+        let mut strain_rates: Vec<Traceless> = particles.positions.iter().map(|x| strain_rate.beyond(x.z)).collect();
+        strain_rates.iter_mut().zip(&ambient.strain_rates).for_each(|(sum, &own)| *sum += own);
+        Motion { strain_rates, ..ambient.clone() }
+    })
+}
+
+/// As [`Hydrodynamics::solve`], in the units of lubrication.
+fn lubricated(
+    (comm, interrupt): (&Comm, &Interrupt),
+    (mobility, near, preconditioned): (Scaled, &NearPairs, bool),
+    radii: &[f64],
+    (loads, ambient, background): (&Loads, &Motion, Traceless),
+    guess: &Guess,
+) -> Result<Solved, SolveError> {
+    let plan = mobility.mobility.plan().clone();
+    let viscosity = plan.viscosity / mobility.units.viscosity;
+    let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
+    let (single, strain_resistance) = alone(viscosity, radii);
+    let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &single, ROUGH));
+    let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
+    known.add(1.0, near.ambient_loads());
+    let is_rigid = plan.multipoles == Multipoles::Dipole;
+    let mut x = start(near, (matrix.as_mut(), START * limits.tolerance), (&single, &known), (guess, is_rigid));
+    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
+    let mut residual = system.residual(&x, background);
+    let mut correction = Unknowns::default();
+    let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual, &mut correction), limits);
+    ended(&outcome, limits)?;
+    let (motion, x) = system.finish((x, &residual, correction), END * limits.tolerance, comm);
+    if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
+        return Err(SolveError::NotFinite);
+    }
+    known.add(1.0, &x.loads());
+    let far = system::far_loads(&known, &x.moments);
+    let motions = Screws::new(radii.len(), &motion.velocities, &motion.angular_velocities);
+    let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
+    let induced = induced(&single, &motion, &far);
+    let (curvature, Outcome { iterations, residual, .. }) = (0.0, outcome);
+    Ok(Solved { motion, stresslets, far, induced, curvature, iterations, residual })
+}
+
+/// Whether a solve ended well.
+fn ended(outcome: &Outcome, limits: Limits) -> Result<(), SolveError> {
+    let Outcome { iterations, residual, converged, interrupted } = *outcome;
+    if interrupted {
+        return Err(Interrupted.into());
+    }
+    if !residual.is_finite() {
+        return Err(SolveError::NotFinite);
+    }
+    let tolerance = limits.tolerance;
+    if converged { Ok(()) } else { Err(SolveError::NotConverged { iterations, residual, tolerance }) }
+}
+
+/// Motions of spheres of some resistances alone, less those that their own loads alone would give them.
+fn induced(single: &[Screw], motion: &Motion, loads: &Loads) -> Motion {
+    let motions = Screws::new(single.len(), &motion.velocities, &motion.angular_velocities);
+    let induced = motions.less_those_alone(single, &Screws::new(single.len(), &loads.forces, &loads.torques));
+    Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
+}
+
+/// Resistances of spheres on their own, to motions and to strain.
+fn alone(viscosity: f64, radii: &[f64]) -> (Vec<Screw>, Vec<f64>) {
+    let strain = |a: &f64| 20.0 / 3.0 * PI * viscosity * a.powi(3);
+    (radii.iter().map(|&a| single(viscosity, a)).collect(), radii.iter().map(strain).collect())
+}
+
+/// The resistance of a sphere on its own.
+fn single(viscosity: f64, radius: f64) -> Screw {
+    let (force, torque) = (6.0 * PI * viscosity * radius, 8.0 * PI * viscosity * radius.powi(3));
+    Screw::new(Vector::splat(force), Vector::splat(torque))
+}
+
+/// The unknowns that go with a guess: with what the others' loads induce as guessed, or nothing where nothing is, the
+/// motions `U` of all near pairs follow, with an error of `tolerance`, from `(M_0^-1 + R) U = M_0^-1 U_induced + F`; without
+/// a matrix they are those guessed. Collective.
+fn start<'a>(
+    near: &'a NearPairs,
+    (matrix, tolerance): (Option<&mut ParticleMatrix<'a>>, f64),
+    (single, known): (&[Screw], &Screws),
+    (guess, is_rigid): (&Guess, bool),
+) -> Unknowns {
+    let count = known.0.len();
+    let motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
+    let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
+    moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
+    let Some(matrix) = matrix else { return unknowns(near, &motions, moments) };
+    let mut loads = known.clone();
+    let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
+    loads.add_resisted(1.0, single, &induced);
+    let [motions, resisted] = matrix.solve_with_all(motions, &loads, tolerance);
+    Unknowns::of(&motions, &resisted, moments)
+}
+
+/// The unknowns that go with motions of the particles. Collective.
+fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
+    Unknowns::of(motions, &near.times(&[Pairs::Stiff, Pairs::Soft], motions), moments)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,132 @@
+//! What solutions become where spheres have moved a little.
+
+use crate::ambient::StrainRate;
+use crate::coupled_solver::{Hydrodynamics, MOST_ITERATIONS, ROUGH, STILL, Solved, alone, ended, unknowns};
+use crate::pairs::search::NearPairs;
+use crate::preconditioner::ParticleMatrix;
+use crate::six_vector::{Screw, Screws};
+use crate::system::{Coupled, Residual, Unknowns};
+use crate::units::{self, Scaled};
+use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
+use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
+
+/// Motions of spheres that are at rest but for the motions of the fluid at each and loads, and what goes with them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Found {
+    /// Velocities and angular velocities.
+    pub motion: Motion,
+    /// The far field's part of the stresslets.
+    pub stresslets_far: Vec<Traceless>,
+    /// The whole stresslets.
+    pub stresslets: Vec<Traceless>,
+}
+
+/// The system at some places, and what is left over there of a solution that was found.
+struct Left<'a> {
+    near: &'a NearPairs,
+    system: Coupled<'a>,
+    residual: Residual,
+    interrupt: &'a Interrupt,
+}
+
+impl Hydrodynamics {
+    /// The motions that the fluid would need to have at rigid spheres besides, each its own, for a solution under loads to be
+    /// exact, and the solution in that fluid: those with which it was solved for but for the error of the solve, and what a
+    /// background flow does to the spheres. The solution is the last one that was found. Collective.
+    pub fn fluid_around(
+        &mut self,
+        place: (&PeriodicBox, &Particles),
+        loads: &Loads,
+        solved: &Solved,
+    ) -> Result<(Motion, Found), SolveError> {
+        let units = self.units;
+        let motion = Motion { strain_rates: Vec::new(), ..solved.motion.clone() };
+        let found = Found { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
+        self.left_over(place, (loads, &STILL), (&found, false), |Left { near, residual, .. }| {
+            let Residual { stiff, strain_rates, .. } = residual;
+            let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
+            let stresslets = whole(near, &found, &units);
+            Ok((units::motion_back(&needed, &units), Found { stresslets, ..found.clone() }))
+        })
+    }
+
+    /// What a solution becomes for rigid spheres that have moved a little since it was found, with the same loads and in the fluid
+    /// in which it was exact, see [`Self::fluid_around`]: with `S(x) l = r(x)` the system and what was found,
+    ///
+    /// ```text
+    /// S(x*) dl = r(x*) - S(x*) l
+    /// ```
+    ///
+    /// with an error of `tolerance` relative to the change `dl`, however small. Collective; an error is an error on all ranks.
+    pub fn changed(
+        &mut self,
+        place: (&PeriodicBox, &Particles),
+        (loads, fluid): (&Loads, &Motion),
+        found: &Found,
+        tolerance: f64,
+    ) -> Result<Found, SolveError> {
+        let (units, comm) = (self.units, self.partition.comm().clone());
+        self.left_over(place, (loads, fluid), (found, true), |left| {
+            let Left { near, mut system, mut residual, interrupt } = left;
+            let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt };
+            let count = found.stresslets.len();
+            let mut change = unknowns(near, &Screws::zero(count), vec![Traceless::ZERO; count]);
+            let mut correction = Unknowns::default();
+            let unknowns = (&mut change, &mut residual, &mut correction);
+            ended(&conjugate_gradients(&comm, &mut system, unknowns, limits), limits)?;
+            let (motion, change) = system.finish((change, &residual, correction), tolerance, &comm);
+            let mut motion = units::motion_back(&motion, &units);
+            motion.strain_rates.clear();
+            motion.add(1.0, &found.motion);
+            let far = found.stresslets_far.iter().zip(change.moments).map(|(&s, d)| s - d * units.torque());
+            let there = Found { motion, stresslets_far: far.collect(), stresslets: Vec::new() };
+            Ok(Found { stresslets: whole(near, &there, &units), ..there })
+        })
+    }
+
+    /// Makes the system at some places, and does something with what a solution leaves over there; what is for new places and
+    /// solves alone only if spheres have moved.
+    fn left_over<T>(
+        &mut self,
+        (cell, particles): (&PeriodicBox, &Particles),
+        (loads, fluid): (&Loads, &Motion),
+        (found, have_moved): (&Found, bool),
+        then: impl FnOnce(Left) -> Result<T, SolveError>,
+    ) -> Result<T, SolveError> {
+        let (units, own) = (self.units, units::particles(particles, &self.units));
+        let scaled_cell = cell.scaled(1.0 / units.length);
+        let near = match &mut self.near {
+            Some(field) => NearPairs::find((field, None), &own, (&scaled_cell, StrainRate::default()), &self.partition),
+            None => NearPairs::none(&own, &scaled_cell, &self.partition),
+        };
+        let (interrupt, comm) = (self.far.interrupt().clone(), self.partition.comm());
+        let mobility = self.far.mobility();
+        mobility.constrain(None);
+        if have_moved {
+            mobility.arrange(cell, particles);
+        }
+        let (single, strain_resistance) = alone(mobility.plan().viscosity / units.viscosity, &own.radii);
+        let is_matrix = have_moved && self.preconditioned && self.near.is_some();
+        let matrix = is_matrix.then(|| ParticleMatrix::new((comm, &near), &single, ROUGH));
+        let start = guessed(&near, &single, &units::found(found, &units));
+        let loads = units::times(loads, 1.0 / units.torque());
+        let known = Screws::new(own.len(), &loads.forces, &loads.torques);
+        let parts = (&known, &units::motion(fluid, &units), &start);
+        let system = Coupled::new(Scaled { mobility, units }, &near, matrix, (&single, &strain_resistance), parts);
+        let residual = system.residual(&start, Traceless::ZERO);
+        then(Left { near: &near, system, residual, interrupt: &interrupt })
+    }
+}
+
+/// The whole stresslets that go with motions and the far field's part. Collective.
+fn whole(near: &NearPairs, found: &Found, units: &Units) -> Vec<Traceless> {
+    let own = units::motion(&found.motion, units);
+    let by_pairs = near.stresslets(&Screws::new(found.stresslets_far.len(), &own.velocities, &own.angular_velocities));
+    found.stresslets_far.iter().zip(by_pairs).map(|(&far, near)| far + near * units.torque()).collect()
+}
+
+/// The unknowns of a solution.
+fn guessed(near: &NearPairs, single: &[Screw], found: &Found) -> Unknowns {
+    let motions = Screws::new(single.len(), &found.motion.velocities, &found.motion.angular_velocities);
+    unknowns(near, &motions, found.stresslets_far.iter().map(|&s| -s).collect())
+}

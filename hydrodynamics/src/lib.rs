@@ -1,0 +1,23 @@
+//! Hydrodynamics of rigid spheres: the far field of the force-coupling method and the resistance of near pairs, solved together.
+//! It needs no scene and no model: positions and loads go in, motions and stresslets come out.
+
+pub mod ambient;
+pub mod brownian;
+mod coupled_solver;
+pub mod lengths;
+pub mod memory;
+mod mobility;
+mod noise;
+mod pairs;
+mod preconditioner;
+mod six_vector;
+mod springs;
+mod system;
+mod units;
+
+pub use ambient::{FlowRefused, Poiseuille, StrainRate};
+pub use coupled_solver::{Acting, Found, Guess, Hydrodynamics, STILL, ShortRange, Solved};
+pub use mobility::memory::SingleEvaluation;
+pub use mobility::overlaps::Overlaps;
+pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
+pub use springs::{BondSprings, ContactSprings, Springs, TetherResistance};

@@ -1,0 +1,85 @@
+//! What a solve with lubrication takes.
+
+use crate::pairs::matrix::diagonal_block::Own;
+use crate::pairs::matrix::inverse_block::Block;
+use crate::pairs::matrix::lanes::LANES;
+use crate::pairs::matrix::sparse::{Group, MomentGroup};
+use crate::six_vector::Screw;
+use domain::{Bytes, ExpectedCounts, Halo, Need, Process, Traceless, Vector, VerletList};
+use fcm::{Footprint, Precision};
+use lubrication::{PairForce, Range};
+
+/// Who takes memory: one of so many ranks, each with so many threads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ranks {
+    /// How many.
+    pub count: usize,
+    /// Threads of each.
+    pub threads: usize,
+}
+
+/// What a rank needs whose allocations have a peak, with the far field of a plan.
+pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> Need {
+    let reached = far.reached();
+    let resident = Process::of(rank, ranks).resident(peak.most) + reached;
+    Need { resident, reached, mapped: far.columns_of_others(ranks) - reached }
+}
+
+/// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::PairLubrication`] finds, about.
+const STIFF: f64 = 0.5;
+
+/// How far the most pairs of a slice of rows are above the mean, in standard deviations, the rows of a part being sorted.
+const SPREAD: f64 = 0.28;
+
+/// Numbers of a particle in the unknowns and in a residual.
+type UnknownsOfOne = ([Screw; 4], Traceless);
+type ResidualOfOne = ([Screw; 2], Traceless);
+
+/// Unknowns that conjugate gradients have at once: solution, direction, the next one, and preconditioned residuals of
+/// now, before and at last; and residuals: that, and an image.
+const UNKNOWNS: f64 = 6.0;
+const RESIDUALS: f64 = 2.0;
+
+/// Tables of lubrication between spheres of some radii.
+pub fn table_bytes(radii: &[f64]) -> Bytes {
+    PairForce::bytes(radii)
+}
+
+/// [`super::Hydrodynamics::solve`] with lubrication at gaps up to the end of a range.
+pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> Bytes {
+    let owned = expected.owned();
+    let single = Bytes::list::<(Screw, f64)>(owned).then(Bytes::list::<Block>(owned));
+    let unknowns = Bytes::list::<UnknownsOfOne>(UNKNOWNS * owned).then(Bytes::list::<ResidualOfOne>(RESIDUALS * owned));
+    let loads = Bytes::list::<Screw>(3.0 * owned).then(Bytes::list::<(Vector, Vector, Traceless)>(3.0 * owned));
+    let inner = Bytes::list::<Screw>(7.0 * owned);
+    let evaluation = far.evaluation().or(inner);
+    let (lists, pairs) = near_pairs(expected, range, far.precision());
+    lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
+}
+
+/// The lists of who is near, and the near pairs of the particles that a rank owns.
+fn near_pairs(expected: &ExpectedCounts, range: Range, precision: Precision) -> (Bytes, Bytes) {
+    let cutoff = range.cutoff();
+    let reach = (2.0 + cutoff) * expected.largest_radius();
+    let (owned, present) = (expected.owned(), expected.present(reach));
+    let numbers = [reach, reach * VerletList::REACH].map(|reach| expected.neighbours(reach));
+    let lists = VerletList::bytes([owned, present, expected.total()], numbers);
+    let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
+    let soft = numbers[0] - stiff;
+    let rows = Bytes::list::<([Own<f64>; 2], [u32; 2], Screw, Traceless)>(owned);
+    let copies = Bytes::list::<(Vector, u64, u32)>(present);
+    let [stiff, soft] = [stiff, soft].map(|pairs| groups(pairs) * owned);
+    let soft = match precision {
+        Precision::Single => Bytes::list::<(Group<f32>, MomentGroup<f32>)>(soft),
+        Precision::Double => Bytes::list::<(Group<f64>, MomentGroup<f64>)>(soft),
+    };
+    let pairs = Bytes::list::<(Group<f64>, MomentGroup<f64>)>(stiff).then(soft);
+    (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
+}
+
+/// Groups of a row with so many pairs in the mean: of the rows that are worked out at once, some have more pairs than others,
+/// by a part of the standard deviation of a Poisson distribution.
+fn groups(pairs: f64) -> f64 {
+    let pairs = pairs.max(0.0);
+    (pairs + SPREAD * pairs.sqrt()) / LANES as f64
+}

@@ -1,0 +1,467 @@
+//! The mobility of spheres at given positions: loads to motions.
+
+mod drift;
+pub mod memory;
+pub mod overlaps;
+mod square_root;
+
+pub use drift::Drift;
+
+use crate::ambient::StrainRate;
+use crate::ambient::{FlowRefused, check_linear, check_pressure, poiseuille};
+use crate::coupled_solver::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
+use crate::lengths::{check_box_of_noise, check_radius};
+use crate::mobility::memory::SingleEvaluation;
+use crate::mobility::overlaps::Overlaps;
+use domain::{
+    Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn, Vector,
+};
+use fcm::{
+    Costs, Drawn, Evaluation, Fixed, Loading, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, PlanError,
+    Problem, SolveError, Stream, check_inside,
+};
+use lubrication::{PairForceError, Range};
+use solver::BackgroundFlow;
+
+/// Which spheres move in which fluid, and how exactly that is computed.
+#[derive(Debug, Clone)]
+pub struct MobilityParameters {
+    /// The box.
+    pub cell: PeriodicBox,
+    /// Radius of each sphere.
+    pub radii: Vec<f64>,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Forces alone, or torques and stresslets too.
+    pub multipoles: Multipoles,
+    /// Whether to solve for the stresslets that keep the spheres rigid.
+    pub rigid: bool,
+    /// Relative error allowed.
+    pub tolerance: f64,
+    /// The gaps between rigid spheres at which lubrication acts, if it does.
+    pub lubrication: Option<Range>,
+    /// How the far field is evaluated; in the way that takes less time if it is not said.
+    pub method: Option<MethodName>,
+    /// What the machine takes for the parts of an evaluation.
+    pub costs: Costs,
+}
+
+impl MobilityParameters {
+    /// Refuses a box in which no random motions are drawn.
+    pub fn check_noise(&self) -> Result<(), MobilityError> {
+        check_box_of_noise(&self.cell).map_err(MobilityError::Box)
+    }
+}
+
+/// The mobility of spheres, planned once for any positions. Whatever is of each sphere is given, and found, in the order
+/// of the radii, on the first rank. All calls are collective.
+pub struct Mobility {
+    parameters: MobilityParameters,
+    problem: Problem,
+    plan: Plan,
+    partition: Partition,
+    hydrodynamics: Hydrodynamics,
+    positions: Vec<Vector>,
+    turn: Turn,
+    pressure_gradient: Vector,
+}
+
+/// Why a mobility can't be computed.
+#[derive(Debug, thiserror::Error)]
+pub enum MobilityError {
+    /// No plan.
+    #[error("this case can't be evaluated")]
+    Plan(#[source] PlanError),
+    /// A radius that can't be computed with.
+    #[error("radii has a sphere whose radius {0}")]
+    Radius(String),
+    /// A box in which no random motions are drawn.
+    #[error("box {0}")]
+    Box(String),
+    /// Lubrication between these radii.
+    #[error(transparent)]
+    Lubrication(#[from] PairForceError),
+    /// Lubrication between spheres that overlap.
+    #[error("{0}; lubrication acts between spheres that are apart: move these apart, or leave out lubrication")]
+    Overlap(Overlaps),
+    /// A sphere outside of a box with walls or open faces.
+    #[error(transparent)]
+    Outside(#[from] OutsideError),
+    /// A background flow that does not fit the walls.
+    #[error(transparent)]
+    Flow(#[from] FlowRefused),
+    /// No square root to the tolerance.
+    #[error(
+        "the square root of the mobility still changed by {change:.1e} after {applications} applications, where {tolerance:e} was \
+         asked for: move spheres that nearly touch apart, or take a larger tolerance"
+    )]
+    Root {
+        /// How often the mobility was applied.
+        applications: usize,
+        /// The last change, over the root.
+        change: f64,
+        /// That which is allowed.
+        tolerance: f64,
+    },
+    /// No solution.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// Something that only some ranks know of.
+    #[error(transparent)]
+    Failed(#[from] Failure),
+}
+
+/// Motions of the spheres, and what was needed to find them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motions {
+    /// Velocities, angular velocities and rates of strain, relative to the background flow; the latter two are zero with
+    /// forces alone.
+    pub motion: Motion,
+    /// The whole hydrodynamic stresslets.
+    pub stresslets: Vec<Traceless>,
+    /// The far field's part of them.
+    pub stresslets_far: Vec<Traceless>,
+    /// Iterations.
+    pub iterations: usize,
+    /// The error left, relative to the solution.
+    pub residual: f64,
+}
+
+/// Columns in which loads and motions travel with their particles.
+mod column {
+    pub const FORCE: &str = "force";
+    pub const TORQUE: &str = "torque";
+    pub const VELOCITY: &str = "velocity";
+    pub const ANGULAR_VELOCITY: &str = "angular_velocity";
+    pub const STRAIN_RATE: &str = "strain_rate";
+    pub const STRESSLET: &str = "stresslet";
+    pub const STRESSLET_FAR: &str = "far stresslet";
+}
+
+impl Mobility {
+    /// Plans the mobility, if there is memory for it; `besides` is what the first rank needs for the caller's lists.
+    pub fn new(parameters: MobilityParameters, besides: Bytes, comm: &Comm) -> Result<Self, MobilityError> {
+        let cell = &parameters.cell;
+        parameters.radii.iter().try_for_each(|&radius| check_radius(radius, cell)).map_err(MobilityError::Radius)?;
+        let problem = problem(&parameters);
+        let plan = Plan::choose(&problem).map_err(MobilityError::Plan)?;
+        let (lubrication, radii) = (parameters.lubrication, problem.radii.clone());
+        SingleEvaluation { plan: &plan, radii, lubrication, numbers: NUMBERS, besides, remedy: REMEDY }
+            .check_memory(comm)?;
+        let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+        let hydrodynamics =
+            comm.agree(Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
+        let (positions, turn, pressure_gradient) = (Vec::new(), Turn::default(), Vector::ZERO);
+        Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, turn, pressure_gradient })
+    }
+
+    /// With vectors and tensors from and to the caller in axes that this turn makes those of the box.
+    #[must_use]
+    pub fn turned(self, turn: Turn) -> Self {
+        Self { turn, ..self }
+    }
+
+    /// Drives the fluid between two walls by a pressure gradient from now on; motions are relative to that flow's velocity and
+    /// half its vorticity at the centres.
+    pub fn drive(&mut self, pressure_gradient: Vector) -> Result<(), MobilityError> {
+        let gradient = self.turn.vector(pressure_gradient);
+        check_pressure(&self.parameters.cell, gradient, self.last_axis())?;
+        self.pressure_gradient = gradient;
+        Ok(())
+    }
+
+    /// What the caller calls the box's last axis.
+    fn last_axis(&self) -> char {
+        self.turn.list(['x', 'y', 'z'])[2]
+    }
+
+    /// How it is computed.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// From the caller's axes to those of the box.
+    pub fn turn(&self) -> Turn {
+        self.turn
+    }
+
+    /// What makes the plan hopeless, if it is.
+    pub fn burden(&self) -> Option<String> {
+        self.plan.burden(&self.problem)
+    }
+
+    /// Looks at this interrupt in each iteration from now on; an evaluation that is interrupted has no answer.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.hydrodynamics.listen(interrupt);
+    }
+
+    /// Puts the spheres into places, inside the box or not. Spheres that overlap are returned, or refused where they feel
+    /// lubrication.
+    pub fn place(&mut self, positions: &[Vector]) -> Result<Option<Overlaps>, MobilityError> {
+        let cell = &self.parameters.cell;
+        self.positions = positions.iter().map(|&position| cell.wrap(self.turn.vector(position)).0).collect();
+        centre_where_open(cell, &mut self.positions);
+        for (id, (&position, &radius)) in self.positions.iter().zip(&self.parameters.radii).enumerate() {
+            let turned = |error: OutsideError| {
+                let place = "xyz".find(error.axis).unwrap_or_default();
+                OutsideError { axis: self.turn.list(['x', 'y', 'z'])[place], ..error }
+            };
+            check_inside(cell, id as u64, position, radius).map_err(turned)?;
+        }
+        let overlaps = Overlaps::find(cell, &self.positions, &self.parameters.radii);
+        match overlaps.filter(|_| self.parameters.lubrication.is_some()) {
+            Some(overlaps) => Err(MobilityError::Overlap(overlaps)),
+            None => Ok(overlaps),
+        }
+    }
+
+    /// The motions of the spheres under loads, and relative to a background flow. Empty lists stand for no load;
+    /// stresslets are loads of spheres that are not rigid.
+    pub fn apply(&mut self, loads: &Loads, background: &BackgroundFlow) -> Result<Motions, MobilityError> {
+        let turn = self.turn;
+        let background =
+            BackgroundFlow::with_gradient(turn.tensor(&background.gradient())).expect("a turn changes no trace");
+        check_linear(&self.parameters.cell, &background, self.last_axis())?;
+        let mut particles = self.placed(loads);
+        let comm = self.partition.comm();
+        let has = |list: usize| comm.any(list > 0);
+        let given = [loads.forces.len(), loads.torques.len(), loads.stresslets.len()].map(has);
+        let solved = self.solve(&mut particles, given, &background)?;
+        record(&mut particles, &solved);
+        Ok(motions(particles.gathered(&self.partition), &solved).turned(turn.inverse()))
+    }
+
+    /// Random motions of the spheres whose covariance is their mobility, as many as `draws`: what heat does to them in
+    /// a time `dt` at a thermal energy `kT = dt / 2`. The first is of the number `first`; the same seed and number give
+    /// the same motion, on any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid,
+    /// else none.
+    pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
+        self.check_draws(&draws)?;
+        let (cell, mut worst) = (self.parameters.cell, Drawn::default());
+        let mut motions = Vec::new();
+        let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
+        let tolerance = ROOT * self.parameters.tolerance;
+        for draw in draws {
+            self.unless_interrupted()?;
+            let mut particles = self.placed(&Loads::default());
+            let stream = Stream::new(seed, draw);
+            let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, (tolerance, stream));
+            worst.iterations = worst.iterations.max(drawn.iterations);
+            worst.clipped = worst.clipped.max(drawn.clipped);
+            let mut motion = ambient.clone();
+            if is_rigid {
+                let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
+                let guess = Guess::induced_by(&ambient);
+                let acting = Acting {
+                    loads: &loads,
+                    strain_rate: StrainRate::default(),
+                    springs: None,
+                    ambient: &ambient,
+                    constant_flux: false,
+                };
+                motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;
+                motion.strain_rates.clear();
+            }
+            record_motion(&mut particles, &motion);
+            let mut motion = moved(&mut particles.gathered(&self.partition));
+            turn_motion(&mut motion, self.turn.inverse());
+            motions.push(motion);
+        }
+        Ok((motions, worst))
+    }
+
+    /// Refuses draws for whose motions there is no memory, as they are and as
+    /// the caller has them. Collective.
+    fn check_draws(&self, draws: &std::ops::Range<u64>) -> Result<(), MobilityError> {
+        self.parameters.check_noise()?;
+        let numbers = DRAWN_NUMBERS * draws.end.saturating_sub(draws.start) as f64 * self.parameters.radii.len() as f64;
+        let (plan, radii, lubrication) = (&self.plan, self.problem.radii.clone(), self.parameters.lubrication);
+        let (numbers, besides) = (NUMBERS, Bytes::keep(2.0 * 8.0 * numbers));
+        let evaluation = SingleEvaluation { plan, radii, lubrication, numbers, besides, remedy: FEWER_DRAWS };
+        Ok(evaluation.check_memory(self.partition.comm())?)
+    }
+
+    /// An error where some rank is asked to stop. Collective.
+    fn unless_interrupted(&self) -> Result<(), MobilityError> {
+        let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
+        if is_requested { Err(SolveError::from(Interrupted).into()) } else { Ok(()) }
+    }
+
+    /// The particles, with their loads, on the ranks that own them.
+    fn placed(&self, loads: &Loads) -> Particles {
+        let mut particles = Particles::default();
+        if self.partition.comm().is_first() {
+            for (id, (&position, &radius)) in self.positions.iter().zip(&self.parameters.radii).enumerate() {
+                particles.push(id as u64, position, radius, 0);
+            }
+        }
+        let vectors = |list: &[Vector]| list.iter().map(|&v| self.turn.vector(v)).collect::<Vec<_>>();
+        let stresslets: Vec<_> = loads.stresslets.iter().map(|&s| self.turn.traceless(s)).collect();
+        fill(particles.vectors(column::FORCE), &vectors(&loads.forces));
+        fill(particles.vectors(column::TORQUE), &vectors(&loads.torques));
+        fill(traceless(&mut particles, column::STRESSLET), &stresslets);
+        particles.wrap(&self.parameters.cell);
+        particles.migrate(&self.partition, &self.parameters.cell);
+        particles
+    }
+
+    fn solve(
+        &mut self,
+        particles: &mut Particles,
+        [forces, torques, stresslets]: [bool; 3],
+        background: &BackgroundFlow,
+    ) -> Result<Solved, SolveError> {
+        let (cell, multipoles) = (&self.parameters.cell, self.parameters.multipoles);
+        let mut loads = Loads::default();
+        if forces {
+            loads.forces = particles.vectors(column::FORCE).to_vec();
+        }
+        if torques && multipoles == Multipoles::Dipole {
+            loads.torques = particles.vectors(column::TORQUE).to_vec();
+        }
+        let (by_pressure, bend) = poiseuille(cell, self.parameters.viscosity, self.pressure_gradient);
+        if self.parameters.rigid || multipoles == Multipoles::Monopole {
+            let strain_rate = StrainRate::uniform(background.strain_rate()) + by_pressure;
+            let acting = Acting { loads: &loads, strain_rate, springs: None, ambient: &STILL, constant_flux: false };
+            let mut solved = self.hydrodynamics.solve(cell, particles, &acting, &Guess::default())?;
+            carry(&mut solved.motion, &particles.radii, bend);
+            return Ok(solved);
+        }
+        if stresslets {
+            loads.stresslets = traceless(particles, column::STRESSLET).to_vec();
+        }
+        let mobility = self.hydrodynamics.mobility();
+        mobility.arrange(cell, particles);
+        let mut motion = mobility.apply(&loads, Evaluation::All);
+        carry(&mut motion, &particles.radii, bend);
+        let stresslets = traceless(particles, column::STRESSLET).to_vec();
+        let (induced, curvature) = (Motion::default(), 0.0);
+        Ok(Solved { motion, stresslets, far: loads, induced, curvature, iterations: 0, residual: 0.0 })
+    }
+}
+
+/// Adds the velocities `a^2/6 u''` that spheres of some radii have in a flow of that second derivative `u''` by Faxen's law, beyond
+/// the flow's own.
+fn carry(motion: &mut Motion, radii: &[f64], bend: Vector) {
+    if bend != Vector::ZERO {
+        motion.velocities.iter_mut().zip(radii).for_each(|(v, a)| *v += bend * (a * a / 6.0));
+    }
+}
+
+impl Motions {
+    /// The same in other axes.
+    #[must_use]
+    fn turned(mut self, turn: Turn) -> Self {
+        if turn == Turn::default() {
+            return self;
+        }
+        turn_motion(&mut self.motion, turn);
+        for tensor in self.stresslets.iter_mut().chain(&mut self.stresslets_far) {
+            *tensor = turn.traceless(*tensor);
+        }
+        self
+    }
+}
+
+fn turn_motion(motion: &mut Motion, turn: Turn) {
+    let Motion { velocities, angular_velocities, strain_rates } = motion;
+    velocities.iter_mut().chain(angular_velocities).for_each(|v| *v = turn.vector(*v));
+    for tensor in strain_rates {
+        *tensor = turn.traceless(*tensor);
+    }
+}
+
+/// Puts the spheres into the middle of the box along axes without walls that do not repeat: the place of the origin does not
+/// matter there.
+fn centre_where_open(cell: &PeriodicBox, positions: &mut [Vector]) {
+    let is_open = |axis: usize| !cell.is_periodic(axis) && cell.boundaries().walls() == 0;
+    let lowest = positions.iter().copied().fold(Vector::INFINITY, Vector::min);
+    let highest = positions.iter().copied().fold(Vector::NEG_INFINITY, Vector::max);
+    for axis in (0..3).filter(|&axis| is_open(axis)) {
+        let by = 0.5 * (cell.edges()[axis] - lowest[axis] - highest[axis]);
+        for position in &mut *positions {
+            position[axis] += by;
+        }
+    }
+}
+
+/// Error of the near field's root over the tolerance.
+const ROOT: f64 = 0.3;
+
+/// What to change where it takes too much memory.
+const REMEDY: &str = "fewer positions, a larger tolerance";
+
+/// The same where draws do.
+const FEWER_DRAWS: &str = "fewer draws at a time, fewer positions";
+
+/// Numbers of a particle in one draw.
+const DRAWN_NUMBERS: f64 = 11.0;
+
+/// Numbers of a particle in columns, about.
+const NUMBERS: usize = 32;
+
+fn problem(parameters: &MobilityParameters) -> Problem {
+    Problem {
+        edges: parameters.cell.edges(),
+        boundaries: parameters.cell.boundaries(),
+        volume: parameters.cell.edges().element_product(),
+        shortest_vector: Problem::shortest_vector_of(&parameters.cell),
+        contraction: 1.0,
+        largest_strain: parameters.cell.strain().abs(),
+        largest_tilts: Problem::tilts_of(&parameters.cell),
+        radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
+        viscosity: parameters.viscosity,
+        multipoles: parameters.multipoles,
+        rigid: parameters.rigid,
+        lubricated: parameters.lubrication.is_some(),
+        loading: Loading::UniformOnLattice,
+        tolerance: parameters.tolerance,
+        threads: 1,
+        ranks: 1,
+        costs: parameters.costs,
+        fixed: Fixed { method: parameters.method, ..Fixed::default() },
+    }
+}
+
+/// Writes the result into the particles' columns, which are put into the order of the ids when they are gathered.
+fn record(particles: &mut Particles, solved: &Solved) {
+    record_motion(particles, &solved.motion);
+    for (name, list) in [(column::STRESSLET, &solved.stresslets), (column::STRESSLET_FAR, &solved.far.stresslets)] {
+        fill(traceless(particles, name), list);
+    }
+}
+
+fn record_motion(particles: &mut Particles, motion: &Motion) {
+    let Motion { velocities, angular_velocities, strain_rates } = motion;
+    fill(particles.vectors(column::VELOCITY), velocities);
+    fill(particles.vectors(column::ANGULAR_VELOCITY), angular_velocities);
+    fill(traceless(particles, column::STRAIN_RATE), strain_rates);
+}
+
+/// The motions that gathered particles have in their columns.
+fn moved(all: &mut Particles) -> Motion {
+    Motion {
+        velocities: all.vectors(column::VELOCITY).to_vec(),
+        angular_velocities: all.vectors(column::ANGULAR_VELOCITY).to_vec(),
+        strain_rates: traceless(all, column::STRAIN_RATE).to_vec(),
+    }
+}
+
+fn motions(mut all: Particles, solved: &Solved) -> Motions {
+    Motions {
+        motion: moved(&mut all),
+        stresslets: traceless(&mut all, column::STRESSLET).to_vec(),
+        stresslets_far: traceless(&mut all, column::STRESSLET_FAR).to_vec(),
+        iterations: solved.iterations,
+        residual: solved.residual,
+    }
+}
+
+/// Sets as many values as are known.
+fn fill<T: Copy>(values: &mut [T], known: &[T]) {
+    values.iter_mut().zip(known).for_each(|(value, &known)| *value = known);
+}
+
+fn traceless<'a>(particles: &'a mut Particles, name: &str) -> &'a mut [Traceless] {
+    bytemuck::cast_slice_mut(&mut particles.column(name, 5).values)
+}

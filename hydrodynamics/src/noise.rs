@@ -1,0 +1,128 @@
+//! Random forces between near pairs.
+
+use crate::pairs::lubrication::PairLubrication;
+use crate::pairs::matrix::lanes::Lanes;
+use crate::pairs::search::{NearField, Present};
+use domain::{Neighbours, Particles, Partition, PeriodicBox, Random, Vector};
+use fcm::{Loads, Stream};
+use lubrication::{PairFactor, PairForce, WallFactor, WallForce};
+use rayon::prelude::*;
+use solver::Real;
+use solver::simd::{Vector as Width, Work};
+
+/// Random numbers of pairs, and of spheres at walls.
+const OF_PAIR: u64 = 3;
+const OF_WALL: u64 = 4;
+
+/// Rows that a thread goes through at a time.
+const BATCH: usize = 64;
+
+/// Forces and torques `B zeta` of the particles that a rank owns, with `B` the factor of lubrication's resistance `B B^T` and
+/// `zeta` normal numbers, one for each mode of each pair: keyed by the ids and by which image the pair is with, so that all
+/// ranks see the same. Collective.
+pub fn loads(
+    field: &mut NearField,
+    particles: &Particles,
+    (cell, partition): (&PeriodicBox, &Partition),
+    stream: Stream,
+) -> Loads {
+    let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
+    let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
+    halo.extend(&mut steps);
+    let Some(PairLubrication { force, .. }) = &field.lubrication else { return Loads::default() };
+    let (owned, neighbours) = (particles.len(), field.lists.neighbours());
+    let (positions, ids, species, steps) = (&positions[..], &ids[..], &species[..], &steps[..]);
+    let of_batch = |batch: usize| {
+        let rows = [batch * BATCH, owned.min((batch + 1) * BATCH)];
+        f64::dispatch(Pairs { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows })
+    };
+    let parts: Vec<Vec<(usize, [Vector; 2])>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+    let mut sums = vec![[Vector::ZERO; 2]; owned];
+    for (row, [force, torque]) in parts.into_iter().flatten() {
+        sums[row][0] += force;
+        sums[row][1] += torque;
+    }
+    if let Some(force) = &field.at_walls {
+        add_at_walls(&mut sums, force, (particles, cell), stream);
+    }
+    let of = |k: usize| sums.iter().map(|sum| sum[k]).collect();
+    Loads { forces: of(0), torques: of(1), stresslets: Vec::new() }
+}
+
+/// The pairs of some rows: each once, from the sphere of the lower id, but for those with spheres of other ranks.
+struct Pairs<'a> {
+    force: &'a PairForce,
+    cell: &'a PeriodicBox,
+    positions: &'a [Vector],
+    ids: &'a [u64],
+    species: &'a [u32],
+    steps: &'a [[i32; 4]],
+    neighbours: &'a Neighbours,
+    stream: Stream,
+    owned: usize,
+    rows: [usize; 2],
+}
+
+impl Work<f64> for Pairs<'_> {
+    type Output = Vec<(usize, [Vector; 2])>;
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) -> Self::Output {
+        let Self { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows } = self;
+        let mut sums = Vec::new();
+        for row in rows[0]..rows[1] {
+            for neighbour in neighbours.of(row).iter() {
+                let (other, between) = (neighbour.row as usize, neighbour.steps.map(i32::from));
+                // From the sphere of the lower id, or of two images of one from that which is behind, to the other.
+                let image: [i32; 3] = std::array::from_fn(|d| between[d] + steps[other][d] - steps[row][d]);
+                let is_first = (ids[row], image) < (ids[other], image.map(|step| -step));
+                if !is_first && other < owned {
+                    continue;
+                }
+                let mut separation = positions[other] - positions[row];
+                if between != [0; 3] {
+                    separation += cell.lattice(between);
+                }
+                let (sign, pair) = if is_first { (1, [row, other]) } else { (-1, [other, row]) };
+                let kinds = pair.map(|row| species[row]);
+                let Some(factor) = force.factor_by::<Lanes<V>>(separation * f64::from(sign), kinds) else { continue };
+                let modes = numbers(stream, pair.map(|row| ids[row]), image.map(|step| sign * step));
+                let loads = factor.loads(&modes);
+                let of = |k: usize| (pair[k], [loads.force[k], loads.torque[k]]);
+                sums.extend([of(0), of(1)].into_iter().filter(|(row, _)| *row < owned));
+            }
+        }
+        sums
+    }
+}
+
+/// Adds the random loads of the walls on each sphere.
+fn add_at_walls(
+    sums: &mut [[Vector; 2]],
+    force: &WallForce,
+    (particles, cell): (&Particles, &PeriodicBox),
+    stream: Stream,
+) {
+    for (row, sum) in sums.iter_mut().enumerate() {
+        for to in cell.to_walls(particles.positions[row]) {
+            let Some(factor) = force.factor(to.axis, to.distance, particles.radii[row]) else { continue };
+            let mut random = stream.of(OF_WALL, 2 * particles.ids[row] + to.wall as u64);
+            let mut modes = [0.0; WallFactor::MODES];
+            modes.chunks_exact_mut(2).for_each(|pair| pair.copy_from_slice(&random.normal()));
+            let loads = factor.loads(&modes);
+            sum[0] += loads.force;
+            sum[1] += loads.torque;
+        }
+    }
+}
+
+fn numbers(stream: Stream, [first, second]: [u64; 2], image: [i32; 3]) -> [f64; PairFactor::MODES] {
+    let mut name = Random::new(first, second);
+    let image = image.into_iter().fold(0_u64, |key, step| (key << 21) ^ (i64::from(step) + (1 << 20)) as u64);
+    let mut random = stream.of(OF_PAIR, name.bits() ^ image);
+    let mut numbers = [0.0; PairFactor::MODES];
+    for pair in numbers.chunks_exact_mut(2) {
+        pair.copy_from_slice(&random.normal());
+    }
+    numbers
+}

@@ -1,0 +1,191 @@
+//! From neighbour lists to the resistance of near pairs.
+
+use crate::ambient::StrainRate;
+use crate::pairs::lubrication::PairLubrication;
+use crate::pairs::matrix::lanes::{LANES, Stored};
+use crate::pairs::matrix::packed_rows::{Kind, NearPair, Packed, STIFF, Soft, Stiff};
+use crate::pairs::matrix::row_sums::{InStrain, Sums};
+use crate::pairs::matrix::sparse::{Part, ROWS, Slice};
+use crate::six_vector::Screw;
+use crate::springs::Springs;
+use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
+use lubrication::SIDE;
+use rayon::prelude::*;
+use solver::Real;
+use solver::simd::{Vector as Width, Work};
+use std::marker::PhantomData;
+
+/// The particles present and who is near whom.
+pub struct Arrangement<'a> {
+    pub lubrication: Option<&'a PairLubrication>,
+    pub springs: Option<&'a Springs<'a>>,
+    /// Radii by species.
+    pub radii: &'a [f64],
+    pub cell: &'a PeriodicBox,
+    pub positions: &'a [Vector],
+    pub ids: &'a [u64],
+    pub species: &'a [u32],
+    pub neighbours: &'a Neighbours,
+    /// The ambient rate of strain.
+    pub strain_rate: StrainRate,
+}
+
+/// Rows of a rank's particles: their stiff pairs, and the others.
+pub struct Assembled<T> {
+    pub stiff: Part<f64>,
+    pub soft: Part<T>,
+}
+
+/// The rows of one part, from `first` on, of so many particles, with soft pairs stored as such numbers; and where their loads
+/// and moments by all of them are added, in the ambient flow if they do not move relative to it.
+pub struct Assembly<'a, T> {
+    arrangement: &'a Arrangement<'a>,
+    first: usize,
+    rows: usize,
+    loads: &'a mut [Screw],
+    moments: &'a mut [Traceless],
+    stored: PhantomData<T>,
+}
+
+/// The pairs of one kind of the rows of a part, row by row.
+struct Listed {
+    pairs: Vec<NearPair>,
+    /// What springs resist between them, if there are any: along, across, and to rolling.
+    springs: Vec<[f64; 3]>,
+    /// Where each row's pairs end.
+    ends: Vec<usize>,
+}
+
+impl<T: Stored> Work<f64> for Assembly<'_, T> {
+    type Output = Assembled<T>;
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(mut self) -> Assembled<T> {
+        let [stiff, soft] = self.listed();
+        let lubrication = self.arrangement.lubrication;
+        let stiff = self.part::<V, _, _, STIFF>(&stiff, || Stiff::new(lubrication));
+        let soft = self.part::<V, _, _, SIDE>(&soft, || Soft(lubrication));
+        Assembled { stiff, soft }
+    }
+}
+
+impl<T: Stored> Assembly<'_, T> {
+    /// The rows of all particles that a rank owns, whose loads and moments are added to those given.
+    pub fn of_all(arrangement: &Arrangement, (loads, moments): (&mut [Screw], &mut [Traceless])) -> Vec<Assembled<T>> {
+        let part = |(k, (loads, moments)): (usize, (&mut [Screw], &mut [Traceless]))| {
+            let (first, rows) = (k * ROWS, loads.len());
+            f64::dispatch(Assembly { arrangement, first, rows, loads, moments, stored: PhantomData })
+        };
+        loads.par_chunks_mut(ROWS).zip(moments.par_chunks_mut(ROWS)).enumerate().map(part).collect()
+    }
+
+    /// The stiff pairs and the others.
+    #[inline(always)]
+    fn listed(&self) -> [Listed; 2] {
+        let rows = self.first..self.first + self.rows;
+        let most: usize = rows.clone().map(|row| self.arrangement.neighbours.of(row).len()).sum();
+        let mut listed = [Listed::with_room(self.rows, most / 4), Listed::with_room(self.rows, most)];
+        for row in rows {
+            for neighbour in self.arrangement.neighbours.of(row).iter() {
+                self.list(row, neighbour, &mut listed);
+            }
+            for list in &mut listed {
+                list.ends.push(list.pairs.len());
+            }
+        }
+        listed
+    }
+
+    /// Appends a row's pair with a neighbour to the stiff ones or the others, if anything acts between them.
+    #[inline(always)]
+    fn list(&self, row: usize, neighbour: Neighbour, [stiff, soft]: &mut [Listed; 2]) {
+        let Arrangement { lubrication, springs, radii, cell, positions, ids, species, .. } = *self.arrangement;
+        let other = neighbour.row as usize;
+        let mut separation = positions[other] - positions[row];
+        if neighbour.steps != [0; 3] {
+            separation += cell.lattice(neighbour.steps.map(i32::from));
+        }
+        let (pair, distance) = ([species[row], species[other]], separation.length());
+        let gap = lubrication.and_then(|pairs| pairs.force.gap(distance, pair));
+        let between = |springs: &Springs| springs.between((row, ids[other]), distance, pair.map(|s| radii[s as usize]));
+        let resisted = springs.map(between);
+        let spring = resisted.map_or(0.0, |[along, ..]| along);
+        if gap.is_none() && spring == 0.0 {
+            return;
+        }
+        let is_stiff = |pairs: &PairLubrication| gap.is_some_and(|gap| pairs.is_stiff(pair, gap));
+        let list = if spring > 0.0 || lubrication.is_some_and(is_stiff) { stiff } else { soft };
+        let (other, is_lubricated) = (neighbour.row, gap.is_some());
+        let height = positions[row].z + 0.5 * separation.z;
+        list.pairs.push(NearPair { separation, distance, height, other, species: pair, is_lubricated });
+        list.springs.extend(resisted);
+    }
+
+    /// Makes rows of pairs of one kind, and adds their loads and moments in the ambient flow.
+    #[inline(always)]
+    fn part<V: Width<f64>, S: Stored, K: Kind<N>, const N: usize>(
+        &mut self,
+        listed: &Listed,
+        kind: impl Fn() -> K,
+    ) -> Part<S> {
+        let order = listed.order();
+        let groups = order.chunks(LANES).map(|rows| listed.of(rows[0]).len()).sum();
+        let mut part = Part::new(self.rows, groups);
+        for rows in order.chunks(LANES) {
+            let slice = Slice::new(rows);
+            let (mut sums, mut strained) = (Sums::<V>::zero(), InStrain::zero());
+            for place in 0..listed.of(rows[0]).len() {
+                let mut packed = Packed::empty(kind(), (self.first + rows[0] as usize) as u32);
+                self.pack::<V, K, N>((listed, rows), place, &mut packed);
+                packed.assemble(part.group(), (&mut sums, &mut strained), self.arrangement.strain_rate.at_zero);
+            }
+            part.end_slice(slice, &sums.totals());
+            let (added, moved) = strained.totals();
+            for (lane, &row) in rows.iter().enumerate() {
+                self.loads[row as usize] += added[lane];
+                self.moments[row as usize] += moved[lane];
+            }
+        }
+        part
+    }
+
+    /// Sets the pairs in a place of the rows' lists.
+    #[inline(always)]
+    fn pack<V: Width<f64>, K: Kind<N>, const N: usize>(
+        &self,
+        (listed, rows): (&Listed, &[u32]),
+        place: usize,
+        packed: &mut Packed<K, N>,
+    ) {
+        let Arrangement { radii, strain_rate, .. } = *self.arrangement;
+        for (lane, &row) in rows.iter().enumerate() {
+            let range = listed.of(row);
+            if place < range.len() {
+                let k = range.start + place;
+                let pair = &listed.pairs[k];
+                let sizes = pair.species.map(|s| radii[s as usize]);
+                packed.set::<V>(lane, (pair, sizes), listed.springs.get(k), strain_rate.slope);
+            }
+        }
+    }
+}
+
+impl Listed {
+    fn with_room(rows: usize, pairs: usize) -> Self {
+        Self { pairs: Vec::with_capacity(pairs), springs: Vec::new(), ends: Vec::with_capacity(rows) }
+    }
+
+    /// The pairs of a row.
+    #[inline(always)]
+    fn of(&self, row: u32) -> std::ops::Range<usize> {
+        let row = row as usize;
+        (if row == 0 { 0 } else { self.ends[row - 1] })..self.ends[row]
+    }
+
+    /// The rows that have pairs, those with the most first.
+    fn order(&self) -> Vec<u32> {
+        let mut rows: Vec<u32> = (0..self.ends.len() as u32).filter(|&row| !self.of(row).is_empty()).collect();
+        rows.sort_by_key(|&row| std::cmp::Reverse(self.of(row).len()));
+        rows
+    }
+}

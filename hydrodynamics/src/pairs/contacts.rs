@@ -1,0 +1,47 @@
+//! What contacts resist, pair by pair.
+
+use crate::pairs::matrix::lanes::{LANES, Lanes};
+use lubrication::{Arithmetic, Coefficients};
+use solver::simd::Vector as Width;
+
+/// What contacts resist, a lane each: to slip and to rolling, with the arms of the smaller and the larger sphere.
+#[derive(Default)]
+pub struct Touching {
+    slip: [f64; LANES],
+    rolling: [f64; LANES],
+    arms: [[f64; LANES]; 2],
+}
+
+impl Touching {
+    /// Notes what a contact resists.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, [slip, rolling]: [f64; 2], distance: f64, radii: [f64; 2]) {
+        let [smaller, larger] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
+        let sum = smaller + larger;
+        self.slip[lane] = slip;
+        self.arms[0][lane] = distance * smaller / sum;
+        self.arms[1][lane] = distance * larger / sum;
+        self.rolling[lane] = rolling * (2.0 * smaller * larger / sum).powi(2);
+    }
+
+    /// Adds what contacts resist: with `s = 1` for the smaller sphere and `-1` for the larger, arms `b` and the velocity `v`
+    /// at which surfaces slip, the rate of work is
+    ///
+    /// ```text
+    /// slip v^2 + rolling |(sum s Omega) x z|^2,        v = (sum s U)_across + (sum b Omega) x z
+    /// ```
+    #[inline(always)]
+    pub fn add_to<V: Width<f64>>(&self, coefficients: &mut Coefficients<Lanes<V>>) {
+        let (slip, rolling) = (Lanes::read(&self.slip), Lanes::read(&self.rolling));
+        let arms = [Lanes::read(&self.arms[0]), Lanes::read(&self.arms[1])];
+        let signs = [Lanes::constant(1.0), Lanes::constant(-1.0)];
+        for k in 0..2 {
+            for l in 0..2 {
+                let sign = signs[k] * signs[l];
+                coefficients.across[k][l] = coefficients.across[k][l].plus(slip, sign);
+                coefficients.coupling[k][l] = coefficients.coupling[k][l].plus(slip, signs[k] * arms[l]);
+                coefficients.roll[k][l] = coefficients.roll[k][l].plus(slip, arms[k] * arms[l]).plus(rolling, sign);
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Lubrication between spheres, of stiff pairs, which the preconditioner solves with the particles, and of the others.
+
+use crate::six_vector::Screw;
+use lubrication::{PairForce, SideTables};
+
+/// Lubrication between spheres.
+pub struct PairLubrication {
+    /// Of all pairs.
+    pub force: PairForce,
+    /// Of those that are not stiff, in tables of their own.
+    pub soft: SideTables,
+    stiffness: Stiffness,
+}
+
+impl PairLubrication {
+    /// Between species whose resistances alone are `single`.
+    pub fn new(force: PairForce, single: &[Screw]) -> Self {
+        let stiffness = Stiffness::new(&force, single);
+        let soft = SideTables::new(&force, |species| stiffness.gap(species));
+        Self { force, soft, stiffness }
+    }
+
+    /// Whether a pair of two species at a gap is stiff.
+    #[inline(always)]
+    pub fn is_stiff(&self, species: [u32; 2], gap: f64) -> bool {
+        gap < self.stiffness.gap(species)
+    }
+}
+
+/// Up to which gap the pairs of each two species are stiff.
+struct Stiffness {
+    species: usize,
+    gaps: Vec<f64>,
+}
+
+/// A pair is stiff if it resists some motion of a sphere more than this part of what the sphere does alone: within gaps
+/// of about half a radius. Most pairs within reach are not.
+const STIFF: f64 = 0.1;
+
+/// Halvings of the range in which the gap is sought.
+const HALVINGS: usize = 30;
+
+impl Stiffness {
+    fn new(force: &PairForce, single: &[Screw]) -> Self {
+        let gap = |k: usize| largest_gap(force, [k / single.len(), k % single.len()], single);
+        Self { species: single.len(), gaps: (0..single.len() * single.len()).map(gap).collect() }
+    }
+
+    #[inline(always)]
+    fn gap(&self, species: [u32; 2]) -> f64 {
+        self.gaps[species[0] as usize * self.species + species[1] as usize]
+    }
+}
+
+/// The gap at which a pair ceases to be stiff, since resistance falls as it grows.
+fn largest_gap(force: &PairForce, species: [usize; 2], single: &[Screw]) -> f64 {
+    let radii = species.map(|s| force.radii()[s]);
+    let order = if radii[0] > radii[1] { [species[1], species[0]] } else { species };
+    let is_stiff = |gap: f64| {
+        let Some(resistance) = force.coefficients(radii[0] + radii[1] + gap, order.map(|s| s as u32)) else {
+            return false;
+        };
+        let exceeds = |k: usize| {
+            let (alone, [u, v]) = (single[order[k]].0, [resistance.along[k][k], resistance.across[k][k]]);
+            let [o, p] = [resistance.spin[k][k], resistance.roll[k][k]];
+            u.max(v) > STIFF * alone[0] || o.max(p) > STIFF * alone[3]
+        };
+        exceeds(0) || exceeds(1)
+    };
+    let (mut stiff, mut soft) = (0.0, force.range().cutoff() * radii[0].max(radii[1]));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (stiff + soft);
+        if is_stiff(middle) {
+            stiff = middle;
+        } else {
+            soft = middle;
+        }
+    }
+    soft
+}

@@ -1,0 +1,73 @@
+//! Small dense matrices.
+
+use crate::pairs::matrix::lanes::{LANES, Lanes};
+use crate::six_vector::Screw;
+use lubrication::Arithmetic;
+use solver::simd::{Vector as Width, Work};
+
+/// A symmetric matrix that takes loads on one particle to its motion, row by row, and nothing up to a whole vector.
+#[derive(Debug, Clone, Copy)]
+pub struct Block(pub [f64; Block::NUMBERS]);
+
+impl Block {
+    /// Its numbers: from the first of the last row on there is a whole vector.
+    pub const NUMBERS: usize = 5 * 6 + LANES;
+
+    /// The matrix times a screw.
+    #[cfg(test)]
+    pub fn times(&self, screw: &Screw) -> Screw {
+        let row = |i: usize| (0..6).map(|k| self.0[6 * i + k] * screw.0[k]).sum();
+        Screw(std::array::from_fn(row))
+    }
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Self([0.0; Self::NUMBERS])
+    }
+}
+
+/// Blocks times a screw each.
+pub struct Products<'a> {
+    pub blocks: &'a [Block],
+    pub screws: &'a [Screw],
+    pub results: &'a mut [Screw],
+}
+
+impl Work<f64> for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) {
+        for ((block, screw), product) in self.blocks.iter().zip(self.screws).zip(self.results) {
+            let mut sum = Lanes::<V>::constant(0.0);
+            for k in 0..6 {
+                // A column is a row. What follows it is summed too, and left out.
+                sum = sum.plus(Lanes::constant(screw.0[k]), Lanes::read(&block.0[6 * k..]));
+            }
+            let mut wide = [0.0; LANES];
+            sum.write(&mut wide);
+            product.0.copy_from_slice(&wide[..6]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use solver::Real;
+
+    #[test]
+    fn products_are_those_of_rows() {
+        let block = Block(std::array::from_fn(|k| {
+            let (i, j) = (k / 6, k % 6);
+            if i == j { 2.0 + i as f64 } else { 1.0 / (1.0 + i as f64 + j as f64) }
+        }));
+        let screws = [Screw([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]), Screw([0.0, 1.0, 0.0, 0.0, 0.0, -1.0])];
+        let mut products = [Screw::default(); 2];
+        f64::dispatch(Products { blocks: &[block; 2], screws: &screws, results: &mut products });
+        for (product, screw) in products.iter().zip(&screws) {
+            assert!(product.0.iter().zip(block.times(screw).0).all(|(a, b)| (a - b).abs() < 1e-14), "{product:?}");
+        }
+    }
+}

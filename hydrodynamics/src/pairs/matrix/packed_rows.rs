@@ -1,0 +1,221 @@
+//! Pairs of several rows at once.
+
+use crate::pairs::contacts::Touching;
+use crate::pairs::lubrication::PairLubrication;
+use crate::pairs::matrix::lanes::{LANES, Lanes, Stored, turn};
+use crate::pairs::matrix::row_sums::{InStrain, Sums};
+use crate::pairs::matrix::sparse::{Group, MomentGroup};
+use domain::{Traceless, Vector};
+use lubrication::{Arithmetic, Coefficients, RECORD, SIDE, Side};
+use solver::simd::Vector as Width;
+
+/// A pair of a row: from its particle to the other.
+pub struct NearPair {
+    pub separation: Vector,
+    pub distance: f64,
+    /// The height half-way between them.
+    pub height: f64,
+    pub other: u32,
+    pub species: [u32; 2],
+    pub is_lubricated: bool,
+}
+
+/// What the sides of pairs are computed from, as so many numbers a pair.
+pub trait Kind<const N: usize> {
+    /// Writes the numbers of a pair of spheres of two radii, with what a spring resists between them along, across, and to
+    /// rolling, if there is one.
+    fn write<V: Width<f64>>(
+        &mut self,
+        lane: usize,
+        pair: (&NearPair, [f64; 2]),
+        spring: Option<&[f64; 3]>,
+        numbers: &mut [f64; N],
+    );
+
+    /// The sides of the rows' spheres from these numbers, a lane each.
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> Side<Lanes<V>>;
+}
+
+/// Pairs of one kind of several rows, a lane each.
+pub struct Packed<K, const N: usize> {
+    kind: K,
+    records: [[f64; N]; LANES],
+    /// Unit vectors from the smaller sphere to the larger.
+    axis: [[f64; LANES]; 3],
+    /// By how much the components xz and yz of the ambient rate of strain are larger between them.
+    sloping: [[f64; LANES]; 2],
+    others: [u32; LANES],
+}
+
+impl<K: Kind<N>, const N: usize> Packed<K, N> {
+    /// No pairs, in lanes that stand for any row.
+    #[inline(always)]
+    pub fn empty(kind: K, row: u32) -> Self {
+        Self {
+            kind,
+            records: [[0.0; N]; LANES],
+            axis: [[0.0; LANES]; 3],
+            sloping: [[0.0; LANES]; 2],
+            others: [row; LANES],
+        }
+    }
+
+    /// Sets the pair of a lane, of spheres of two radii, in a flow whose rate of strain grows with z.
+    #[inline(always)]
+    pub fn set<V: Width<f64>>(
+        &mut self,
+        lane: usize,
+        (pair, radii): (&NearPair, [f64; 2]),
+        spring: Option<&[f64; 3]>,
+        slope: [f64; 2],
+    ) {
+        self.kind.write::<V>(lane, (pair, radii), spring, &mut self.records[lane]);
+        self.others[lane] = pair.other;
+        for k in 0..2 {
+            self.sloping[k][lane] = slope[k] * pair.height;
+        }
+        let axis = pair.separation * (if radii[0] > radii[1] { -1.0 } else { 1.0 } / pair.distance);
+        for k in 0..3 {
+            self.axis[k][lane] = axis[k];
+        }
+    }
+
+    /// Makes a group of the pairs.
+    #[inline(always)]
+    pub fn assemble<V: Width<f64>, T: Stored>(
+        &self,
+        (group, moments): (&mut Group<T>, &mut MomentGroup<T>),
+        (sums, strained): (&mut Sums<V>, &mut InStrain<V>),
+        ambient: Traceless,
+    ) {
+        let mut numbers = [[0.0; LANES]; N];
+        for (k, lanes) in numbers.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            turn::<V, N>(&self.records, k * LANES, lanes);
+        }
+        let side = self.kind.sides::<V>(&numbers);
+        let mut z = [Lanes::constant(0.0); 3];
+        for k in 0..3 {
+            z[k] = Lanes::read(&self.axis[k]);
+        }
+        sums.add(&side, z);
+        strained.add(&side, z, (ambient, [Lanes::read(&self.sloping[0]), Lanes::read(&self.sloping[1])]));
+        group.others = self.others;
+        for k in 0..3 {
+            T::store(z[k], &mut group.axis[k]);
+        }
+        group.set(&side);
+        moments.set(&side);
+    }
+}
+
+/// Numbers of a stiff pair: those of its coefficients, 1 where the row's particle is the larger one, and the resistance of
+/// its spring along the axis.
+pub const STIFF: usize = 48;
+const IS_LARGER: usize = RECORD;
+const SPRING: usize = RECORD + 1;
+
+/// Pairs that are stiff, by lubrication or by springs.
+pub struct Stiff<'a> {
+    lubrication: Option<&'a PairLubrication>,
+    touching: Touching,
+    /// Whether any of them touch.
+    touch: bool,
+}
+
+impl<'a> Stiff<'a> {
+    #[inline(always)]
+    pub fn new(lubrication: Option<&'a PairLubrication>) -> Self {
+        Self { lubrication, touching: Touching::default(), touch: false }
+    }
+}
+
+impl Kind<STIFF> for Stiff<'_> {
+    #[inline(always)]
+    fn write<V: Width<f64>>(
+        &mut self,
+        lane: usize,
+        (pair, radii): (&NearPair, [f64; 2]),
+        spring: Option<&[f64; 3]>,
+        numbers: &mut [f64; STIFF],
+    ) {
+        if let Some(lubrication) = self.lubrication.filter(|_| pair.is_lubricated) {
+            let record = numbers.first_chunk_mut().expect("numbers begin with a record");
+            lubrication.force.record::<Lanes<V>>(pair.distance, pair.species, record);
+        }
+        numbers[IS_LARGER] = f64::from(u8::from(radii[0] > radii[1]));
+        if let Some(&[along, slip, rolling]) = spring {
+            numbers[SPRING] = along;
+            self.touching.set(lane, [slip, rolling], pair.distance, radii);
+            self.touch |= slip + rolling > 0.0;
+        }
+    }
+
+    #[inline(always)]
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; STIFF]) -> Side<Lanes<V>> {
+        let mut record = [Lanes::<V>::constant(0.0); RECORD];
+        for k in 0..RECORD {
+            record[k] = Lanes::read(&numbers[k]);
+        }
+        let mut coefficients = Coefficients::of(&record);
+        let spring = Lanes::read(&numbers[SPRING]);
+        for k in 0..2 {
+            coefficients.along[k][k] = coefficients.along[k][k] + spring;
+            coefficients.along[k][1 - k] = coefficients.along[k][1 - k] - spring;
+        }
+        if self.touch {
+            self.touching.add_to(&mut coefficients);
+        }
+        Side::of(&coefficients, Lanes::read(&numbers[IS_LARGER]))
+    }
+}
+
+/// Pairs that lubrication alone acts between, and weakly.
+pub struct Soft<'a>(pub Option<&'a PairLubrication>);
+
+impl Kind<SIDE> for Soft<'_> {
+    #[inline(always)]
+    fn write<V: Width<f64>>(
+        &mut self,
+        _lane: usize,
+        (pair, _radii): (&NearPair, [f64; 2]),
+        _spring: Option<&[f64; 3]>,
+        numbers: &mut [f64; SIDE],
+    ) {
+        if let Some(lubrication) = self.0 {
+            lubrication.soft.record::<Lanes<V>>(pair.distance, pair.species, numbers);
+        }
+    }
+
+    #[inline(always)]
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; SIDE]) -> Side<Lanes<V>> {
+        let mut lanes = [Lanes::<V>::constant(0.0); SIDE];
+        for k in 0..SIDE {
+            lanes[k] = Lanes::read(&numbers[k]);
+        }
+        Side::from_numbers(&lanes)
+    }
+}
+
+impl<T: Stored> Group<T> {
+    /// Sets what the motion of the others makes of loads.
+    #[inline(always)]
+    fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
+        T::store(side.across[1], &mut self.across);
+        T::store(side.along[1] - side.across[1], &mut self.along);
+        T::store(side.roll[1], &mut self.roll);
+        T::store(side.spin[1] - side.roll[1], &mut self.spin);
+        T::store(side.coupling[1], &mut self.coupling[0]);
+        T::store(side.leverage, &mut self.coupling[1]);
+    }
+}
+
+impl<T: Stored> MomentGroup<T> {
+    /// Sets the first moments.
+    #[inline(always)]
+    fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
+        for (both, to) in [(side.pull, &mut self.pull), (side.drag, &mut self.drag), (side.turn, &mut self.turn)] {
+            T::store(both[0], &mut to[0]);
+            T::store(both[1], &mut to[1]);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! What the pairs of several rows add up to, a lane each.
+
+use crate::pairs::matrix::diagonal_block::Own;
+use crate::pairs::matrix::lanes::{LANES, Lanes};
+use crate::pairs::matrix::sparse::{add_tensor, scattered};
+use crate::six_vector::Screw;
+use domain::Traceless;
+use lubrication::{Arithmetic, Side};
+use solver::simd::Vector as Width;
+
+/// Blocks on the diagonal.
+pub struct Sums<V> {
+    force: [Lanes<V>; 6],
+    torque: [Lanes<V>; 6],
+    coupling: [Lanes<V>; 3],
+}
+
+/// Loads and moments in the ambient flow.
+pub struct InStrain<V> {
+    force: [Lanes<V>; 3],
+    torque: [Lanes<V>; 3],
+    moment: [Lanes<V>; 5],
+}
+
+/// Rows and columns of the components of a symmetric matrix.
+const SYMMETRIC: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+impl<V: Width<f64>> Sums<V> {
+    /// Nothing.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        let zero = Lanes::constant(0.0);
+        Self { force: [zero; 6], torque: [zero; 6], coupling: [zero; 3] }
+    }
+
+    /// Adds a pair of each row, along these axes.
+    #[inline(always)]
+    pub fn add(&mut self, side: &Side<Lanes<V>>, z: [Lanes<V>; 3]) {
+        let (across, roll, coupling) = (side.across[0], side.roll[0], side.coupling[0]);
+        let (along, spin) = (side.along[0] - across, side.spin[0] - roll);
+        for (k, (i, j)) in SYMMETRIC.into_iter().enumerate() {
+            self.force[k] = self.force[k].plus(along * z[i], z[j]);
+            self.torque[k] = self.torque[k].plus(spin * z[i], z[j]);
+            if i == j {
+                self.force[k] = self.force[k] + across;
+                self.torque[k] = self.torque[k] + roll;
+            }
+        }
+        for k in 0..3 {
+            self.coupling[k] = self.coupling[k].plus(coupling, z[k]);
+        }
+    }
+
+    /// The block of each row.
+    #[inline(always)]
+    pub fn totals(&self) -> [Own<f64>; LANES] {
+        let [force, torque, coupling] = [scattered(&self.force), scattered(&self.torque), scattered(&self.coupling)];
+        let mut own = [Own::default(); LANES];
+        for lane in 0..LANES {
+            own[lane].force.copy_from_slice(&force[lane][..6]);
+            own[lane].torque.copy_from_slice(&torque[lane][..6]);
+            own[lane].coupling.copy_from_slice(&coupling[lane][..3]);
+        }
+        own
+    }
+}
+
+impl<V: Width<f64>> InStrain<V> {
+    /// Nothing.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        let zero = Lanes::constant(0.0);
+        Self { force: [zero; 3], torque: [zero; 3], moment: [zero; 5] }
+    }
+
+    /// Adds a pair of each row, along these axes, in an ambient rate of strain whose components xz and yz are larger there.
+    #[inline(always)]
+    pub fn add(
+        &mut self,
+        side: &Side<Lanes<V>>,
+        z: [Lanes<V>; 3],
+        (ambient, [sloping_x, sloping_y]): (Traceless, [Lanes<V>; 2]),
+    ) {
+        let [xx, xy, xz, yy, yz] = ambient.0;
+        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]];
+        let mut across = [sloping_x * z[2], sloping_y * z[2], (sloping_x * z[0]).plus(sloping_y, z[1])];
+        for i in 0..3 {
+            for j in 0..3 {
+                across[i] = across[i].plus(Lanes::constant(rows[i][j]), z[j]);
+            }
+        }
+        let along = (z[0] * across[0]).plus(z[1], across[1]).plus(z[2], across[2]);
+        for i in 0..3 {
+            across[i] = across[i] - along * z[i];
+        }
+        let (push, slide, twist, bend) = (side.push * along, side.slide, side.twist, side.bend);
+        let mut shear = across;
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            self.force[i] = self.force[i].plus(push, z[i]).plus(slide, across[i]);
+            self.torque[i] = self.torque[i].plus(twist, z[j] * across[k] - z[k] * across[j]);
+            shear[i] = bend * across[i];
+        }
+        add_tensor(side.stretch * along, shear, z, &mut self.moment);
+        let bulk = side.bulk;
+        for (k, component) in ambient.0.into_iter().enumerate() {
+            self.moment[k] = self.moment[k].plus(bulk, Lanes::constant(component));
+        }
+        self.moment[2] = self.moment[2].plus(bulk, sloping_x);
+        self.moment[4] = self.moment[4].plus(bulk, sloping_y);
+    }
+
+    /// The load and the moment of each row.
+    #[inline(always)]
+    pub fn totals(&self) -> ([Screw; LANES], [Traceless; LANES]) {
+        let [force, torque, moment] = [scattered(&self.force), scattered(&self.torque), scattered(&self.moment)];
+        let (mut loads, mut moments) = ([Screw::default(); LANES], [Traceless::ZERO; LANES]);
+        for lane in 0..LANES {
+            loads[lane].0[..3].copy_from_slice(&force[lane][..3]);
+            loads[lane].0[3..].copy_from_slice(&torque[lane][..3]);
+            moments[lane].0.copy_from_slice(&moment[lane][..5]);
+        }
+        (loads, moments)
+    }
+}

@@ -1,0 +1,354 @@
+//! The lubrication resistance of many pairs as a sparse matrix.
+
+use crate::pairs::matrix::diagonal_block::{Inverses, Own};
+use crate::pairs::matrix::inverse_block::Block;
+use crate::pairs::matrix::lanes::{LANES, Lanes, Stored, turn};
+use crate::six_vector::Screw;
+use bytemuck::{Pod, Zeroable};
+use domain::Traceless;
+use lubrication::Arithmetic;
+use rayon::prelude::*;
+use solver::Real;
+use solver::simd::{Vector as Width, Work};
+
+/// Rows that one thread works through at a time.
+pub const ROWS: usize = 64;
+
+/// What particles resist to their rigid motions by some of their near pairs: with the unit vector `z` along each pair,
+/// the loads of [`lubrication::Coefficients`]. Each row of a particle that the rank owns has all of its pairs, so that a
+/// pair stands in the rows of both.
+///
+/// Rows are worked out several at once, a lane each, pair by pair: the rows with the most pairs of a part together, so
+/// that few lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352). The numbers of pairs are stored in
+/// single or double precision, their sums and what is on the diagonal always in double.
+pub struct PairMatrix<T> {
+    parts: Vec<Part<T>>,
+}
+
+/// The rows of some particles.
+pub struct Part<T> {
+    /// What is on the diagonal.
+    own: Vec<Own<f64>>,
+    slices: Vec<Slice>,
+    groups: Vec<Group<T>>,
+    moments: Vec<MomentGroup<T>>,
+    /// Groups that are filled.
+    filled: usize,
+}
+
+/// Rows that are worked out at once; those without pairs are in none.
+#[derive(Debug, Clone, Copy)]
+pub struct Slice {
+    /// Rows within the part, the first `count` of these.
+    rows: [u32; LANES],
+    count: usize,
+    /// Where the groups of the slice end.
+    end: usize,
+}
+
+/// A pair of each row of a slice, by what the motion of the other particle makes of loads; empty lanes have zeros.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C, align(64))]
+pub struct Group<T> {
+    pub axis: [[T; LANES]; 3],
+    pub across: [T; LANES],
+    /// `along - across`
+    pub along: [T; LANES],
+    pub roll: [T; LANES],
+    /// `spin - roll`
+    pub spin: [T; LANES],
+    /// Force by the angular velocity of the other, and torque by its velocity.
+    pub coupling: [[T; LANES]; 2],
+    /// Rows of the others.
+    pub others: [u32; LANES],
+}
+
+/// First moments of the rows' particles by motions, of themselves and of the others.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C, align(64))]
+pub struct MomentGroup<T> {
+    pub pull: [[T; LANES]; 2],
+    pub drag: [[T; LANES]; 2],
+    pub turn: [[T; LANES]; 2],
+}
+
+impl Slice {
+    /// Some rows of a part, at most as many as there are lanes.
+    pub fn new(rows: &[u32]) -> Self {
+        let mut slice = Self { rows: [0; LANES], count: rows.len(), end: 0 };
+        slice.rows[..rows.len()].copy_from_slice(rows);
+        slice
+    }
+
+    /// Its rows, lane by lane.
+    pub fn rows(&self) -> &[u32] {
+        &self.rows[..self.count]
+    }
+}
+
+impl<T: Stored> Part<T> {
+    /// So many rows without pairs, and so many groups to be filled.
+    pub fn new(rows: usize, groups: usize) -> Self {
+        Self {
+            own: vec![Own::default(); rows],
+            slices: Vec::with_capacity(rows.div_ceil(LANES)),
+            groups: vec![Group::zeroed(); groups],
+            moments: vec![MomentGroup::zeroed(); groups],
+            filled: 0,
+        }
+    }
+
+    /// The next group of the slice that is being made.
+    #[inline(always)]
+    pub fn group(&mut self) -> (&mut Group<T>, &mut MomentGroup<T>) {
+        let next = self.filled;
+        self.filled += 1;
+        (&mut self.groups[next], &mut self.moments[next])
+    }
+
+    /// Ends a slice, whose rows have these blocks on the diagonal, lane by lane.
+    pub fn end_slice(&mut self, slice: Slice, own: &[Own<f64>; LANES]) {
+        for (&row, own) in slice.rows().iter().zip(own) {
+            self.own[row as usize] = *own;
+        }
+        self.slices.push(Slice { end: self.filled, ..slice });
+    }
+
+    /// The slices with their groups.
+    fn slices(&self) -> impl Iterator<Item = (&Slice, std::ops::Range<usize>)> {
+        let starts = std::iter::once(0).chain(self.slices.iter().map(|slice| slice.end));
+        self.slices.iter().zip(starts).map(|(slice, start)| (slice, start..slice.end))
+    }
+}
+
+impl<T: Stored> PairMatrix<T> {
+    /// Of parts of [`ROWS`] rows each, but for the last.
+    pub fn new(parts: Vec<Part<T>>) -> Self {
+        Self { parts }
+    }
+
+    /// Adds to the block on the diagonal of a row.
+    pub fn add_own(&mut self, row: usize, own: &Own<f64>) {
+        self.parts[row / ROWS].own[row % ROWS].add(own);
+    }
+
+    /// The inverses of the blocks on the diagonal with what particles resist alone.
+    pub fn inverses(&self, single: &[Screw]) -> Vec<Block> {
+        let mut inverses = vec![Block::default(); single.len()];
+        let parts = self.parts.par_iter().zip(single.par_chunks(ROWS)).zip(inverses.par_chunks_mut(ROWS));
+        parts.for_each(|((part, single), blocks)| f64::dispatch(Inverses { own: &part.own, single, blocks }));
+        inverses
+    }
+}
+
+/// What resists to motions, with numbers stored in whichever precision.
+pub trait Resistance: Sync {
+    /// Whether there is no pair.
+    fn is_empty(&self) -> bool;
+
+    /// Adds the loads by the motions of all particles present to those of the rows of a part.
+    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [Screw]);
+
+    /// Adds the first moments by the motions of all particles present to those of the particles that the rank owns.
+    fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]);
+}
+
+impl<T: Stored> Resistance for PairMatrix<T> {
+    fn is_empty(&self) -> bool {
+        self.parts.iter().all(|part| part.groups.is_empty())
+    }
+
+    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [Screw]) {
+        if let Some(rows) = self.parts.get(part) {
+            f64::dispatch(Product { part: rows, first: part * ROWS, present, loads });
+        }
+    }
+
+    fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]) {
+        moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (moments, part))| {
+            f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
+        });
+    }
+}
+
+/// A motion that fills a vector, to be read at once.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct Padded([f64; LANES]);
+
+impl From<&Screw> for Padded {
+    fn from(screw: &Screw) -> Self {
+        let [ux, uy, uz, ox, oy, oz] = screw.0;
+        Self([ux, uy, uz, ox, oy, oz, 0.0, 0.0])
+    }
+}
+
+/// Velocities and angular velocities of some particles, lane by lane.
+#[inline(always)]
+fn gathered<V: Width<f64>>(present: &[Padded], rows: &[u32; LANES]) -> [[Lanes<V>; 3]; 2] {
+    let mut records = [[0.0; LANES]; LANES];
+    for lane in 0..LANES {
+        records[lane] = present[rows[lane] as usize].0;
+    }
+    let mut lanes = [[0.0; LANES]; LANES];
+    turn::<V, LANES>(&records, 0, &mut lanes);
+    let mut motions = [[Lanes::constant(0.0); 3]; 2];
+    for k in 0..3 {
+        motions[0][k] = Lanes::read(&lanes[k]);
+        motions[1][k] = Lanes::read(&lanes[3 + k]);
+    }
+    motions
+}
+
+/// Numbers of rows, as many of each, from lanes of numbers; numbers that are not given are zeros.
+#[inline(always)]
+pub fn scattered<V: Width<f64>>(sums: &[Lanes<V>]) -> [[f64; LANES]; LANES] {
+    let mut lanes = [[0.0; LANES]; LANES];
+    for k in 0..sums.len() {
+        sums[k].write(&mut lanes[k]);
+    }
+    let mut records = [[0.0; LANES]; LANES];
+    turn::<V, LANES>(&lanes, 0, &mut records);
+    records
+}
+
+#[inline(always)]
+fn dot<V: Width<f64>>(a: [Lanes<V>; 3], b: [Lanes<V>; 3]) -> Lanes<V> {
+    (a[0] * b[0]).plus(a[1], b[1]).plus(a[2], b[2])
+}
+
+#[inline(always)]
+fn cross<V: Width<f64>>(a: [Lanes<V>; 3], b: [Lanes<V>; 3]) -> [Lanes<V>; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn axis<T: Stored, V: Width<f64>>(group: &Group<T>) -> [Lanes<V>; 3] {
+    [T::lanes(&group.axis[0]), T::lanes(&group.axis[1]), T::lanes(&group.axis[2])]
+}
+
+/// Some rows of the matrix times motions.
+struct Product<'a, T> {
+    part: &'a Part<T>,
+    first: usize,
+    present: &'a [Padded],
+    loads: &'a mut [Screw],
+}
+
+impl<T: Stored> Work<f64> for Product<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) {
+        for (k, (own, loads)) in self.part.own.chunks(LANES).zip(self.loads.chunks_mut(LANES)).enumerate() {
+            let mut rows = [(self.first + k * LANES) as u32; LANES];
+            (0..own.len()).for_each(|lane| rows[lane] += lane as u32);
+            let records = scattered(&Own::<Lanes<V>>::of(own).times(gathered(self.present, &rows)));
+            for (load, record) in loads.iter_mut().zip(&records) {
+                for k in 0..6 {
+                    load.0[k] += record[k];
+                }
+            }
+        }
+        for (slice, groups) in self.part.slices() {
+            let mut sums = [Lanes::<V>::constant(0.0); 6];
+            for group in &self.part.groups[groups] {
+                group.add(self.present, &mut sums);
+            }
+            let records = scattered(&sums);
+            for (&row, record) in slice.rows().iter().zip(&records) {
+                let load = &mut self.loads[row as usize].0;
+                for k in 0..6 {
+                    load[k] += record[k];
+                }
+            }
+        }
+    }
+}
+
+impl<T: Stored> Group<T> {
+    /// Adds the loads by the motions of the others.
+    #[inline(always)]
+    fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [Lanes<V>; 6]) {
+        let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<T, V>(self));
+        let along = dot(z, u) * T::lanes(&self.along);
+        let spin = dot(z, o) * T::lanes(&self.spin);
+        let (turning, moving) = (cross(o, z), cross(z, u));
+        let (across, roll) = (T::lanes(&self.across), T::lanes(&self.roll));
+        let coupling = [T::lanes(&self.coupling[0]), T::lanes(&self.coupling[1])];
+        for k in 0..3 {
+            sums[k] = sums[k].plus(across, u[k]).plus(along, z[k]).plus(coupling[0], turning[k]);
+            sums[3 + k] = sums[3 + k].plus(roll, o[k]).plus(spin, z[k]).plus(coupling[1], moving[k]);
+        }
+    }
+}
+
+/// First moments of some rows.
+struct MomentRows<'a, T> {
+    part: &'a Part<T>,
+    first: usize,
+    present: &'a [Padded],
+    sums: &'a mut [Traceless],
+}
+
+impl<T: Stored> Work<f64> for MomentRows<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) {
+        for (slice, groups) in self.part.slices() {
+            let mut rows = [self.first as u32; LANES];
+            for (lane, row) in slice.rows().iter().enumerate() {
+                rows[lane] += row;
+            }
+            let own = gathered::<V>(self.present, &rows);
+            let mut sums = [Lanes::<V>::constant(0.0); 5];
+            for k in groups {
+                self.part.moments[k].add(&self.part.groups[k], (self.present, own), &mut sums);
+            }
+            let records = scattered(&sums);
+            for (&row, record) in slice.rows().iter().zip(&records) {
+                let moment = &mut self.sums[row as usize].0;
+                for k in 0..5 {
+                    moment[k] += record[k];
+                }
+            }
+        }
+    }
+}
+
+impl<T: Stored> MomentGroup<T> {
+    /// Adds the moments by the motions of the rows' particles and of the others.
+    #[inline(always)]
+    fn add<V: Width<f64>>(
+        &self,
+        group: &Group<T>,
+        (present, of_own): (&[Padded], [[Lanes<V>; 3]; 2]),
+        sums: &mut [Lanes<V>; 5],
+    ) {
+        let z = axis::<T, V>(group);
+        let of_others = gathered::<V>(present, &group.others);
+        let mut stretch = Lanes::constant(0.0);
+        let mut shear = [Lanes::constant(0.0); 3];
+        for (k, [u, o]) in [of_own, of_others].into_iter().enumerate() {
+            let (along, turning) = (dot(z, u), cross(o, z));
+            let (drag, turn) = (T::lanes(&self.drag[k]), T::lanes(&self.turn[k]));
+            stretch = stretch.plus(along, T::lanes(&self.pull[k]));
+            for i in 0..3 {
+                shear[i] = shear[i].plus(drag, u[i] - along * z[i]).plus(turn, turning[i]);
+            }
+        }
+        add_tensor(stretch, shear, z, sums);
+    }
+}
+
+/// Adds `stretch (3 zz - 1) + z s + s z` to the five components of symmetric traceless tensors.
+#[inline(always)]
+pub fn add_tensor<V: Width<f64>>(stretch: Lanes<V>, shear: [Lanes<V>; 3], z: [Lanes<V>; 3], sums: &mut [Lanes<V>; 5]) {
+    let three = Lanes::constant(3.0) * stretch;
+    for (k, (i, j)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2)].into_iter().enumerate() {
+        sums[k] = sums[k].plus(three * z[i], z[j]).plus(z[i], shear[j]).plus(shear[i], z[j]);
+    }
+    sums[0] = sums[0] - stretch;
+    sums[3] = sums[3] - stretch;
+}

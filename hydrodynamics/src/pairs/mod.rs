@@ -1,0 +1,8 @@
+//! Lubrication, contacts and springs of near pairs as one sparse symmetric resistance.
+
+pub mod assembly;
+pub mod contacts;
+pub mod lubrication;
+pub mod matrix;
+pub mod search;
+pub mod walls;

@@ -1,0 +1,176 @@
+//! The resistance of spheres at walls.
+
+use crate::ambient::StrainRate;
+use crate::pairs::matrix::diagonal_block::Own;
+use crate::six_vector::{Screw, Screws};
+use crate::springs::Springs;
+use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
+use lubrication::{Surfaces, WallCoefficients, WallForce};
+
+/// A sphere at a wall, which resists like a pair of which one does not move relative to the flow.
+#[derive(Debug, Clone, Copy)]
+pub struct AtWall {
+    /// The row of the sphere.
+    pub row: usize,
+    /// The unit vector to the wall, and how far it is from the centre.
+    axis: Vector,
+    distance: f64,
+    resistance: WallCoefficients,
+    /// Load and moment by lubrication of a sphere that moves as the ambient flow at its centre does.
+    pub in_flow: (Screw, Traceless),
+}
+
+/// The spheres of a rank that are within reach of lubrication or of springs at walls, by rows, in an ambient flow of a rate of strain.
+pub fn find(
+    (lubrication, springs): (Option<&WallForce>, Option<&Springs>),
+    particles: &Particles,
+    (cell, strain_rate): (&PeriodicBox, StrainRate),
+) -> Vec<AtWall> {
+    let rows = particles.positions.iter().zip(&particles.radii).enumerate();
+    let of_row = |(row, (&place, &radius))| {
+        let at_wall = move |to: ToWall| {
+            let lubricated = lubrication.and_then(|force| force.factor(to.axis, to.distance, radius));
+            let mut resistance = lubricated.map(|factor| factor.coefficients()).unwrap_or_default();
+            let in_flow = in_flow(&resistance, (place, to), strain_rate);
+            let held = springs.map_or([0.0; 3], |springs| springs.at_wall((row, to.wall), to.distance, radius));
+            add_springs(&mut resistance, held, to.distance, radius);
+            let acts = lubricated.is_some() || held[0] > 0.0;
+            acts.then_some(AtWall { row, axis: to.axis, distance: to.distance, resistance, in_flow })
+        };
+        cell.to_walls(place).filter_map(at_wall)
+    };
+    rows.flat_map(of_row).collect()
+}
+
+/// Load and moment of a sphere that moves with a flow along a wall as that is at its centre, relative to the linear flow that has the
+/// same rate of strain and rests at the wall, as the flow does. Were it relative to the linear flow at the centre, that would
+/// slip at the wall by half of `distance^2 u''`, which a sphere near it resists to without end.
+fn in_flow(
+    resistance: &WallCoefficients,
+    (place, to): (Vector, ToWall),
+    strain_rate: StrainRate,
+) -> (Screw, Traceless) {
+    let strained = resistance.by_strain(to.axis, strain_rate.at(place.z));
+    let beyond = strain_rate.half_curvature() * -to.distance.powi(2);
+    let passed = resistance.by_motion(to.axis, [beyond, Vector::ZERO]);
+    let load = Screw::new(strained.force - passed.force, strained.torque - passed.torque);
+    (load, strained.moment - passed.moment)
+}
+
+/// Adds what springs resist along the axis, to slip and to rolling: with the velocity `v = U_across + distance Omega x z` at
+/// which the surfaces slip, the rate of work is `slip v^2 + rolling |2 a Omega x z|^2`.
+fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 3], distance: f64, radius: f64) {
+    resistance.along += along;
+    resistance.across += slip;
+    resistance.coupling += slip * distance;
+    resistance.roll += slip * distance * distance + rolling * Surfaces::Wall(radius).harmonic_radius().powi(2);
+}
+
+impl AtWall {
+    /// What it adds to the block on the diagonal of its row.
+    pub fn own(&self) -> Own<f64> {
+        let (z, r) = (self.axis.to_array(), &self.resistance);
+        let tensor = |along: f64, across: f64| {
+            [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
+                let unit = if i == j { across } else { 0.0 };
+                unit + (along - across) * z[i] * z[j]
+            })
+        };
+        Own {
+            force: tensor(r.along, r.across),
+            torque: tensor(r.spin, r.roll),
+            coupling: z.map(|component| r.coupling * component),
+        }
+    }
+
+    /// The square of the distance times the force by lubrication on a sphere that the flow passes so, where no springs hold it.
+    pub fn lever(&self, passed: &Screws) -> Vector {
+        let motion = passed.0[self.row];
+        let by_motion = self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).force;
+        (by_motion + self.in_flow.0.linear()) * self.distance.powi(2)
+    }
+
+    /// The first moment by motions.
+    pub fn moment(&self, motions: &Screws) -> Traceless {
+        let motion = motions.0[self.row];
+        self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).moment
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ambient::Poiseuille;
+    use crate::springs::ContactSprings;
+    use crate::springs::TetherResistance;
+    use domain::Boundaries;
+    use lubrication::Range;
+
+    fn cell() -> PeriodicBox {
+        PeriodicBox::new(Vector::new(10.0, 10.0, 6.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap()
+    }
+
+    fn spheres() -> Particles {
+        let mut particles = Particles::default();
+        for (id, (z, radius)) in [(1.001, 1.0), (3.0, 1.0), (4.55, 1.4)].into_iter().enumerate() {
+            particles.push(id as u64, Vector::new(2.0 + 3.0 * id as f64, 5.0, z), radius, 0);
+        }
+        particles
+    }
+
+    /// The block of the diagonal is the resistance of the wall's lubrication.
+    #[test]
+    fn the_block_of_a_row_is_the_resistance_of_its_walls() {
+        let force = WallForce::new(1.0, Range::default());
+        let found = find((Some(&force), None), &spheres(), (&cell(), StrainRate::default()));
+        assert_eq!(found.iter().map(|at| (at.row, at.axis.z)).collect::<Vec<_>>(), [(0, -1.0), (2, 1.0)]);
+        for at in &found {
+            let motion = [Vector::new(0.3, -0.2, 0.9), Vector::new(-0.4, 0.8, 0.1)];
+            let expected = at.resistance.by_motion(at.axis, motion);
+            let loads = at.own().times(motion.map(|v| v.to_array()));
+            let wanted = Screw::new(expected.force, expected.torque).0;
+            assert!(loads.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12 * wanted[2].abs()), "{loads:?}");
+        }
+    }
+
+    /// The load of a sphere that is held at a wall of a curved flow hardly changes as it comes nearer: nothing slips there, neither
+    /// on the lower wall nor on the upper one.
+    #[test]
+    fn a_held_sphere_does_not_slip_in_a_curved_flow() {
+        let (force, height) = (WallForce::new(1.0, Range::default()), 6.0);
+        let flow = Poiseuille { curvature: 0.3, height };
+        for is_upper in [false, true] {
+            let load = |gap: f64| {
+                let z = if is_upper { height - 1.0 - gap } else { 1.0 + gap };
+                let mut particles = Particles::default();
+                particles.push(0, Vector::new(5.0, 5.0, z), 1.0, 0);
+                let found = find((Some(&force), None), &particles, (&cell(), flow.strain_rate()));
+                let held = [-flow.velocity(z), -flow.angular_velocity(z)];
+                let by_motion = found[0].own().times(held.map(|v| v.to_array()));
+                found[0].in_flow.0.0[0] - by_motion[0]
+            };
+            let [far, near, nearest] = [1e-3, 1e-5, 1e-6].map(load);
+            // What slips at unit velocity resists by this much more for each factor of e by which it is nearer.
+            let of_slip = 8.0 / 15.0 * 6.0 * std::f64::consts::PI;
+            assert!((near - far).abs() < 0.01 * of_slip * 100.0_f64.ln(), "{far} {near}");
+            assert!((nearest - near).abs() < 0.01 * of_slip * 10.0_f64.ln(), "{near} {nearest}");
+        }
+    }
+
+    /// A sphere that rolls on a wall without slipping meets no resistance of a spring against slip.
+    #[test]
+    fn springs_resist_slip_rolling_and_approach() {
+        let contact = |other| ContactSprings { other, normal: 3.0, tangential: 5.0, rolling: 0.0 };
+        let contacts = [vec![contact(ContactSprings::wall(0))], vec![], vec![]];
+        let tethers = TetherResistance::default();
+        let springs = Springs { resistance: &|_, _| 2.0, contacts: &contacts, tethers: &tethers };
+        let found = find((None, Some(&springs)), &spheres(), (&cell(), StrainRate::default()));
+        let at = found.iter().find(|at| at.row == 0 && at.axis.z < 0.0).unwrap();
+        let force = |velocity: Vector, turning: Vector| at.own().times([velocity.to_array(), turning.to_array()]);
+        let along = [force(Vector::Z, Vector::ZERO)[2], force(Vector::X, Vector::ZERO)[0]];
+        assert!(along.iter().all(|force| (force - 5.0).abs() < 1e-14), "{along:?}");
+        // The lowest point of a sphere that turns about y moves along -x.
+        let rolls = force(Vector::X * 1.001, Vector::Y);
+        assert!(rolls.iter().all(|load| load.abs() < 1e-14), "{rolls:?}");
+    }
+}

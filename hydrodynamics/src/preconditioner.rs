@@ -1,0 +1,230 @@
+//! The resistance of particles without far field, a sparse matrix, and what particles do by it alone.
+
+use crate::pairs::matrix::inverse_block::{Block, Products};
+use crate::pairs::search::{NearPairs, Pairs};
+use crate::six_vector::{Screw, Screws, dot};
+use domain::{Comm, Interrupt};
+use fcm::{Limits, Linear, Step, Sums, System, conjugate_gradients};
+use rayon::prelude::*;
+use solver::Real;
+use solver::simd::{Vector as Width, Work};
+
+/// `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs: what particles
+/// resist to their rigid motions if they feel one another by the lubrication of these alone.
+pub struct ParticleMatrix<'a> {
+    comm: Comm,
+    near: &'a NearPairs,
+    pairs: &'static [Pairs],
+    single: &'a [Screw],
+    /// Inverse blocks of the diagonal.
+    inverse: Vec<Block>,
+    /// Error left in a solve, relative to the motions, both as single spheres resist to motions.
+    tolerance: f64,
+}
+
+/// The least error left in a solve that is made more exact, and by what it is made smaller.
+const LEAST_TOLERANCE: f64 = 1e-10;
+const SHARPER: f64 = 1e-2;
+
+/// Particles that one thread preconditions at a time.
+const BATCH: usize = 256;
+
+/// Most iterations of a solve.
+const MOST_ITERATIONS: usize = 2000;
+
+impl<'a> ParticleMatrix<'a> {
+    /// For near pairs of particles with the given resistances alone.
+    pub fn new((comm, near): (&Comm, &'a NearPairs), single: &'a [Screw], tolerance: f64) -> Self {
+        let inverse = near.stiff().inverses(single);
+        Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, tolerance }
+    }
+
+    /// The motions under the given loads, nearly, and what the pairs resist to them. Collective.
+    pub fn solve(&mut self, loads: &Screws) -> [Screws; 2] {
+        let limits = self.limits();
+        self.solve_from(Screws::zero(loads.0.len()), loads, loads.clone(), limits)
+    }
+
+    /// As [`Self::solve`], from what such a solve found before. Collective.
+    pub fn go_on(&mut self, [motions, resisted]: [Screws; 2], loads: &Screws) -> [Screws; 2] {
+        let residual = self.remainder(loads, &resisted, &motions);
+        let limits = self.limits();
+        self.solve_from(motions, loads, residual, limits)
+    }
+
+    /// The motions under the given loads with all pairs, with an error of `tolerance`, sought from some motions
+    /// on, and what the pairs resist to them. Collective.
+    pub fn solve_with_all(&mut self, motions: Screws, loads: &Screws, tolerance: f64) -> [Screws; 2] {
+        self.pairs = &[Pairs::Stiff, Pairs::Soft];
+        let mut residual = loads.clone();
+        residual.add(-1.0, &self.apply(&motions));
+        let limits = Limits { tolerance, ..self.limits() };
+        let solved = self.solve_from(motions, loads, residual, limits);
+        self.pairs = &[Pairs::Stiff];
+        solved
+    }
+
+    /// As [`Self::solve`], from motions that leave a residual.
+    fn solve_from(&mut self, mut motions: Screws, loads: &Screws, mut residual: Screws, limits: Limits) -> [Screws; 2] {
+        let comm = self.comm.clone();
+        let mut z = Screws::zero(loads.0.len());
+        conjugate_gradients(&comm, self, (&mut motions, &mut residual, &mut z), limits);
+        let resisted = self.remainder(loads, &residual, &motions);
+        [motions, resisted]
+    }
+
+    /// Loads less a part of them and less what single spheres resist to motions.
+    fn remainder(&self, loads: &Screws, part: &Screws, motions: &Screws) -> Screws {
+        let less = |((load, part), (single, motion)): ((&Screw, &Screw), (&Screw, &Screw))| {
+            Screw(std::array::from_fn(|k| load.0[k] - part.0[k] - single.0[k] * motion.0[k]))
+        };
+        let of_single = self.single.par_iter().zip(&motions.0);
+        let loads = loads.0.par_iter().with_min_len(BATCH).zip(&part.0);
+        Screws(loads.zip(of_single).map(less).collect())
+    }
+
+    fn limits(&self) -> Limits<'static> {
+        Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER }
+    }
+
+    /// Solves with an error of `tolerance` at most from now on; whether that is less than before.
+    pub fn needs(&mut self, tolerance: f64) -> bool {
+        let is_less = tolerance < self.tolerance;
+        if is_less {
+            self.tolerance = tolerance.max(LEAST_TOLERANCE);
+        }
+        is_less
+    }
+
+    /// Solves more exactly from now on, unless that is as exact as it can be.
+    pub fn sharpen(&mut self) -> bool {
+        let can = self.tolerance > LEAST_TOLERANCE;
+        self.tolerance = (self.tolerance * SHARPER).max(LEAST_TOLERANCE);
+        can
+    }
+}
+
+impl System for ParticleMatrix<'_> {
+    type Unknowns = Screws;
+    type Residual = Screws;
+
+    fn product(&self, residual: &Screws, x: &Screws) -> f64 {
+        residual.dot(x)
+    }
+
+    fn apply(&mut self, direction: &Screws) -> Screws {
+        self.curvature(direction).0
+    }
+
+    fn curvature(&mut self, direction: &Screws) -> (Screws, f64) {
+        self.near.times_and(self.pairs, direction, |first, loads| {
+            let of_rows = loads.iter_mut().zip(&self.single[first..]).zip(&direction.0[first..]);
+            let mut sums = [0.0; 6];
+            for ((load, single), motion) in of_rows {
+                for k in 0..6 {
+                    load.0[k] += single.0[k] * motion.0[k];
+                    sums[k] += load.0[k] * motion.0[k];
+                }
+            }
+            sums.iter().sum()
+        })
+    }
+
+    fn stepped(&mut self, _: f64) {}
+
+    fn precondition(&mut self, residual: &Screws) -> Screws {
+        let mut motions = Screws::zero(residual.0.len());
+        let chunks =
+            self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
+        chunks.for_each(|((blocks, screws), results)| f64::dispatch(Products { blocks, screws, results }));
+        motions
+    }
+
+    fn error(&self, residual: &Screws, _: &Screws) -> f64 {
+        error(&residual.0, self.single)
+    }
+
+    fn size(&self, x: &Screws) -> f64 {
+        size(&x.0, self.single)
+    }
+
+    fn look(
+        &mut self,
+        (x, residual): (&mut Screws, &mut Screws),
+        step: Option<Step<Screws, Screws>>,
+        z: &mut Screws,
+    ) -> Sums {
+        let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
+        let given = self.inverse.par_chunks(BATCH).zip(self.single.par_chunks(BATCH));
+        let of_batch = |(batch, (((x, residual), z), (blocks, single))): (usize, (Unknowns, Given))| {
+            let from = batch * BATCH;
+            let step = step.as_ref().map(|step| (step.length, [&step.direction.0[from..], &step.image.0[from..]]));
+            f64::dispatch(Look { blocks, single, step, x, residual, z })
+        };
+        let sums: Vec<Sums> = places.zip(given).enumerate().map(of_batch).collect();
+        sums.into_iter().fold(Sums::default(), |all, of_batch| all + of_batch)
+    }
+}
+
+/// Motions, residuals and preconditioned residuals of some particles.
+type Unknowns<'a> = ((&'a mut [Screw], &'a mut [Screw]), &'a mut [Screw]);
+
+/// Their preconditioners and resistances alone.
+type Given<'a> = (&'a [Block], &'a [Screw]);
+
+/// [`System::look`] at some particles.
+struct Look<'a> {
+    blocks: &'a [Block],
+    single: &'a [Screw],
+    /// The length of a step, its direction and its image.
+    step: Option<(f64, [&'a [Screw]; 2])>,
+    x: &'a mut [Screw],
+    residual: &'a mut [Screw],
+    z: &'a mut [Screw],
+}
+
+impl Work<f64> for Look<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) -> Sums {
+        let Self { blocks, single, step, x, residual, z } = self;
+        let mut former = 0.0;
+        if let Some((length, [direction, image])) = step {
+            add(x, length, direction);
+            add(residual, -length, image);
+            former = dot(residual, z);
+        }
+        Products { blocks, screws: residual, results: z }.run::<V>();
+        Sums { product: dot(residual, z), former, error: error(residual, single), size: size(x, single) }
+    }
+}
+
+#[inline(always)]
+fn add(screws: &mut [Screw], factor: f64, others: &[Screw]) {
+    for (a, b) in screws.iter_mut().zip(others) {
+        (0..6).for_each(|k| a.0[k] += factor * b.0[k]);
+    }
+}
+
+/// The square of the error that a residual says: that of the motions of single spheres under it. The energy norm would see stiff
+/// pairs above all, and their loads on the far field would be far off before their motions are.
+#[inline(always)]
+fn error(residual: &[Screw], single: &[Screw]) -> f64 {
+    squares(residual, single, |load, single| load * load / single)
+}
+
+/// The square of the size of motions, as single spheres resist to them.
+#[inline(always)]
+fn size(motions: &[Screw], single: &[Screw]) -> f64 {
+    squares(motions, single, |motion, single| motion * motion * single)
+}
+
+#[inline(always)]
+fn squares(screws: &[Screw], single: &[Screw], square: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut sums = [0.0; 6];
+    for (screw, single) in screws.iter().zip(single) {
+        (0..6).for_each(|k| sums[k] += square(screw.0[k], single.0[k]));
+    }
+    sums.iter().sum()
+}

@@ -1,0 +1,275 @@
+//! The coupled system of lubrication forces and stresslets.
+
+use crate::pairs::search::{NearPairs, Pairs};
+use crate::preconditioner::ParticleMatrix;
+use crate::six_vector::{Screw, Screws};
+use crate::units::Scaled;
+use domain::{Comm, Traceless};
+use fcm::{Linear, Loads, Motion, System};
+use rayon::prelude::*;
+
+/// Motions of the particles that a rank owns, and what some pairs resist to them.
+#[derive(Debug, Clone, Default)]
+pub struct Resisted {
+    /// `y`
+    pub motions: Screws,
+    /// `R y`
+    pub loads: Screws,
+}
+
+/// What is solved for: minus the motions as stiff pairs and as the others feel them, and first moments `D = -S`. Of what pairs
+/// resist to a solution and its start only the sum matters, in whichever of the two it is.
+#[derive(Debug, Clone, Default)]
+pub struct Unknowns {
+    /// `y_s`
+    pub stiff: Resisted,
+    /// `y_f`
+    pub soft: Resisted,
+    /// `D`
+    pub moments: Vec<Traceless>,
+}
+
+/// What is left over: motions of the fluid that those of the particles do not follow, and rates of strain within them.
+#[derive(Debug, Clone)]
+pub struct Residual {
+    pub stiff: Screws,
+    pub soft: Screws,
+    pub strain_rates: Vec<Traceless>,
+}
+
+impl Linear for Resisted {
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.motions.add(factor, &other.motions);
+        self.loads.add(factor, &other.loads);
+    }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        self.motions.turn(factor, &other.motions);
+        self.loads.turn(factor, &other.loads);
+    }
+}
+
+impl Linear for Unknowns {
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.stiff.add(factor, &other.stiff);
+        self.soft.add(factor, &other.soft);
+        self.moments.add(factor, &other.moments);
+    }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        self.stiff.turn(factor, &other.stiff);
+        self.soft.turn(factor, &other.soft);
+        self.moments.turn(factor, &other.moments);
+    }
+}
+
+impl Linear for Residual {
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.stiff.add(factor, &other.stiff);
+        self.soft.add(factor, &other.soft);
+        self.strain_rates.add(factor, &other.strain_rates);
+    }
+
+    fn turn(&mut self, factor: f64, other: &Self) {
+        self.stiff.turn(factor, &other.stiff);
+        self.soft.turn(factor, &other.soft);
+        self.strain_rates.turn(factor, &other.strain_rates);
+    }
+}
+
+impl Unknowns {
+    /// Those that go with motions and what all pairs resist to them.
+    pub fn of(motions: &Screws, resisted: &Screws, moments: Vec<Traceless>) -> Self {
+        let (against, loads) = (motions.negative(), Screws::zero(motions.0.len()));
+        let soft = Resisted { motions: against.clone(), loads };
+        Self { stiff: Resisted { motions: against, loads: resisted.negative() }, soft, moments }
+    }
+
+    /// The loads of lubrication on the far field.
+    pub fn loads(&self) -> Screws {
+        let mut loads = self.stiff.loads.clone();
+        loads.add(1.0, &self.soft.loads);
+        loads
+    }
+}
+
+/// With `M` the mobility of the method, `R = B B^T` what near pairs resist to motions `U` relative to the ambient flow
+/// and `F` the loads that are known, the forces that the method sees are `F - R U`, and its first moments `D` leave no
+/// strain within the spheres. Amplitudes of the pairs' modes, `g = -B^T U`, solve
+///
+/// ```text
+/// [ I + B^T M_UF B   B^T M_UD ] [g]   [ -B^T M_UF F    ]
+/// [ M_EF B           M_ED     ] [D] = [ -E_inf - M_EF F ]
+/// ```
+///
+/// which is symmetric and positive definite. The preconditioner has the mobility `M_0` of single spheres in the place of
+/// `M` and the stiff pairs' columns `B_s` alone of `B`: for `g` its inverse is `I - B_s^T (M_0^-1 + R_s)^-1 B_s`, by
+/// Woodbury's identity.
+///
+/// There are more modes than motions, and all that the iteration meets is `B^T` times some motions. So these are what
+/// is kept: `g_s = B_s^T y_s` of the stiff pairs and `g_f = B_f^T y_f` of the others, and residuals likewise. Then
+///
+/// ```text
+/// B g = R_s y_s + R_f y_f
+/// A (y_s, y_f, D) = (y_s + V, y_f + V, E)         with V, E the method's motions under B g and D
+/// P^-1 (r_s, r_f, e) = ((M_0^-1 + R_s)^-1 M_0^-1 r_s, r_f, d e)
+/// r . y = r_s . R_s y_s + r_f . R_f y_f + e : D
+/// ```
+///
+/// with `d` the resistance of single spheres to strain. No small difference of large numbers is ever taken, however
+/// near pairs are.
+pub struct Coupled<'a> {
+    mobility: Scaled<'a>,
+    near: &'a NearPairs,
+    /// What preconditions the motions of stiff pairs, if anything does.
+    pub(super) matrix: Option<ParticleMatrix<'a>>,
+    /// Resistances of single spheres to motion and to strain.
+    single: &'a [Screw],
+    strain_resistance: &'a [f64],
+    motion: Motion,
+    step: Motion,
+}
+
+impl<'a> Coupled<'a> {
+    /// The system for particles that are in place in the mobility, with the resistances of single spheres to motion and
+    /// to strain; and the motion under `loads` and the unknowns' `start`, besides that of the fluid around them. Collective.
+    pub fn new(
+        mut mobility: Scaled<'a>,
+        near: &'a NearPairs,
+        matrix: Option<ParticleMatrix<'a>>,
+        (single, strain_resistance): (&'a [Screw], &'a [f64]),
+        (loads, ambient, start): (&Screws, &Motion, &Unknowns),
+    ) -> Self {
+        let mut all = start.loads();
+        all.add(1.0, loads);
+        let mut motion = mobility.apply(&far_loads(&all, &start.moments));
+        motion.add(1.0, ambient);
+        Self { mobility, near, matrix, single, strain_resistance, motion, step: Motion::default() }
+    }
+
+    /// What the unknowns of the start leave over, in an ambient flow of a rate of strain.
+    pub fn residual(&self, start: &Unknowns, ambient: Traceless) -> Residual {
+        let mut sums = image(&start.stiff.motions, &start.soft.motions, &self.motion);
+        sums.strain_rates.iter_mut().for_each(|e| *e += ambient);
+        let strain_rates = sums.strain_rates.into_iter().map(|e| e * -1.0).collect();
+        Residual { stiff: sums.stiff.negative(), soft: sums.soft.negative(), strain_rates }
+    }
+
+    /// The motions of the particles, with an error of `tolerance` besides that of the loads and moments found, and the unknowns,
+    /// after a last step by the correction that the preconditioner made of a residual alone: lubrication is that of these
+    /// motions exactly, so that near pairs do not run into each other by the error of their forces. Collective.
+    pub fn finish(
+        mut self,
+        (mut x, residual, mut correction): (Unknowns, &Residual, Unknowns),
+        tolerance: f64,
+        comm: &Comm,
+    ) -> (Motion, Unknowns) {
+        let mut sizes = [self.size(&x), self.size(&correction)];
+        comm.sum(&mut sizes);
+        let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
+        if let Some(matrix) = &mut self.matrix
+            && matrix.needs(needed)
+        {
+            let Resisted { motions, loads } = correction.stiff;
+            let [motions, loads] = matrix.go_on([motions, loads], &residual.stiff.resisted(self.single));
+            correction.stiff = Resisted { motions, loads };
+        }
+        x.add(1.0, &correction);
+        let rigid = x.stiff.motions.negative();
+        let (velocities, angular_velocities) = (rigid.linear(), rigid.angular());
+        (Motion { velocities, angular_velocities, strain_rates: self.motion.strain_rates }, x)
+    }
+}
+
+/// What unknowns and the motion that they cause make of the left-hand side.
+fn image(stiff: &Screws, soft: &Screws, motion: &Motion) -> Residual {
+    let plus = |motions: &Screws| {
+        let mut sum = Screws::new(motions.0.len(), &motion.velocities, &motion.angular_velocities);
+        sum.add(1.0, motions);
+        sum
+    };
+    Residual { stiff: plus(stiff), soft: plus(soft), strain_rates: motion.strain_rates.clone() }
+}
+
+impl System for Coupled<'_> {
+    type Unknowns = Unknowns;
+    type Residual = Residual;
+
+    fn product(&self, residual: &Residual, x: &Unknowns) -> f64 {
+        let strained = sum(x.moments.len(), |k| residual.strain_rates[k].contract(x.moments[k]));
+        residual.stiff.dot(&x.stiff.loads) + residual.soft.dot(&x.soft.loads) + strained
+    }
+
+    fn apply(&mut self, direction: &Unknowns) -> Residual {
+        self.step = self.mobility.apply(&far_loads(&direction.loads(), &direction.moments));
+        image(&direction.stiff.motions, &direction.soft.motions, &self.step)
+    }
+
+    fn stepped(&mut self, length: f64) {
+        self.motion.add(length, &self.step);
+    }
+
+    fn precondition(&mut self, residual: &Residual) -> Unknowns {
+        let stiff = self.of_stiff(&residual.stiff);
+        let soft = resisted(self.near, Pairs::Soft, &residual.soft);
+        let rates = residual.strain_rates.par_iter().with_min_len(BATCH);
+        let moments = rates.zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
+        Unknowns { stiff, soft, moments }
+    }
+
+    fn sharpen(&mut self) -> bool {
+        self.matrix.as_mut().is_some_and(ParticleMatrix::sharpen)
+    }
+
+    /// Square of the single-sphere motions under the loads that a preconditioned residual adds, and of its moments. Motions that
+    /// no pair resists follow from the others in [`Coupled::finish`]; the energy norm would weigh stiff pairs above all, which
+    /// resist what hardly moves them. Loads of stiff and of soft pairs count separately: their sum vanishes in whole directions
+    /// of a symmetric arrangement, since each step leaves a residual orthogonal to the last direction. Separately they vanish
+    /// only at the solution.
+    fn error(&self, _: &Residual, z: &Unknowns) -> f64 {
+        let (stiff, soft) = (&z.stiff.loads.0, &z.soft.loads.0);
+        let squared = |i: usize, k: usize| (stiff[i].0[k].powi(2) + soft[i].0[k].powi(2)) / self.single[i].0[k];
+        sum(stiff.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(z)
+    }
+
+    /// That of the motions and moments, as single spheres resist to them.
+    fn size(&self, x: &Unknowns) -> f64 {
+        let squared = |i: usize, k: usize| self.single[i].0[k] * x.stiff.motions.0[i].0[k].powi(2);
+        sum(x.stiff.motions.0.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(x)
+    }
+}
+
+impl Coupled<'_> {
+    /// What the preconditioner makes of the residual of the stiff pairs.
+    fn of_stiff(&mut self, residual: &Screws) -> Resisted {
+        let Some(matrix) = &mut self.matrix else { return resisted(self.near, Pairs::Stiff, residual) };
+        let [motions, loads] = matrix.solve(&residual.resisted(self.single));
+        Resisted { motions, loads }
+    }
+
+    /// The rate of strain of single spheres under moments, times these.
+    fn strained(&self, x: &Unknowns) -> f64 {
+        sum(x.moments.len(), |i| x.moments[i].contract(x.moments[i]) / self.strain_resistance[i])
+    }
+}
+
+/// Particles whose terms one thread sums.
+const BATCH: usize = 1024;
+
+/// The sum of terms of so many particles, the same on any number of threads.
+fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let of_batch = |batch: usize| (batch * BATCH..count.min((batch + 1) * BATCH)).map(&term).sum();
+    let sums: Vec<f64> = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+    sums.iter().sum()
+}
+
+/// Motions and what some pairs resist to them. Collective.
+pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &Screws) -> Resisted {
+    Resisted { loads: near.times(&[pairs], motions), motions: motions.clone() }
+}
+
+/// Loads on the far field: forces, torques, and stresslets `-D`.
+pub fn far_loads(loads: &Screws, moments: &[Traceless]) -> Loads {
+    let stresslets = moments.par_iter().with_min_len(BATCH).map(|&d| -d).collect();
+    Loads { forces: loads.linear(), torques: loads.angular(), stresslets }
+}

@@ -1,0 +1,131 @@
+//! Lubricated spheres in units of length and viscosity in which their own are about 1: the amplitudes of the modes have
+//! the root of both, which loses its last digit where a power of two is taken out of it.
+
+use crate::coupled_solver::{Found, Guess, Solved};
+use crate::springs::{BondSprings, TetherResistance};
+use crate::springs::{ContactSprings, Springs};
+use domain::{Particles, Traceless, Units, Vector};
+use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
+use lubrication::Surfaces;
+
+/// A mobility in such units.
+pub struct Scaled<'a> {
+    pub mobility: &'a mut Mobility,
+    pub units: Units,
+}
+
+impl Scaled<'_> {
+    /// The motions that loads cause, as [`Mobility::apply`].
+    pub fn apply(&mut self, loads: &Loads) -> Motion {
+        let motion = match self.mobility.plan().multipoles {
+            Multipoles::Dipole => self.mobility.apply(&times(loads, self.units.torque()), Evaluation::All),
+            Multipoles::Monopole => {
+                let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
+                self.mobility.apply(&forces, Evaluation::Velocities)
+            }
+        };
+        self::motion(&motion, &self.units)
+    }
+}
+
+/// Resistances of springs by distances and radii.
+pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, Surfaces) -> f64 + Sync + 'a {
+    let (length, velocity) = (units.length, units.velocity());
+    move |distance, between| (springs.resistance)(distance * length, between.times(length)) * velocity
+}
+
+/// Contacts of the particles that a rank owns.
+pub fn contacts(springs: &Springs, units: &Units) -> Vec<Vec<ContactSprings>> {
+    let of_one = |all: &Vec<ContactSprings>| all.iter().map(|contact| contact.times(units.velocity())).collect();
+    springs.contacts.iter().map(of_one).collect()
+}
+
+/// Bonds and traps of the particles that a rank owns.
+pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
+    let TetherResistance { bonds, traps } = springs.tethers;
+    let bond = |bond: &BondSprings| BondSprings {
+        within: bond.within / units.length,
+        resistance: bond.resistance * units.velocity(),
+        ..*bond
+    };
+    TetherResistance {
+        bonds: bonds.iter().map(|all| all.iter().map(bond).collect()).collect(),
+        traps: traps.iter().map(|trap| trap * units.velocity()).collect(),
+    }
+}
+
+/// Particles in place, without their columns.
+pub fn particles(given: &Particles, units: &Units) -> Particles {
+    let over = 1.0 / units.length;
+    Particles {
+        positions: given.positions.iter().map(|&x| x * over).collect(),
+        radii: given.radii.iter().map(|&a| a * over).collect(),
+        ..given.without_columns()
+    }
+}
+
+/// Where the search starts.
+pub fn guess(given: &Guess, units: &Units) -> Guess {
+    let times = |list: &[Vector], unit: f64| list.iter().map(|&v| v * (1.0 / unit)).collect();
+    Guess {
+        stresslets_far: tensors_times(&given.stresslets_far, 1.0 / units.torque()),
+        induced_velocities: times(&given.induced_velocities, units.velocity()),
+        induced_angular_velocities: times(&given.induced_angular_velocities, units.rate()),
+        velocities: times(&given.velocities, units.velocity()),
+        angular_velocities: times(&given.angular_velocities, units.rate()),
+    }
+}
+
+/// A solution in the units that the problem came in.
+pub fn solution(found: &Solved, units: &Units) -> Solved {
+    Solved {
+        motion: motion_back(&found.motion, units),
+        stresslets: tensors_times(&found.stresslets, units.torque()),
+        far: times(&found.far, units.torque()),
+        induced: motion_back(&found.induced, units),
+        curvature: found.curvature * units.rate() / units.length,
+        iterations: found.iterations,
+        residual: found.residual,
+    }
+}
+
+/// Loads whose torques and stresslets are in another unit; that of forces stays as it is.
+pub fn times(loads: &Loads, torque: f64) -> Loads {
+    Loads {
+        forces: loads.forces.clone(),
+        torques: loads.torques.iter().map(|&t| t * torque).collect(),
+        stresslets: tensors_times(&loads.stresslets, torque),
+    }
+}
+
+/// A motion in such units.
+pub fn motion(given: &Motion, units: &Units) -> Motion {
+    motion_times(given, 1.0 / units.velocity(), 1.0 / units.rate())
+}
+
+/// A motion in the units that the problem came in.
+pub fn motion_back(found: &Motion, units: &Units) -> Motion {
+    motion_times(found, units.velocity(), units.rate())
+}
+
+/// A solution in such units.
+pub fn found(given: &Found, units: &Units) -> Found {
+    let torque = 1.0 / units.torque();
+    Found {
+        motion: motion(&given.motion, units),
+        stresslets_far: tensors_times(&given.stresslets_far, torque),
+        stresslets: tensors_times(&given.stresslets, torque),
+    }
+}
+
+fn motion_times(motion: &Motion, velocity: f64, rate: f64) -> Motion {
+    Motion {
+        velocities: motion.velocities.iter().map(|&v| v * velocity).collect(),
+        angular_velocities: motion.angular_velocities.iter().map(|&w| w * rate).collect(),
+        strain_rates: tensors_times(&motion.strain_rates, rate),
+    }
+}
+
+fn tensors_times(list: &[Traceless], factor: f64) -> Vec<Traceless> {
+    list.iter().map(|&t| t * factor).collect()
+}
