@@ -62,8 +62,8 @@ impl Property {
 }
 
 impl Particles {
-    /// Result of `read` on all particles, on the first rank, to which the others send them; `None` on those. All
-    /// ranks have the same columns, and ids are unique. Collective.
+    /// Calls `read` with all particles on the first rank, to which the other ranks send theirs, and returns its
+    /// result there; `None` on the others. All ranks have the same columns, and ids are unique. Collective.
     pub fn by_id<R>(&self, comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
         self.by_id_with(&[], comm, read)
     }

@@ -36,8 +36,8 @@ const STEP: f64 = 0.03;
 /// longest wave.
 const DECAYED: f64 = 34.0;
 
-/// Width of the transition between long waves, which are summed, and short waves, which are integrated, in
-/// wavenumbers of the shorter edge along the walls: the integral differs from the sum by `exp(-SMOOTH^2/4)`. The
+/// Width of the transition between long waves, which are summed, and short waves, which are integrated, in units of
+/// the inverse of the shorter edge along the walls: the integral differs from the sum by `exp(-SMOOTH^2/4)`. The
 /// transition spans `SHARP` widths on either side.
 const SMOOTH: f64 = 10.0;
 const SHARP: f64 = 4.0;

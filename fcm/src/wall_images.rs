@@ -52,7 +52,7 @@ pub(crate) struct WallImages {
     inverse_viscosity: f64,
     classes: Vec<OfClass>,
     point: OfClass,
-    /// For each sphere, the spheres of which it feels an image.
+    /// For each sphere, the spheres whose images act on it.
     lists: Vec<Vec<Pair>>,
     blocks: Vec<Block>,
 }

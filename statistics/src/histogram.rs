@@ -79,7 +79,7 @@ impl Histogram {
         (first..last).map(|bin| (centre(bin), self.counts[bin])).collect()
     }
 
-    /// The standard deviation, from the centres of the bins.
+    /// Standard deviation, from the centres of the bins.
     pub fn standard_deviation(&self) -> f64 {
         let counts = self.counts();
         let moment = |power: i32| counts.iter().map(|(x, n)| x.powi(power) * n).sum::<f64>() / self.count();

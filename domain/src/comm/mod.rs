@@ -134,7 +134,8 @@ impl Comm {
     }
 
     /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns the results in rank
-    /// order. A panic on one rank is a panic of the call. Two consecutive ranks simulate ranks on one machine.
+    /// order. A panic on one rank is a panic of the call. Ranks 0 and 1, 2 and 3, and so on stand for ranks on one
+    /// machine.
     pub fn threads<R: Send>(ranks: usize, body: impl Fn(Self) -> R + Sync) -> Vec<R> {
         threads::run(ranks, |rank| body(Self::of(Backend::Threads(rank))))
     }

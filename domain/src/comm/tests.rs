@@ -123,7 +123,7 @@ fn ranks_on_one_machine_write_into_each_others_memory() {
             let number = |owner: usize, place: usize| unsafe { window.of::<u64>(owner).unwrap().add(place) };
             assert_eq!(unsafe { number(me, 0).read() }, 0);
             window.barrier();
-            // Two consecutive ranks are on one machine.
+            // Ranks 0 and 1, 2 and 3, and so on are on one machine.
             let reached: Vec<usize> = (0..ranks).filter(|&rank| window.of::<u64>(rank).is_some()).collect();
             assert_eq!(reached, (0..ranks).filter(|rank| rank / 2 == me / 2).collect::<Vec<_>>());
             assert_eq!(window.is_divided(), ranks > 2);

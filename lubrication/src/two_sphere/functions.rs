@@ -7,13 +7,13 @@ use std::ops::Index;
 pub enum Function {
     /// Force along the line of centres against velocity.
     XA,
-    /// Force across the line of centres against velocity.
+    /// Force normal to the line of centres against velocity.
     YA,
     /// Torque against velocity.
     YB,
     /// Torque along the line of centres against angular velocity.
     XC,
-    /// Torque across the line of centres against angular velocity.
+    /// Torque normal to the line of centres against angular velocity.
     YC,
     /// Axisymmetric stresslet against velocity.
     XG,
@@ -30,7 +30,7 @@ pub enum Function {
 }
 
 impl Function {
-    /// All of them, in the order of the tables.
+    /// All functions, in the order of the tables.
     pub const ALL: [Self; 11] =
         [Self::XA, Self::YA, Self::YB, Self::XC, Self::YC, Self::XG, Self::YG, Self::YH, Self::XM, Self::YM, Self::ZM];
 

@@ -52,7 +52,7 @@ impl<T: Real> Transform<T> {
         Self::planned(points, partition, (halo, ROOM), AnyLength::new)
     }
 
-    /// The same by rustfft for all lengths, as a reference for the lane kernels.
+    /// As [`Self::new`], but by rustfft for all lengths: the reference for the lane kernels.
     #[doc(hidden)]
     pub fn by_rustfft(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
         Self::planned(points, partition, (halo, ROOM), AnyLength::by_rustfft)

@@ -64,8 +64,8 @@ impl Precision {
 /// Effective number of samples below which a mean is meaningless, and below which a run is too short.
 const MEANINGFUL: f64 = 2.0;
 const ENOUGH: f64 = 10.0;
-/// Relative increase of the squared error, over the effective number of samples: means of short series vary by so
-/// much more than their cosines show, because of slower fluctuations.
+/// The squared error is multiplied by `1 + UNSEEN / samples`: means of short series vary more than their cosines
+/// show, because of slower fluctuations.
 const UNSEEN: f64 = 5.0;
 /// Probability of a trend by chance above which it is not significant.
 const CHANCE: f64 = 0.01;
