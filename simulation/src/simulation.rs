@@ -92,7 +92,8 @@ pub trait Simulation {
         None
     }
 
-    /// The part that is done of what ends it before its last step, from 0 to 1, such as a strain; nothing where only steps end it.
+    /// Progress, from 0 to 1, towards a condition that ends the run before its last step, such as a strain; `None` if only
+    /// the number of steps ends it.
     fn part_done(&self) -> Option<f64> {
         None
     }
