@@ -35,8 +35,8 @@ pub(crate) struct AtWalls {
     pub allowed: f64,
 }
 
-/// Highest wavenumbers on the grid to try, over the highest that it represents; windows have large errors above: for
-/// a sharp split, and for smooth ones.
+/// Highest wavenumber on the grid over the highest that it represents, above which windows have large errors: of the
+/// sharp split, and of the smooth ones to try.
 const SHARP: f64 = 0.85;
 const SMOOTH: [f64; 4] = [0.69, 0.61, 0.53, 0.45];
 

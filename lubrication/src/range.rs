@@ -86,13 +86,13 @@ impl Range {
         Self { cutoff: self.cutoff.min(wall_table::FARTHEST), ..self }
     }
 
-    /// Factor of the correction's factor `B` at a gap over the larger radius: the square root of a quintic step from
-    /// 1 to 0.
+    /// Taper of the factor `B` of the correction at a gap over the larger radius: the square root of a quintic step
+    /// from 1 to 0.
     pub(crate) fn taper(&self, gap: f64) -> f64 {
         self.share(gap).sqrt()
     }
 
-    /// Factor of the correction itself.
+    /// Taper of the correction itself.
     #[inline(always)]
     pub(crate) fn share(&self, gap: f64) -> f64 {
         let x = ((1.0 - gap / self.cutoff) / (1.0 - Self::TAPER)).clamp(0.0, 1.0);

@@ -92,8 +92,8 @@ pub trait Simulation {
         None
     }
 
-    /// Progress, from 0 to 1, towards a condition that ends the run before its last step, such as a strain; `None` if only
-    /// the number of steps ends it.
+    /// Progress, from 0 to 1, towards a condition that ends the run before its last step, such as a strain; `None` if
+    /// only the number of steps ends it.
     fn part_done(&self) -> Option<f64> {
         None
     }
