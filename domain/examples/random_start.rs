@@ -1,5 +1,5 @@
-//! Times a random start of equal spheres on the ranks that there are:
-//! `cargo run --release -p fcm-solve-domain --example random_start -- COUNT FRACTION`, with `--features mpi` under `mpirun`.
+//! Times a random start of equal spheres on all ranks: `cargo run --release -p fcm-solve-domain --example
+//! random_start -- COUNT FRACTION`, with `--features mpi` under `mpirun`.
 
 use domain::{Comm, Partition, PeriodicBox, Vector, shared_random_packing};
 use std::time::Instant;

@@ -1,20 +1,20 @@
-//! Memory that is available, and memory in use by a process, as Linux reports them. On other systems they are unknown,
-//! and nothing is refused.
+//! Memory available, and memory in use by a process, as Linux reports them. On other systems they are unknown, and
+//! nothing is refused.
 
 use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
 
-/// Bytes that can still be allocated, and the limit that says so.
+/// Bytes that can still be allocated, and the limit that determines them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AvailableMemory {
     /// Number of bytes.
     pub bytes: f64,
-    /// The limit, in words.
+    /// Description of the limit.
     pub limit: String,
 }
 
 impl AvailableMemory {
-    /// What is left of the machine's memory and of the limits of this process's control groups.
+    /// Memory left on the machine and under the limits of this process's control groups, whichever is less.
     pub fn of_machine() -> Option<Self> {
         let machine = read_to_string("/proc/meminfo").ok().and_then(|text| kilobytes(&text, "MemAvailable:"));
         let machine = machine.map(|bytes| Self { bytes, limit: "the machine's memory".to_owned() });
@@ -25,7 +25,7 @@ impl AvailableMemory {
             .min_by(|a, b| a.bytes.total_cmp(&b.bytes))
     }
 
-    /// What is left of the limits (`ulimit`) of this process once it has mapped `mapped` bytes more.
+    /// Memory left under the limits (`ulimit`) of this process after mapping `mapped` more bytes.
     pub fn of_process(mapped: f64) -> Option<Self> {
         let limits = read_to_string("/proc/self/limits").ok()?;
         let taken = ProcessMemory::now()?;
@@ -50,7 +50,7 @@ pub struct ProcessMemory {
 }
 
 impl ProcessMemory {
-    /// The numbers of now.
+    /// Present values.
     pub fn now() -> Option<Self> {
         let text = read_to_string("/proc/self/status").ok()?;
         let [resident, mapped, data] = ["VmRSS:", "VmSize:", "VmData:"].map(|name| kilobytes(&text, name));
@@ -58,19 +58,19 @@ impl ProcessMemory {
     }
 }
 
-/// The number of bytes of a line that has it in kB after its name.
+/// Number of bytes on the line that has it in kB after `name`.
 fn kilobytes(text: &str, name: &str) -> Option<f64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()?.parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
 }
 
-/// The soft limit of a line of `/proc/self/limits`, if there is one.
+/// Soft limit on a line of `/proc/self/limits`, if there is one.
 fn soft_limit(text: &str, name: &str) -> Option<f64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// What each control group in the list of `/proc/self/cgroup`, and each that it is part of, has left.
+/// Memory left in each control group of the list in `/proc/self/cgroup`, and in each of their ancestors.
 fn of_groups(list: &str, root: &Path) -> Vec<AvailableMemory> {
     let mut rooms = Vec::new();
     for line in list.lines() {
@@ -90,13 +90,13 @@ fn of_groups(list: &str, root: &Path) -> Vec<AvailableMemory> {
     rooms
 }
 
-/// Files of a group: its limit, what it uses, and which of that are files that it need not keep.
+/// Files of a group: its limit, its usage, and the name of the part of the usage that is reclaimable file cache.
 type Names = [&'static str; 3];
 
 const VERSION_1: Names = ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"];
 const VERSION_2: Names = ["memory.max", "memory.current", "inactive_file"];
 
-/// A limit above this is none.
+/// Limits above this are treated as unlimited.
 const UNLIMITED: f64 = 1e18;
 
 fn of_group(folder: &Path, [limit, used, files]: Names) -> Option<AvailableMemory> {
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
     use std::fs::{create_dir_all, write};
 
-    /// A folder that is like `/sys/fs/cgroup`, removed in the end.
+    /// A temporary folder like `/sys/fs/cgroup`, removed when dropped.
     struct Groups(PathBuf);
 
     impl Groups {

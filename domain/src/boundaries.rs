@@ -1,27 +1,27 @@
-//! What the axes of a box are.
+//! Boundary conditions of a box along its axes.
 
 use crate::Vector;
 
-/// What lies at the faces of a box. Its special axis is z; whoever takes a box with another special axis from a user turns
-/// vectors and tensors.
+/// Boundary conditions at the faces of a box. The special axis is z; code that accepts another one from a user
+/// rotates vectors and tensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Boundaries {
-    /// The box repeats along all axes.
+    /// Periodic along all axes.
     #[default]
     Periodic,
     /// No-slip walls at `z = 0` and `z = Lz`; periodic along x and y.
     Walls,
-    /// A no-slip wall at `z = 0` and unbounded fluid above it, in which `Lz` is about the height of what is in it; periodic
-    /// along x and y.
+    /// A no-slip wall at `z = 0` and unbounded fluid above it, where `Lz` is about the height of the particles;
+    /// periodic along x and y.
     Wall,
-    /// Unbounded fluid along z, in which `Lz` is about the extent of what is in it; periodic along x and y.
+    /// Unbounded fluid along z, where `Lz` is about the extent of the particles; periodic along x and y.
     OpenAlongZ,
-    /// Unbounded fluid; the edges are about the extent of what is in it.
+    /// Unbounded fluid; the edges are about the extent of the particles.
     Open,
 }
 
 impl Boundaries {
-    /// Whether the box repeats along an axis: 0, 1 and 2 for x, y and z.
+    /// Whether the box is periodic along an axis: 0, 1 and 2 for x, y and z.
     #[inline]
     pub fn is_periodic(self, axis: usize) -> bool {
         match self {
@@ -31,7 +31,7 @@ impl Boundaries {
         }
     }
 
-    /// How many walls there are: the first at `z = 0`, the second at `z = Lz`.
+    /// Number of walls: the first at `z = 0`, the second at `z = Lz`.
     pub fn walls(self) -> usize {
         match self {
             Self::Walls => 2,
@@ -40,7 +40,7 @@ impl Boundaries {
         }
     }
 
-    /// 1 for each axis along which the box repeats, else 0.
+    /// 1 for each periodic axis, else 0.
     pub(crate) fn repeats(self) -> Vector {
         Vector::from_array(std::array::from_fn(|axis| f64::from(u8::from(self.is_periodic(axis)))))
     }

@@ -1,21 +1,21 @@
-//! The particles of all ranks in the order of their ids, block by block on the first rank.
+//! Particles of all ranks in the order of their ids, block by block on the first rank.
 
 use crate::rows::{Picked, Value, Way};
 use crate::{Comm, Particles, Vector};
 
-/// The particles of all ranks as the first rank reads them: property by property, in the order of the ids, with no more
+/// Particles of all ranks as the first rank reads them: property by property, in the order of the ids, with no more
 /// than a block of 65,536 of them in memory at a time. Made by [`Particles::by_id`].
 pub struct ById<'a> {
     particles: &'a Particles,
     comm: &'a Comm,
-    /// Ids of a block.
+    /// Number of ids in a block.
     block: u64,
     /// This rank's rows in the order of their ids.
     order: Vec<usize>,
-    /// Particles of all ranks, and one more than their last id.
+    /// Number of particles of all ranks, and their last id plus one.
     count: usize,
     ids: u64,
-    /// This rank's pieces, and the lengths of those of all ranks.
+    /// This rank's pieces, and the lengths of the pieces of all ranks.
     pieces: &'a [Vec<u8>],
     lengths: Vec<usize>,
 }
@@ -23,7 +23,7 @@ pub struct ById<'a> {
 /// Bytes of pieces that are sent at a time.
 const PART: usize = 1 << 20;
 
-/// What is read; columns by their places.
+/// Property to read; columns by their index.
 #[derive(Debug, Clone, Copy)]
 enum Property {
     Ids,
@@ -62,20 +62,20 @@ impl Property {
 }
 
 impl Particles {
-    /// What `read` makes of all particles on the first rank, which the others send it; nothing on those. All ranks have the
-    /// same columns, and no two particles the same id. Collective.
+    /// Calls `read` with all particles on the first rank, to which the other ranks send theirs, and returns its
+    /// result there; `None` on the others. All ranks have the same columns, and ids are unique. Collective.
     pub fn by_id<R>(&self, comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
         self.by_id_with(&[], comm, read)
     }
 
-    /// The same, which also reads pieces of bytes, of which number `k` of all ranks is on rank `k mod ranks`.
+    /// The same, also with pieces of bytes to read; piece `k` of all ranks is on rank `k mod ranks`.
     pub fn by_id_with<R>(&self, pieces: &[Vec<u8>], comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
         ById::new((self, pieces), comm, ById::BLOCK).read(read)
     }
 }
 
 impl<'a> ById<'a> {
-    /// Ids of a block.
+    /// Number of ids in a block.
     pub(crate) const BLOCK: u64 = 1 << 16;
 
     fn new((particles, pieces): (&'a Particles, &'a [Vec<u8>]), comm: &'a Comm, block: u64) -> Self {
@@ -99,7 +99,7 @@ impl<'a> ById<'a> {
         Some(found)
     }
 
-    /// How many particles there are.
+    /// Number of particles.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -109,43 +109,43 @@ impl<'a> ById<'a> {
         self.particles.columns.iter().map(|column| (column.name.as_str(), column.width))
     }
 
-    /// Passes the ids on, block by block.
+    /// Passes the ids to `each`, block by block.
     pub fn ids<E>(&self, each: impl FnMut(&[u64]) -> Result<(), E>) -> Result<(), E> {
         self.each_block(Property::Ids, (&self.particles.ids, 1), each)
     }
 
-    /// Passes the positions on.
+    /// Passes the positions to `each`, block by block.
     pub fn positions<E>(&self, each: impl FnMut(&[Vector]) -> Result<(), E>) -> Result<(), E> {
         self.each_block(Property::Positions, (&self.particles.positions, 1), each)
     }
 
-    /// Passes the lattice steps on.
+    /// Passes the lattice steps to `each`, block by block.
     pub fn steps<E>(&self, each: impl FnMut(&[[i32; 3]]) -> Result<(), E>) -> Result<(), E> {
         self.each_block(Property::Steps, (&self.particles.steps, 1), each)
     }
 
-    /// Passes the radii on.
+    /// Passes the radii to `each`, block by block.
     pub fn radii<E>(&self, each: impl FnMut(&[f64]) -> Result<(), E>) -> Result<(), E> {
         self.each_block(Property::Radii, (&self.particles.radii, 1), each)
     }
 
-    /// Passes the species on.
+    /// Passes the species to `each`, block by block.
     pub fn species<E>(&self, each: impl FnMut(&[u32]) -> Result<(), E>) -> Result<(), E> {
         self.each_block(Property::Species, (&self.particles.species, 1), each)
     }
 
-    /// Passes the values of the column at a place on, those of a particle beside each other.
+    /// Passes the values of the column of an index to `each`, block by block; those of a particle are adjacent.
     pub fn column<E>(&self, place: usize, each: impl FnMut(&[f64]) -> Result<(), E>) -> Result<(), E> {
         let column = &self.particles.columns[place];
         self.each_block(Property::Column(place), (&column.values, column.width), each)
     }
 
-    /// The lengths of the pieces.
+    /// Lengths of the pieces.
     pub fn lengths(&self) -> &[usize] {
         &self.lengths
     }
 
-    /// Passes the bytes of the pieces on, one piece after another, a MiB at a time.
+    /// Passes the bytes of the pieces to `each`, one piece after another, a MiB at a time.
     pub fn pieces<E>(&self, mut each: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
         for (piece, &length) in self.lengths.iter().enumerate() {
             for part in 0..length.div_ceil(PART) {
@@ -184,7 +184,7 @@ impl<'a> ById<'a> {
         Ok(())
     }
 
-    /// Tells the other ranks what to send, or that there is nothing more.
+    /// Tells the other ranks what to send, or that reading is finished.
     fn ask(&self, what: Option<(Property, u64)>) {
         if self.comm.size() > 1 {
             self.comm
@@ -192,7 +192,7 @@ impl<'a> ById<'a> {
         }
     }
 
-    /// Sends what the first rank asks for until it asks no more.
+    /// Answers the requests of the first rank until it has finished.
     fn serve(&self) {
         let p = self.particles;
         loop {
@@ -213,7 +213,7 @@ impl<'a> ById<'a> {
         }
     }
 
-    /// The values of a block of ids in their order, on the first rank. Collective.
+    /// Values of a block of ids in their order, on the first rank. Collective.
     fn gathered<T: Value>(&self, block: u64, (values, width): (&[T], usize)) -> Vec<T> {
         let ids = block * self.block..(block + 1) * self.block;
         let before = |id: u64| self.order.partition_point(|&row| self.particles.ids[row] < id);
@@ -230,12 +230,12 @@ impl<'a> ById<'a> {
     }
 }
 
-/// A number for a part of a piece.
+/// Number of a part of a piece.
 fn part_number(piece: usize, part: usize) -> u64 {
     ((piece as u64) << 32) | part as u64
 }
 
-/// The lengths of the pieces of all ranks. Collective.
+/// Lengths of the pieces of all ranks. Collective.
 fn lengths(pieces: &[Vec<u8>], comm: &Comm) -> Vec<usize> {
     let own: Vec<usize> = pieces.iter().map(Vec::len).collect();
     let all = comm.exchange(&vec![own; comm.size()]);
@@ -269,7 +269,7 @@ mod tests {
         particles
     }
 
-    /// All that is read, put together, and the most that came at a time.
+    /// All data read, assembled, and the largest amount at a time.
     fn collected(rows: &ById) -> (Particles, usize) {
         let mut all = Particles::default();
         let mut most = 0;
@@ -311,7 +311,7 @@ mod tests {
         }
     }
 
-    /// A reader that gives up leaves no rank waiting.
+    /// A reader that fails leaves no rank waiting.
     #[test]
     fn the_first_rank_may_stop_anywhere() {
         let alone = scattered(20);
@@ -330,7 +330,7 @@ mod tests {
         assert_eq!(found[0], (Some(Err("no more")), Some([20, alone.columns.len()])));
     }
 
-    /// Pieces of any length, longer than what is sent at a time too, come in the order of their numbers.
+    /// Pieces of any length, also longer than a part, arrive in the order of their numbers.
     #[test]
     fn pieces_are_read_in_their_order() {
         let all: Vec<Vec<u8>> =

@@ -1,7 +1,7 @@
-//! Predictions of memory, in bytes.
+//! Forecasts of memory, in bytes.
 
-/// The memory that a computation is predicted to keep, and its peak, which includes what is kept. Predictions may
-/// exceed any real memory.
+/// Memory that a computation is forecast to keep, and its peak, which includes the memory kept. Forecasts may exceed
+/// any real memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bytes {
     /// Bytes still allocated at the end.
@@ -10,7 +10,7 @@ pub struct Bytes {
     pub most: f64,
 }
 
-/// The peak of a list that grows by `push`, over its final size, about: it is copied whenever it is enlarged.
+/// Approximate peak of a list that grows by `push`, over its final size: it is copied whenever it is enlarged.
 pub const GROWING: f64 = 1.5;
 
 impl Bytes {
@@ -29,13 +29,13 @@ impl Bytes {
         Self::keep(count * size_of::<T>() as f64)
     }
 
-    /// This computation followed by another, while what the first has kept stays allocated.
+    /// This computation followed by another, with the memory that the first keeps still allocated.
     #[must_use]
     pub fn then(self, next: Self) -> Self {
         Self { kept: self.kept + next.kept, most: self.most.max(self.kept + next.most) }
     }
 
-    /// One of two computations: the larger numbers of both.
+    /// One of two computations: the larger values of both.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { kept: self.kept.max(other.kept), most: self.most.max(other.most) }
@@ -48,7 +48,7 @@ impl Bytes {
     }
 }
 
-/// A number of bytes as text for people: `512 kB`, `1.25 GB`.
+/// A number of bytes as readable text: `512 kB`, `1.25 GB`.
 pub fn readable_bytes(bytes: f64) -> String {
     let units = ["B", "kB", "MB", "GB", "TB", "PB"];
     let mut value = bytes;

@@ -1,4 +1,4 @@
-//! Cell lists: particles sorted into cells, for the search for neighbours.
+//! Cell lists: particles sorted into cells, for the neighbour search.
 
 use crate::neighbour::Images;
 use crate::{PeriodicBox, Vector};
@@ -9,13 +9,13 @@ pub(crate) struct Cells {
     counts: [usize; 3],
     starts: Vec<u32>,
     rows: Vec<u32>,
-    /// The particles' positions in the order of the cells, by component.
+    /// Positions of the particles in the order of the cells, by component.
     positions: [Vec<f64>; 3],
     reach: [i32; 3],
     images: Images,
 }
 
-/// The particles, and their periodic images, in and around one cell: the candidates for neighbours of that cell's
+/// Particles, and their periodic images, in and around one cell: the candidates for neighbours of that cell's
 /// particles.
 #[derive(Default)]
 pub(crate) struct Around {
@@ -27,8 +27,8 @@ pub(crate) struct Around {
 }
 
 impl Around {
-    /// Calls `visit` with the row and the separation of each candidate in some cells that is within a distance of `centre` and
-    /// has a larger row than `itself`, so that each pair is visited once.
+    /// Calls `visit` with the row and the separation of each candidate that is within a distance of `centre` and has
+    /// a larger row than `itself`, so that each pair is visited once.
     pub fn each_later(
         &mut self,
         Cells { images, .. }: &Cells,
@@ -40,7 +40,7 @@ impl Around {
         self.found.resize(self.who.len(), 0);
         let mut found = 0;
         for (place, (&who, &is_near)) in self.who.iter().zip(&self.is_near).enumerate() {
-            // Without a branch, which would be mispredicted all the time.
+            // Without a branch, which would often be mispredicted.
             self.found[found] = place as u32;
             found += usize::from(is_near) * usize::from(images.row(who) > itself);
         }
@@ -50,14 +50,14 @@ impl Around {
         }
     }
 
-    /// Appends the candidates in some cells within a distance of `centre`, except the particle `itself`.
+    /// Appends the candidates within a distance of `centre`, except the particle `itself`.
     pub fn append_near(&mut self, cells: &Cells, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<u32>) {
         self.mark_near(centre, distance);
         let itself = cells.images.entry(itself);
         let mut found = near.len();
         near.resize(found + self.who.len(), itself);
         for (&who, &is_near) in self.who.iter().zip(&self.is_near) {
-            // Without a branch, which would be mispredicted all the time.
+            // Without a branch, which would often be mispredicted.
             near[found] = who;
             found += usize::from(is_near) * usize::from(who != itself);
         }
@@ -75,18 +75,18 @@ impl Around {
     }
 }
 
-/// With more particles than this in a cube as wide as the cutoff, cells of half the width are faster: there are more of
-/// them, but they exclude more of the particles beyond the cutoff.
+/// Number of particles in a cube as wide as the cutoff above which cells of half the width are faster: there are more
+/// of them, but they exclude more of the particles beyond the cutoff.
 const CROWDED: f64 = 12.0;
 
 impl Cells {
-    /// Sorts particles into cells about as wide as the cutoff, or half as wide where such cells would hold many
+    /// Sorts particles into cells about as wide as the cutoff, or half as wide if such cells would hold many
     /// particles.
     pub fn sort(cell: &PeriodicBox, positions: &[Vector], cutoff: f64) -> Self {
         Self::sort_among(cell, positions, (cutoff, positions.len()))
     }
 
-    /// The same of those in a part of the box, which has so many particles in all.
+    /// The same for particles in a part of the box, which has `total` particles.
     pub fn sort_among(cell: &PeriodicBox, positions: &[Vector], (cutoff, total): (f64, usize)) -> Self {
         let (edges, images) = (cell.edges(), Images::new(cell, cutoff));
         images.check_rows(positions.len());
@@ -116,7 +116,7 @@ impl Cells {
         Self { counts, starts, rows, positions, reach, images }
     }
 
-    /// The images that entries refer to.
+    /// Images to which entries refer.
     pub fn images(&self) -> &Images {
         &self.images
     }
@@ -126,7 +126,7 @@ impl Cells {
         self.starts.len() - 1
     }
 
-    /// The rows of the particles in a cell.
+    /// Rows of the particles in a cell.
     pub fn members(&self, cell: usize) -> &[u32] {
         &self.rows[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }

@@ -1,15 +1,15 @@
-//! Expected numbers of particles, ghosts and neighbours of a rank, for predictions of memory.
+//! Expected numbers of particles, ghosts and neighbours of a rank, for forecasts of memory.
 
 use crate::{Place, Vector};
 use std::f64::consts::PI;
 
-/// Particles spread evenly over a box, and the part of it that a rank owns.
+/// Particles distributed uniformly over a box, and the part of it that a rank owns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExpectedCounts {
     edges: Vector,
-    /// Radii and how many particles have each.
+    /// Radii and the number of particles with each.
     radii: Vec<(f64, f64)>,
-    /// The fractions of the box's edges along y and z that this rank owns.
+    /// Fractions of the box's edges along y and z that this rank owns.
     share: [f64; 2],
 }
 
@@ -21,22 +21,22 @@ impl ExpectedCounts {
         Self { edges, radii: radii.iter().map(|&(radius, count)| (radius, count as f64)).collect(), share }
     }
 
-    /// Particles of all ranks.
+    /// Number of particles of all ranks.
     pub fn total(&self) -> f64 {
         self.radii.iter().map(|(_, count)| count).sum()
     }
 
-    /// The largest radius.
+    /// Largest radius.
     pub fn largest_radius(&self) -> f64 {
         self.radii.iter().map(|(radius, _)| *radius).fold(0.0, f64::max)
     }
 
-    /// Particles that the rank owns.
+    /// Number of particles that the rank owns.
     pub fn owned(&self) -> f64 {
         self.total() * self.share[0] * self.share[1]
     }
 
-    /// The particles that the rank owns, and the ghosts within the distance `reach` of its pencil.
+    /// Number of particles that the rank owns, and of ghosts within the distance `reach` of its pencil.
     pub fn present(&self, reach: f64) -> f64 {
         let lengths = [self.edges.y, self.edges.z];
         let part =
@@ -44,7 +44,7 @@ impl ExpectedCounts {
         self.total() * part(0) * part(1)
     }
 
-    /// The mean number of neighbours within a distance: the particles in a sphere of that radius less the one at its
+    /// Mean number of neighbours within a distance: the particles in a sphere of that radius minus the one at its
     /// centre, and at least the density times the volume beyond contact.
     pub fn neighbours(&self, distance: f64) -> f64 {
         self.neighbours_of_pairs(|_, _| distance)
@@ -67,7 +67,7 @@ impl ExpectedCounts {
         (found - 1.0).max(beyond_contact)
     }
 
-    /// Radii and numbers, neighbouring radii averaged where there are many.
+    /// Radii and numbers, with neighbouring radii averaged if there are many.
     fn kinds(&self) -> Vec<(f64, f64)> {
         const MOST: usize = 64;
         let each = self.radii.len().div_ceil(MOST).max(1);
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::{Comm, Pairs, Partition, PeriodicBox, random_packing};
 
-    /// The expected numbers are found with spheres placed at random.
+    /// The expected numbers agree with those of randomly placed spheres.
     #[test]
     fn expected_numbers_are_those_of_random_spheres() {
         let (cell, radii) = (PeriodicBox::new(Vector::splat(32.0)).unwrap(), vec![1.0; 1500]);

@@ -1,8 +1,8 @@
-//! Positions that a user gives.
+//! Positions given by a user.
 
 use crate::Vector;
 
-/// Positions from a file or a caller, with radii and species if these are given too.
+/// Positions from a file or a caller, optionally with radii and species.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GivenPositions {
     /// Their source, for messages.

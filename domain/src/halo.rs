@@ -1,16 +1,16 @@
-//! The halo of a rank: its ghosts, which are copies of other ranks' particles, and the return of sums from ghosts to
+//! Halo of a rank: its ghosts, which are copies of other ranks' particles, and the return of sums from ghosts to
 //! owners.
 
 use crate::{Partition, PeriodicBox, Vector, block};
 use bytemuck::Pod;
 use std::ops::AddAssign;
 
-/// How far a particle reaches beyond its own pencil: distances from its faces along y and along z.
+/// Distance that a particle's influence extends beyond its own pencil, along y and along z.
 pub type Reach = [f64; 2];
 
-/// The plan of the halo exchange: which particles each rank sends to which other rank. [`Halo::extend`] appends the
+/// Plan of the halo exchange: the particles that each rank sends to each other rank. [`Halo::extend`] appends the
 /// values of ghosts, the particles of other ranks that reach into this rank's pencil, to those of the particles that
-/// the rank owns. [`Halo::collect`] returns what was summed for ghosts to their owners. A rank alone has no ghosts.
+/// the rank owns. [`Halo::collect`] returns sums of ghosts to their owners. A single rank has no ghosts.
 pub struct Halo {
     comm: crate::Comm,
     owned: usize,
@@ -35,7 +35,7 @@ impl Halo {
         Self { comm, owned: positions.len(), leaving, arriving }
     }
 
-    /// One of so many parts of this halo, about as large as each other, which are together the whole.
+    /// One of `parts` parts of this halo, of about equal size, which together are the whole.
     pub(crate) fn part(&self, index: usize, parts: usize) -> Self {
         let share = |length: usize| block(length, parts, index);
         let leaving = self.leaving.iter().map(|list| list[share(list.len())].to_vec()).collect();
@@ -43,7 +43,7 @@ impl Halo {
         Self { comm: self.comm.clone(), owned: self.owned, leaving, arriving }
     }
 
-    /// Particles that this rank owns.
+    /// Number of particles that this rank owns.
     pub fn owned(&self) -> usize {
         self.owned
     }
@@ -66,7 +66,8 @@ impl Halo {
         self.comm.all_to_all((&send.concat(), &counts), (&mut values[self.owned..], &self.arriving));
     }
 
-    /// Adds the ghosts' values to those of the particles that they are copies of, in rank order, and drops the ghosts.
+    /// Adds the ghosts' values to those of the particles of which they are copies, in rank order, and drops the
+    /// ghosts.
     pub fn collect<T: Pod + AddAssign>(&self, values: &mut Vec<T>) {
         assert_eq!(values.len(), self.present(), "one value a particle present");
         if self.comm.size() == 1 {
@@ -82,7 +83,7 @@ impl Halo {
     }
 }
 
-/// The pencil of a rank: intervals of the lattice coordinates along y and z.
+/// Pencil of a rank: intervals of the lattice coordinates along y and z.
 pub(crate) struct Pencil<'a> {
     cell: &'a PeriodicBox,
     intervals: [Option<[f64; 2]>; 2],
@@ -95,7 +96,7 @@ impl<'a> Pencil<'a> {
         let interval = |d: usize| {
             let line = lengths[d] / partition.lines()[d] as f64;
             let (range, repeats) = (&owned[d], cell.is_periodic(d + 1));
-            // What lies outside of a box that does not repeat belongs to the ranks at its ends.
+            // Positions outside of a box that is not periodic belong to the ranks at its ends.
             let low = if repeats || range.start > 0 { range.start as f64 * line } else { f64::NEG_INFINITY };
             let is_last = range.end == partition.lines()[d];
             let high = if repeats || !is_last { range.end as f64 * line } else { f64::INFINITY };
@@ -115,7 +116,7 @@ impl<'a> Pencil<'a> {
     }
 }
 
-/// The distance of a coordinate from the nearest image of an interval; without a period, from the interval.
+/// Distance of a coordinate from the nearest image of an interval, or without a period from the interval itself.
 fn distance([low, high]: [f64; 2], coordinate: f64, period: f64) -> f64 {
     let images = [coordinate - period, coordinate, coordinate + period];
     images.map(|c| (low - c).max(c - high).max(0.0)).into_iter().fold(f64::INFINITY, f64::min)

@@ -1,4 +1,4 @@
-//! Particles dealt out by their ids, for sums over all of them that do not depend on the number of ranks.
+//! Particles distributed by their ids, for sums over all of them that do not depend on the number of ranks.
 
 use crate::rows::{Delivery, Picked, Sorted, Way};
 use crate::{ById, Comm, Particles, block};
@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Blocks of consecutive ids. Block `b`, with all its particles, is on rank `b mod ranks`, whatever the space that ranks own. A
-/// sum over particles that is taken block by block, and then over the blocks in their order, has the same bits on any number of
-/// ranks.
+/// Blocks of consecutive ids. Block `b`, with all its particles, is on rank `b mod ranks`, whatever part of space the
+/// ranks own. A sum over particles that is taken block by block, and then over the blocks in their order, has the
+/// same bits on any number of ranks.
 #[derive(Clone)]
 pub struct IdBlocks {
     comm: Comm,
@@ -17,33 +17,34 @@ pub struct IdBlocks {
 }
 
 impl IdBlocks {
-    /// Ids of a block.
+    /// Number of ids in a block.
     pub const SIZE: u64 = ById::BLOCK;
 
-    /// Blocks of so many ids for the particles of all ranks, of which each brings its own; at least one. Collective.
+    /// Blocks of `size` ids for the particles of all ranks; each rank passes its own. At least one block. Collective.
     pub fn of(particles: &Particles, comm: &Comm, size: u64) -> Self {
         let end = particles.ids.iter().max().map_or(0, |&id| id + 1);
         let end = comm.all_gather(&[end]).into_iter().max().unwrap_or(0);
         Self { comm: comm.clone(), size, count: end.div_ceil(size).max(1) as usize }
     }
 
-    /// The ranks.
+    /// Communicator of the ranks.
     pub fn comm(&self) -> &Comm {
         &self.comm
     }
 
-    /// Blocks of all ranks.
+    /// Number of blocks of all ranks.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// The numbers of this rank's blocks.
+    /// Numbers of this rank's blocks.
     pub fn own(&self) -> impl Iterator<Item = usize> + use<> {
         (self.comm.rank()..self.count).step_by(self.comm.size())
     }
 
-    /// The particles of this rank's blocks in the order of their ids, with those columns alone whose names are wanted; if they are
-    /// here already, they are lent, with all their columns. Each rank brings its own particles. Collective.
+    /// Particles of this rank's blocks in the order of their ids, with only the columns whose names are wanted; if
+    /// they are here already, they are borrowed, with all their columns. Each rank passes its own particles.
+    /// Collective.
     pub fn dealt<'a>(&self, particles: &'a Particles, wanted: impl Fn(&str) -> bool) -> Cow<'a, Particles> {
         if self.comm.size() == 1 && particles.ids.is_sorted() {
             return Cow::Borrowed(particles);
@@ -57,14 +58,14 @@ impl IdBlocks {
         Cow::Owned(particles.mapped(&Sorted { delivery, order: Picked(&order) }, wanted))
     }
 
-    /// The rows of each of this rank's blocks among its particles as they are dealt.
+    /// Rows of each of this rank's blocks among its distributed particles.
     pub fn rows(&self, dealt: &Particles) -> Vec<Range<usize>> {
         let before = |id: u64| dealt.ids.partition_point(|&other| other < id);
         self.own().map(|block| block as u64).map(|b| before(b * self.size)..before((b + 1) * self.size)).collect()
     }
 
-    /// Sums over the blocks before each of this rank's, of whole numbers that each rank brings for each of its own: as many for each
-    /// block. Collective.
+    /// Sums over the blocks before each of this rank's blocks, of integers that each rank passes for each of its own
+    /// blocks, equally many for each. Collective.
     pub fn before(&self, parts: &[Vec<u64>]) -> Vec<Vec<u64>> {
         let (ranks, all) = (self.comm.size(), self.comm.exchange(&vec![parts.concat(); self.comm.size()]));
         let width = all[0].len() / self.count.div_ceil(ranks);
@@ -80,8 +81,8 @@ impl IdBlocks {
         before
     }
 
-    /// Sums over all blocks in their order, on every rank, of what each rank brings for each of its own: as many numbers for each
-    /// block. No rank has more than its share of the blocks' numbers at a time. Collective.
+    /// Sums over all blocks in their order, on every rank, of numbers that each rank passes for each of its own
+    /// blocks, equally many for each. No rank holds more than its share of the blocks' numbers at a time. Collective.
     pub fn total(&self, parts: &[Vec<f64>]) -> Vec<f64> {
         let ranks = self.comm.size();
         let mut width = parts.first().map(Vec::len).into_iter().collect();
@@ -115,7 +116,7 @@ mod tests {
         particles
     }
 
-    /// This rank's of all particles, in an order of no meaning.
+    /// This rank's part of all particles, in an arbitrary order.
     fn share(all: &Particles, comm: &Comm) -> Particles {
         let rows = (0..all.len()).rev().filter(|row| row * row % 11 % comm.size() == comm.rank());
         all.selected(&rows.collect::<Vec<_>>())

@@ -13,15 +13,15 @@ pub struct Interrupt(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 pub struct Interrupted;
 
 impl Interrupt {
-    /// The flag that is never set.
+    /// A flag that is never set.
     pub const NEVER: Self = Self(None);
 
-    /// The flag is set when `asked` returns true, which it has to do from then on. It is called often.
+    /// Flag that is set when `asked` returns true, which it has to do from then on. It is called often.
     pub fn when(asked: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(asked)))
     }
 
-    /// Whether this rank is asked to stop. Other ranks may not be: computations of several ranks agree before they
+    /// Whether this rank is asked to stop. Other ranks may not be: computations on several ranks agree before they
     /// stop.
     pub fn is_requested(&self) -> bool {
         self.0.as_ref().is_some_and(|asked| asked())

@@ -1,7 +1,7 @@
-//! Who and where: the ranks, the periodic box, the share of space that each rank owns, the particles and their near
-//! pairs. Everything else in the project stands on these types; they know nothing of a fluid.
+//! Ranks, the periodic box, the domain decomposition, particles and their near pairs. Everything else in the project
+//! builds on these types; they are independent of the fluid.
 //!
-//! Lengths are in any unit. Places for spheres at 20% by volume, and who is near whom:
+//! Lengths are in any unit. Example: random positions for spheres at 20% by volume, and their neighbours:
 //! ```
 //! use domain::{Neighbours, PeriodicBox, Vector, random_packing};
 //!

@@ -1,27 +1,26 @@
-//! Predicted memory of particles, ghosts and neighbour lists.
+//! Forecasts of the memory of particles, ghosts and neighbour lists.
 
 use crate::shared_pairs::FEW;
 use crate::verlet_list::SPARSEST;
 use crate::{ById, Bytes, GROWING, Halo, IdBlocks, Neighbours, Pair, Pairs, Particles, Vector, VerletList};
 
-/// The most numbers that a column of particles has in this project.
+/// Largest width of a column of particles in this project.
 const WIDEST: f64 = 6.0;
 
 impl Particles {
-    /// A store of `count` particles whose columns have `numbers` numbers in all.
+    /// A store of `count` particles whose columns have `numbers` numbers in total.
     pub fn bytes(count: f64, numbers: usize) -> Bytes {
         let fixed =
             size_of::<u64>() + size_of::<Vector>() + size_of::<[i32; 3]>() + size_of::<f64>() + size_of::<u32>();
         Bytes::keep(count * (fixed + numbers * size_of::<f64>()) as f64)
     }
 
-    /// The additional memory of [`Particles::migrate`]: buffers for one property, and the order of the rows.
+    /// Additional memory of [`Particles::migrate`]: buffers for one property, and the order of the rows.
     pub fn migration_bytes(count: f64) -> Bytes {
         Bytes::list::<[usize; 2]>(count).then(Bytes::list::<f64>(2.0 * WIDEST * count)).freed()
     }
 
-    /// The memory of [`Particles::gathered`] on a rank that owns `owned` of `all` particles; the first rank receives
-    /// all.
+    /// Memory of [`Particles::gathered`] on a rank that owns `owned` of `all` particles; the first rank receives all.
     pub fn gathering_bytes(owned: f64, all: f64, numbers: usize, is_first: bool) -> Bytes {
         let send = Bytes::list::<[usize; 2]>(owned).then(Bytes::list::<f64>(WIDEST * owned));
         if !is_first {
@@ -33,8 +32,8 @@ impl Particles {
 }
 
 impl Particles {
-    /// The memory of [`Particles::by_id`] on a rank that owns so many particles of all: their order, and blocks of the widest
-    /// column as they are sent, received and put in order.
+    /// Memory of [`Particles::by_id`] on a rank that owns `owned` of `total` particles: their order, and blocks of
+    /// the widest column as they are sent, received and sorted.
     pub fn by_id_bytes(owned: f64, total: f64) -> Bytes {
         let block = (ById::BLOCK as f64).min(total);
         Bytes::list::<usize>(owned).then(Bytes::list::<[f64; 4]>(WIDEST * block)).freed()
@@ -42,7 +41,7 @@ impl Particles {
 }
 
 impl IdBlocks {
-    /// How many of all particles, whose ids are without gaps, are in the blocks of a rank.
+    /// Expected number of particles in the blocks of a rank, out of `total` particles whose ids have no gaps.
     pub fn expected(total: f64, (rank, ranks): (usize, usize)) -> f64 {
         let (size, ranks) = (Self::SIZE as f64, ranks as f64);
         let whole = (total / size).floor();
@@ -51,7 +50,7 @@ impl IdBlocks {
         own * size + if has_last { total - whole * size } else { 0.0 }
     }
 
-    /// The memory of [`IdBlocks::dealt`] on a rank that owns so many particles and has so many in its blocks.
+    /// Memory of [`IdBlocks::dealt`] on a rank that owns `owned` particles and has `dealt` in its blocks.
     pub fn dealing_bytes([owned, dealt]: [f64; 2], numbers: usize) -> Bytes {
         let lists = Bytes::list::<[usize; 2]>(owned).then(Bytes::list::<[u64; 2]>(dealt));
         let property = Bytes::list::<f64>(WIDEST * (owned + 2.0 * dealt));
@@ -59,8 +58,8 @@ impl IdBlocks {
     }
 }
 
-/// The memory of [`crate::fold_shared_pairs`] on a rank that owns so many particles and has so many within the cutoff: ghosts, no more
-/// at a time than are its own or few, and all in the order of their ids and in cells.
+/// Memory of [`crate::fold_shared_pairs`] on a rank that owns `owned` particles and has `present` within the cutoff:
+/// ghosts, no more at a time than its own particles or a minimum, and all of them sorted by id and into cells.
 pub fn shared_pairs_bytes(owned: f64, present: f64) -> Bytes {
     let ghosts = (present - owned).min(owned.max(FEW as f64));
     let all = owned + ghosts;
@@ -70,7 +69,7 @@ pub fn shared_pairs_bytes(owned: f64, present: f64) -> Bytes {
 }
 
 impl Halo {
-    /// The rows that are sent, about as many as there are ghosts, and the buffers of an exchange.
+    /// Rows that are sent, about as many as there are ghosts, and the buffers of an exchange.
     pub fn bytes(owned: f64, present: f64) -> Bytes {
         Bytes::list::<u32>(present - owned).then(Bytes::list::<[f64; 9]>(2.0 * (present - owned)).freed())
     }
@@ -82,7 +81,7 @@ impl Neighbours {
         Bytes::list::<[usize; 2]>(listed).then(Bytes::list::<u32>(listed * neighbours))
     }
 
-    /// The additional memory of [`Neighbours::find`]: cells, about as many as particles, and the lists of each batch.
+    /// Additional memory of [`Neighbours::find`]: cells, about as many as particles, and the lists of each batch.
     pub fn search_bytes(listed: f64, present: f64, neighbours: f64) -> Bytes {
         let cells = Bytes::list::<(usize, u32, [f64; 3], [u32; 2])>(present);
         cells.then(Self::batch_bytes(listed, neighbours)).then(Self::bytes(listed, neighbours))
@@ -94,7 +93,7 @@ impl Neighbours {
 }
 
 impl Pairs {
-    /// The pairs of `present` particles and ghosts with `neighbours` neighbours each, each pair once.
+    /// Pairs of `present` particles and ghosts with `neighbours` neighbours each, each pair once.
     pub fn bytes(owned: f64, present: f64, neighbours: f64) -> Bytes {
         let search = Neighbours::search_bytes(present, present, neighbours);
         let pairs = 0.5 * owned * neighbours;
@@ -118,8 +117,8 @@ impl VerletList {
     }
 }
 
-/// The memory of [`crate::random_packing`]: sizes, order, spheres with their cells and positions, and for dense packings
-/// the minimisation that moves the spheres apart.
+/// Memory of [`crate::random_packing`]: sizes, order, spheres with their cells and positions, and for dense packings
+/// the minimisation that separates the spheres.
 pub fn packing_bytes(count: f64, is_dense: bool) -> Bytes {
     let spheres = Bytes::list::<(Vector, f64, usize)>(GROWING * count).then(Bytes::list::<[u32; 5]>(count));
     let one_by_one = Bytes::list::<(f64, f64, usize, (f64, usize), (u64, Vector), Vector)>(count).then(spheres);
@@ -136,7 +135,7 @@ pub fn packing_bytes(count: f64, is_dense: bool) -> Bytes {
 mod tests {
     use super::*;
 
-    /// As many as there are, on any ranks: those of each block of ids that is theirs.
+    /// The numbers in the blocks of all ranks add up, on any number of ranks.
     #[test]
     fn blocks_have_all_particles() {
         for total in [0_u64, 1, 65_535, 65_536, 65_537, 300_000, 393_216] {

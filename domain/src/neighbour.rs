@@ -11,20 +11,20 @@ pub struct Neighbour {
     pub steps: [i8; 3],
 }
 
-/// The images that neighbours can be, numbered, so that an entry of a list is the number of an image above the bits of a
-/// row: half the memory of a [`Neighbour`].
+/// Enumeration of the images that neighbours can be, so that an entry of a list is the number of an image above the
+/// bits of a row: half the memory of a [`Neighbour`].
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Images {
-    /// The largest number of steps along each axis.
+    /// Largest number of steps along each axis.
     most: [i32; 3],
-    /// Bits of the row.
+    /// Number of bits of the row.
     bits: u32,
-    /// The steps of each image, in the order of their numbers.
+    /// Lattice steps of each image, in the order of their numbers.
     steps: Vec<[i8; 3]>,
 }
 
 impl Images {
-    /// Those within a distance of a box, where both positions are inside of it.
+    /// Images within a distance of a box, for two positions inside of it.
     pub fn new(cell: &PeriodicBox, distance: f64) -> Self {
         let most = most_steps(cell, distance);
         let along = |axis: usize| -most[axis]..=most[axis];
@@ -35,20 +35,21 @@ impl Images {
         Self { most, bits: (u32::BITS - bits).min(u32::BITS - 1), steps }
     }
 
-    /// Whether all images within a distance of a box are among them.
+    /// Whether all images within a distance of a box are included.
     pub fn reach(&self, cell: &PeriodicBox, distance: f64) -> bool {
         most_steps(cell, distance).iter().zip(self.most).all(|(&needed, most)| needed <= most)
     }
 
     /// # Panics
     ///
-    /// If so many rows have no room beside the images: 134 million fit in a box that is longer than the lists reach.
+    /// If the rows do not fit beside the number of images: 134 million fit in a box that is longer than the lists'
+    /// reach.
     pub fn check_rows(&self, rows: usize) {
         let most = 1_u64 << self.bits;
         assert!(rows as u64 <= most, "a rank has {rows} particles and ghosts, and room for {most}: take more ranks");
     }
 
-    /// What lattice steps add to an entry.
+    /// Value that lattice steps add to an entry.
     #[inline(always)]
     pub fn shift(&self, steps: [i32; 3]) -> u32 {
         let [_, y, z] = self.most.map(|most| 2 * most + 1);
@@ -56,7 +57,7 @@ impl Images {
         (number as u32) << self.bits
     }
 
-    /// The entry of a particle in the box.
+    /// Entry of a particle in the box itself.
     #[inline(always)]
     pub fn entry(&self, row: u32) -> u32 {
         self.shift(self.most) | row
@@ -68,31 +69,31 @@ impl Images {
         entry & ((1 << self.bits) - 1)
     }
 
-    /// An entry's image, of another row and so much farther.
+    /// Entry with its image shifted and another row.
     #[inline(always)]
     pub fn moved(&self, entry: u32, (row, shift): (u32, u32)) -> u32 {
         (entry - self.row(entry)).wrapping_add(shift) | row
     }
 
-    /// The number of an entry's image.
+    /// Number of an entry's image.
     #[inline(always)]
     pub fn number(&self, entry: u32) -> usize {
         (entry >> self.bits) as usize
     }
 
-    /// What an entry stands for.
+    /// Neighbour that an entry represents.
     #[inline(always)]
     pub fn neighbour(&self, entry: u32) -> Neighbour {
         Neighbour { row: self.row(entry), steps: self.steps[self.number(entry)] }
     }
 
-    /// The steps of all images, in the order of their numbers.
+    /// Lattice steps of all images, in the order of their numbers.
     pub fn steps(&self) -> impl Iterator<Item = [i32; 3]> + '_ {
         self.steps.iter().map(|steps| steps.map(i32::from))
     }
 }
 
-/// The largest number of lattice steps along each axis between images within a distance.
+/// Largest number of lattice steps along each axis between images within a distance.
 fn most_steps(cell: &PeriodicBox, distance: f64) -> [i32; 3] {
     let edges = (cell.slant() * distance / cell.edges()).ceil();
     std::array::from_fn(|axis| if cell.is_periodic(axis) { edges[axis] as i32 } else { 0 })

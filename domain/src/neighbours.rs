@@ -1,11 +1,11 @@
-//! Neighbour lists: the particles within a cutoff of each.
+//! Neighbour lists: the particles within a cutoff of each particle.
 
 use crate::cells::{Around, Cells};
 use crate::neighbour::Images;
 use crate::{Neighbour, PeriodicBox, Vector};
 use rayon::prelude::*;
 
-/// The lists of one batch of particles, concatenated, with the end of each.
+/// Lists of one batch of particles, concatenated, with the end of each.
 #[derive(Default)]
 pub(crate) struct Batch {
     pub ends: Vec<(u32, usize)>,
@@ -15,17 +15,17 @@ pub(crate) struct Batch {
 /// Cells that one thread searches in one batch.
 const BATCH: usize = 64;
 
-/// Full neighbour lists: the neighbours within a cutoff of each particle that this rank owns. Each pair is in the lists
-/// of both particles, so that lists can be processed independently.
+/// Full neighbour lists: the neighbours within a cutoff of each particle that this rank owns. Each pair is in the
+/// lists of both particles, so that lists can be processed independently.
 #[derive(Debug, Clone, Default)]
 pub struct Neighbours {
-    /// Where each particle's list begins and ends.
+    /// Start and end of each particle's list.
     ranges: Vec<[usize; 2]>,
     list: Vec<u32>,
     images: Images,
 }
 
-/// The neighbours of one particle.
+/// Neighbours of one particle.
 #[derive(Debug, Clone, Copy)]
 pub struct NeighboursOf<'a> {
     list: &'a [u32],
@@ -33,23 +33,23 @@ pub struct NeighboursOf<'a> {
 }
 
 impl<'a> NeighboursOf<'a> {
-    /// How many.
+    /// Number of neighbours.
     pub fn len(self) -> usize {
         self.list.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no neighbours.
     pub fn is_empty(self) -> bool {
         self.list.is_empty()
     }
 
-    /// So many at a time.
+    /// Chunks of at most `size` neighbours.
     #[inline(always)]
     pub fn chunks(self, size: usize) -> impl Iterator<Item = Self> {
         self.list.chunks(size).map(move |list| Self { list, images: self.images })
     }
 
-    /// One after the other.
+    /// Iterator over the neighbours.
     #[inline(always)]
     pub fn iter(self) -> impl ExactSizeIterator<Item = Neighbour> + 'a {
         self.list.iter().map(move |&entry| self.images.neighbour(entry))
@@ -98,7 +98,7 @@ impl Neighbours {
         lists.into_par_iter().for_each(|list| list.sort_unstable_by_key(|&entry| key(&images.neighbour(entry))));
     }
 
-    /// Joins the lists of the batches, of `owned` particles in all, whose entries refer to some images.
+    /// Joins the lists of the batches, of `owned` particles in total, whose entries refer to `images`.
     pub(crate) fn join(batches: Vec<Batch>, owned: usize, images: &Images) -> Self {
         let mut ranges = vec![[0; 2]; owned];
         let mut list = Vec::with_capacity(batches.iter().map(|batch| batch.list.len()).sum());
@@ -114,23 +114,23 @@ impl Neighbours {
         Self { ranges, list, images: images.clone() }
     }
 
-    /// The neighbours of one particle.
+    /// Neighbours of one particle.
     pub fn of(&self, row: usize) -> NeighboursOf<'_> {
         NeighboursOf { list: self.entries(row), images: &self.images }
     }
 
-    /// The entries of one particle's list.
+    /// Entries of one particle's list.
     pub(crate) fn entries(&self, row: usize) -> &[u32] {
         let [start, end] = self.ranges[row];
         &self.list[start..end]
     }
 
-    /// The images that entries refer to.
+    /// Images to which entries refer.
     pub(crate) fn images(&self) -> &Images {
         &self.images
     }
 
-    /// All entries of all lists: twice the number of pairs on one rank.
+    /// Number of entries in all lists: twice the number of pairs on one rank.
     pub fn count(&self) -> usize {
         self.list.len()
     }

@@ -1,13 +1,13 @@
-//! Numbers for people to read, whatever their size.
+//! Readable numbers of any magnitude.
 
 use std::fmt::{Display, Formatter, Result};
 
-/// A number in a message. `{}` shows the fewest digits that stand for it and no other, `{:.4}` at most four significant
-/// ones; both without trailing zeros, and with an exponent where it is shorter: 0.15, 5500, 5.2e-8, 1e30.
+/// A number in a message. `{}` shows the fewest digits that identify it, `{:.4}` at most four significant ones; both
+/// without trailing zeros, and with an exponent if that is shorter: 0.15, 5500, 5.2e-8, 1e30.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number(pub f64);
 
-/// Powers of ten that are written out.
+/// Powers of ten that are written without an exponent.
 const PLAIN: std::ops::Range<i32> = -4..7;
 
 impl Display for Number {
@@ -26,7 +26,7 @@ impl Display for Number {
     }
 }
 
-/// Without zeros at the end of a fraction.
+/// Removes zeros at the end of a fraction.
 fn trimmed(digits: &str) -> &str {
     if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
 }

@@ -5,14 +5,14 @@ use crate::{Neighbours, PeriodicBox, Vector};
 use rayon::prelude::*;
 
 /// A pair of particles within a cutoff: rows `i` and `j` among local particles and ghosts, and the lattice steps from
-/// `j` to its image near `i`. A particle and its own image are a pair too.
+/// `j` to its image near `i`. A particle and its own image are also a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
-    /// Row of the first, which this rank or another owns.
+    /// Row of the first particle, which this rank or another owns.
     pub i: u32,
-    /// Row of the second.
+    /// Row of the second particle.
     pub j: u32,
-    /// Lattice steps added to the second's position.
+    /// Lattice steps added to the second particle's position.
     pub steps: [i8; 3],
 }
 
@@ -21,7 +21,7 @@ impl Pair {
         Self { i: self.j, j: self.i, steps: self.steps.map(|s| -s) }
     }
 
-    /// The vector from the first particle to that image of the second.
+    /// Vector from the first particle to that image of the second.
     pub fn separation(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vector {
         let d = positions[self.j as usize] - positions[self.i as usize];
         if self.steps == [0; 3] { d } else { d + cell.lattice(self.steps.map(i32::from)) }
@@ -35,7 +35,7 @@ pub struct Pairs {
     list: Vec<Pair>,
 }
 
-/// Particles whose pairs one thread picks at a time.
+/// Particles whose pairs one thread selects at a time.
 const BATCH: usize = 256;
 
 impl Pairs {
@@ -75,7 +75,7 @@ impl Pairs {
         let batches: Vec<Vec<Pair>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
         let mut list = batches.concat();
         if ids.len() > owned {
-            // Those whose first particle another rank owns come last, as it does.
+            // Pairs whose first particle another rank owns come last, like its ghost.
             let of_others = (0..owned).flat_map(of_row).filter(|pair| pair.j as usize >= owned).map(Pair::reversed);
             let mut kept: Vec<Pair> = of_others.filter(|pair| is_kept(pair, ids, owned)).collect();
             sort(&mut kept);
@@ -90,9 +90,9 @@ impl Pairs {
     }
 }
 
-/// Folds over the pairs of different particles within a cutoff, all on this rank, without storing a list. Each pair is
-/// visited once, in no particular order, by its rows, the smaller first, and the vector from the first to the image of
-/// the second. Returns partial results, each begun by `start` and folded over a part of the pairs.
+/// Folds over the pairs of different particles within a cutoff, all on this rank, without storing a list. Each pair
+/// is visited once, in no particular order, with its rows, the smaller first, and the vector from the first to the
+/// image of the second. Returns partial results, each begun by `start` and folded over a part of the pairs.
 pub fn fold_pairs<T: Send>(
     cell: &PeriodicBox,
     positions: &[Vector],
@@ -103,7 +103,8 @@ pub fn fold_pairs<T: Send>(
     fold_some_pairs((cell, positions, positions.len()), cutoff, |_| true, start, visit)
 }
 
-/// The same of particles among so many in the whole box, and of pairs alone whose smaller row is meant.
+/// The same for particles of a box with `total` of them, and for only those pairs whose smaller row satisfies
+/// `is_meant`.
 pub(crate) fn fold_some_pairs<T: Send>(
     (cell, positions, total): (&PeriodicBox, &[Vector], usize),
     cutoff: f64,
@@ -131,9 +132,9 @@ pub(crate) fn fold_some_pairs<T: Send>(
         .collect()
 }
 
-/// Of the two orders of a pair, the one with the smaller id first is kept; of a particle and its own image, the one
-/// with positive steps. If two ranks own the particles, the owner of the first keeps the pair where the sum of the ids
-/// is even, else the owner of the second.
+/// Whether this rank keeps a pair. Of the two orders of a pair, the one with the smaller id first is kept; of a
+/// particle and its own image, the one with positive steps. If two ranks own the particles, the owner of the first
+/// keeps the pair if the sum of the ids is even, else the owner of the second.
 fn is_kept(pair: &Pair, ids: &[u64], owned: usize) -> bool {
     let (i, j) = (pair.i as usize, pair.j as usize);
     let first = if i == j { pair.steps > [0; 3] } else { ids[i] < ids[j] };
@@ -203,7 +204,7 @@ mod tests {
         }
     }
 
-    /// Boxes whose axes do not all repeat, with particles outside of them as well where they are open.
+    /// Boxes that are not periodic along all axes, also with particles outside of them where they are open.
     fn bounded(edges: Vector, places: &[Vector]) -> Vec<(PeriodicBox, Vec<Vector>)> {
         let cell = PeriodicBox::new(edges).unwrap();
         let all = [Boundaries::Walls, Boundaries::Wall, Boundaries::OpenAlongZ, Boundaries::Open];
@@ -249,7 +250,7 @@ mod tests {
             let visit = |seen: &mut Vec<_>, pair: [u32; 2], separation| seen.push((pair, separation));
             let mut found = fold_pairs(&cell, &positions, cutoff, Vec::new, visit).concat();
             for list in [&mut expected, &mut found] {
-                // Images of a pair are told apart by more than round-off.
+                // Images of a pair differ by more than round-off.
                 list.sort_by_key(|(pair, d)| (*pair, d.to_array().map(|x| (x * 1e6).round() as i64)));
             }
             prop_assert_eq!(found.len(), expected.len());

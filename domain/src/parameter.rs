@@ -1,24 +1,24 @@
-//! Parameters and the ranges that they have to be in. Keys are those of a scene.
+//! Parameters and their allowed ranges. Keys are those of a scene.
 
 use crate::{Number, Vector};
 
-/// A parameter outside its range.
+/// Error for a parameter outside of its range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{key} {message}")]
 pub struct ParameterError {
-    /// The key, as a scene writes it.
+    /// Key as written in a scene.
     pub key: String,
-    /// What was found and what is allowed, to be read after the key.
+    /// Value found and values allowed, to be read after the key.
     pub message: String,
 }
 
 impl ParameterError {
-    /// A key and what is wrong with it.
+    /// Error for a key, with the rest of the message.
     pub fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
         Self { key: key.into(), message: message.into() }
     }
 
-    /// Passes a finite number.
+    /// Returns a finite number, or an error.
     pub fn unless_finite(key: &str, value: f64) -> Result<f64, Self> {
         if value.is_finite() {
             Ok(value)
@@ -27,20 +27,20 @@ impl ParameterError {
         }
     }
 
-    /// Passes a finite number above 0.
+    /// Returns a finite number above 0, or an error.
     pub fn unless_positive(key: &str, value: f64) -> Result<f64, Self> {
         let error = || Self::new(key, format!("is {}; it needs to be a finite number above 0", Number(value)));
         if value > 0.0 && value.is_finite() { Ok(value) } else { Err(error()) }
     }
 
-    /// Passes a number in a range, both ends included.
+    /// Returns a number in a range, both ends included, or an error.
     pub fn unless_between(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Self> {
         let [found, least, most] = [value, low, high].map(Number);
         let error = || Self::new(key, format!("is {found}; it needs to be between {least} and {most}"));
         if (low..=high).contains(&value) { Ok(value) } else { Err(error()) }
     }
 
-    /// Passes a vector of finite numbers.
+    /// Returns a vector of finite numbers, or an error.
     pub fn unless_finite_vector(key: &str, value: Vector) -> Result<Vector, Self> {
         for (axis, component) in value.to_array().into_iter().enumerate() {
             Self::unless_finite(&format!("{key}[{axis}]"), component)?;

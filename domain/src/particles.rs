@@ -1,16 +1,16 @@
-//! The particle store: one column a property, one row a particle.
+//! Particle store: one column per property, one row per particle.
 
 use crate::rows::{Delivery, Picked, Sorted, Way};
 use crate::{Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
 
-/// A named property of every particle: `width` numbers each, row by row. Whatever a particle must not lose when it
-/// changes rank or the run is resumed, such as its past velocities, is a column.
+/// A named property of every particle: `width` numbers each, row by row. Everything that has to follow a particle to
+/// another rank or survive a restart, such as its past velocities, is a column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// What it is called in checkpoints.
+    /// Name in checkpoints.
     pub name: String,
-    /// Numbers a particle.
+    /// Numbers per particle.
     pub width: usize,
     /// `width` numbers for each particle, in the store's order.
     pub values: Vec<f64>,
@@ -20,18 +20,18 @@ pub struct Column {
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[error("particle column '{name}' has {found} values for {particles} particles; it needs {width} each")]
 pub struct ColumnError {
-    /// The column's name.
+    /// Name of the column.
     pub name: String,
     /// Values found.
     pub found: usize,
-    /// Values needed by each particle.
+    /// Values needed per particle.
     pub width: usize,
     /// Number of particles.
     pub particles: usize,
 }
 
-/// The particles that this rank owns. Positions are inside the box; `steps` counts the lattice vectors that were taken
-/// out of each on its way, so that `position + lattice(steps)` is where it would be without periodicity.
+/// Particles that this rank owns. Positions are inside the box; `steps` counts the lattice vectors that wrapping took
+/// out of each, so `position + lattice(steps)` is the position without periodicity.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Particles {
     /// Unique ids; a particle keeps its id for the whole run.
@@ -44,15 +44,15 @@ pub struct Particles {
     pub radii: Vec<f64>,
     /// Species, as indices into the scene's list.
     pub species: Vec<u32>,
-    /// Everything else.
+    /// All other properties.
     pub columns: Vec<Column>,
 }
 
-/// Particles that one thread works through at a time.
+/// Particles that one thread processes at a time.
 const BATCH: usize = 1024;
 
 impl Particles {
-    /// How many particles this rank owns.
+    /// Number of particles that this rank owns.
     pub fn len(&self) -> usize {
         self.ids.len()
     }
@@ -62,7 +62,7 @@ impl Particles {
         self.ids.is_empty()
     }
 
-    /// Adds a particle; its columns are filled with zeros.
+    /// Adds a particle, with zeros in its columns.
     pub fn push(&mut self, id: u64, position: Vector, radius: f64, species: u32) {
         self.ids.push(id);
         self.positions.push(position);
@@ -75,7 +75,7 @@ impl Particles {
         }
     }
 
-    /// The column of this name, made of zeros if there is none yet.
+    /// The column of this name, created with zeros if there is none yet.
     pub fn column(&mut self, name: &str, width: usize) -> &mut Column {
         let place = self.columns.iter().position(|c| c.name == name).unwrap_or_else(|| {
             let values = vec![0.0; width * self.len()];
@@ -85,7 +85,7 @@ impl Particles {
         &mut self.columns[place]
     }
 
-    /// A column of vectors, one a particle.
+    /// A column of vectors, one per particle.
     pub fn vectors(&mut self, name: &str) -> &mut [Vector] {
         bytemuck::cast_slice_mut(&mut self.column(name, 3).values)
     }
@@ -126,9 +126,8 @@ impl Particles {
         });
     }
 
-    /// Updates the lattice steps after the lattice's vectors were replaced by others of the same lattice: `steps` now are
-    /// a matrix of whole numbers, row by row, times those before. Steps beyond the range of their type are counted modulo
-    /// `2^32`.
+    /// Updates the lattice steps after a change of the basis of the same lattice: the new `steps` are an integer
+    /// matrix, row by row, times the former ones. Steps beyond the range of their type are counted modulo `2^32`.
     pub fn relabel(&mut self, matrix: &[[i32; 3]; 3]) {
         for steps in &mut self.steps {
             let before = *steps;
@@ -145,19 +144,19 @@ impl Particles {
         *steps = picked.of(steps, 1);
         *radii = picked.of(radii, 1);
         *species = picked.of(species, 1);
-        // Beside each other, as each takes hardly longer than it takes a thread to wake up.
+        // In parallel over the columns, as each takes hardly longer than the wake-up of a thread.
         columns.par_iter_mut().for_each(|column| column.values = picked.of(&column.values, column.width));
     }
 
-    /// The rows given, in that order, as a store of their own.
+    /// The given rows, in that order, as a new store.
     #[must_use]
     pub fn selected(&self, rows: &[usize]) -> Self {
         self.mapped(&Picked(rows), |_| true)
     }
 
-    /// Moves every particle, with all its columns, to the rank that owns its position, and sorts each rank's particles
-    /// by grid line and, within a line, by id, so that the order does not depend on where they came from. Positions
-    /// must be inside the box; all ranks have the same columns.
+    /// Moves every particle, with all its columns, to the rank that owns its position, and sorts each rank's
+    /// particles by grid line and, within a line, by id, so that the order does not depend on where they came from.
+    /// Positions must be inside the box; all ranks have the same columns.
     pub fn migrate(&mut self, partition: &Partition, cell: &PeriodicBox) {
         if partition.comm().size() > 1 {
             let owners: Vec<usize> = self.positions.iter().map(|&p| partition.owner(cell, p)).collect();
@@ -182,7 +181,7 @@ impl Particles {
         self.with_columns(|_| false)
     }
 
-    /// The same particles with those columns alone whose names are wanted.
+    /// The same particles with only the columns whose names are wanted.
     #[must_use]
     pub fn with_columns(&self, wanted: impl Fn(&str) -> bool) -> Self {
         Self {
@@ -201,7 +200,7 @@ impl Particles {
         self.gathered_with(partition, |_| true)
     }
 
-    /// The same with those columns alone whose names are wanted. Collective.
+    /// The same with only the columns whose names are wanted. Collective.
     #[must_use]
     pub fn gathered_with(&self, partition: &Partition, wanted: impl Fn(&str) -> bool) -> Self {
         let delivery = Delivery::plan(&vec![0; self.len()], partition.comm());

@@ -1,20 +1,20 @@
-//! Which share of space each rank owns.
+//! Domain decomposition: the share of space that each rank owns.
 
 use crate::{Comm, PeriodicBox, Vector};
 use std::ops::Range;
 
-/// The `index`-th of `parts` consecutive blocks of `0..count`, as even as they can be; empty where there are more parts
-/// than elements.
+/// The `index`-th of `parts` consecutive blocks of `0..count`, of sizes as equal as possible; empty if there are more
+/// parts than elements.
 pub fn block(count: usize, parts: usize, index: usize) -> Range<usize> {
     count * index / parts..count * (index + 1) / parts
 }
 
-/// The block that holds `element`: the inverse of [`block`].
+/// Index of the block that holds `element`: the inverse of [`block`].
 pub fn block_of(count: usize, parts: usize, element: usize) -> usize {
     (parts * (element + 1) - 1) / count
 }
 
-/// The place of a rank in the table of ranks and the grid lines that it owns, as in [`Partition`]; the rank need not
+/// Place of a rank in the table of ranks and the grid lines that it owns, as in [`Partition`]; the rank need not
 /// exist.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
@@ -24,7 +24,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The place of a rank among `ranks` that divide the grid lines as [`Partition::new`] does.
+    /// Place of a rank among `ranks` that divide the grid lines as [`Partition::new`] does.
     pub fn of(ranks: usize, rank: usize, lines: [usize; 2]) -> Self {
         Self::in_table(best_table(ranks, lines), rank, lines)
     }
@@ -53,7 +53,7 @@ impl Place {
         std::array::from_fn(|d| block(self.lines[d], self.table[d], self.index[d]))
     }
 
-    /// The rank, of all in the table, whose pencil holds a position inside the box.
+    /// Rank of the table whose pencil holds a position inside the box.
     pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
         let Self { table, lines, .. } = self;
         let line = |d: usize, fraction: f64| ((fraction * lines[d] as f64) as usize).min(lines[d] - 1);
@@ -64,16 +64,16 @@ impl Place {
     }
 }
 
-/// Slabs along z as long as each rank gets at least four lines, which saves a transposition, else pencils.
+/// Slabs along z if each rank gets at least four lines, which saves a transposition, else pencils.
 fn best_table(ranks: usize, lines: [usize; 2]) -> [usize; 2] {
     let slabs = ranks <= 4 || ranks * 4 <= lines[1];
     let rows = if slabs { 1 } else { (1..=ranks.isqrt()).rev().find(|r| ranks.is_multiple_of(*r)).unwrap_or(1) };
     [rows, ranks / rows]
 }
 
-/// The domain decomposition: the ranks form a table of `rows x columns`, rank `r` in row `r / columns`. Real space is
-/// divided into pencils along x: the row determines which lines along y a rank owns, the column which along z. A
-/// particle is owned by the rank whose pencil contains it.
+/// Domain decomposition: the ranks form a table of `rows x columns`, rank `r` in row `r / columns`. Real space is
+/// divided into pencils along x: the row determines the lines along y that a rank owns, the column the lines along z.
+/// A particle is owned by the rank whose pencil contains it.
 #[derive(Clone)]
 pub struct Partition {
     all: Comm,
@@ -83,8 +83,8 @@ pub struct Partition {
 }
 
 impl Partition {
-    /// Divides `lines = [along y, along z]` grid lines among the ranks: in slabs along z as long as each rank gets at
-    /// least four lines, which saves a transposition, else in pencils.
+    /// Divides `lines = [along y, along z]` grid lines among the ranks: in slabs along z if each rank gets at least
+    /// four lines, which saves a transposition, else in pencils.
     pub fn new(comm: &Comm, lines: [usize; 2]) -> Self {
         Self::with_table(comm, lines, best_table(comm.size(), lines))
     }
@@ -105,17 +105,17 @@ impl Partition {
         &self.all
     }
 
-    /// The ranks of this rank's row, which share its lines along y and split those along z.
+    /// Ranks of this rank's row, which share its lines along y and divide those along z.
     pub fn row(&self) -> &Comm {
         &self.row
     }
 
-    /// The ranks of this rank's column, which share its lines along z and split those along y.
+    /// Ranks of this rank's column, which share its lines along z and divide those along y.
     pub fn column(&self) -> &Comm {
         &self.column
     }
 
-    /// This rank's place in the table.
+    /// Place of this rank in the table.
     pub fn place(&self) -> &Place {
         &self.place
     }
@@ -140,7 +140,7 @@ impl Partition {
         Place::in_table(self.place.table, rank, self.place.lines).owned()
     }
 
-    /// The rank whose pencil holds a position inside the box.
+    /// Rank whose pencil holds a position inside the box.
     pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
         self.place.owner(cell, position)
     }

@@ -1,54 +1,54 @@
-//! The periodic, possibly sheared box, which may have walls or be open.
+//! Periodic, possibly sheared box, which may have walls or be open.
 
 use crate::{Boundaries, Number, Tensor, Vector};
 
-/// Why a box is refused.
+/// Reason why a box is refused.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum BoxError {
-    /// An edge that is not a positive length.
+    /// An edge is not a positive length.
     #[error("box edge {axis} is {}; an edge needs to be positive and finite", Number(*length))]
     Edge {
-        /// x, y or z.
+        /// Axis: x, y or z.
         axis: char,
-        /// What was given.
+        /// Length given.
         length: f64,
     },
-    /// A strain that is not a number.
+    /// The strain is not a finite number.
     #[error("the box's strain is {}; it needs to be a finite number", Number(*.0))]
     Strain(f64),
-    /// Lattice vectors that span no volume, or are in left-handed order.
+    /// The lattice vectors span no volume, or are in left-handed order.
     #[error(
         "the box's lattice vectors span a volume of {}; they need to be finite and in right-handed order, so that it is \
          positive",
         Number(*.0)
     )]
     Lattice(f64),
-    /// Walls or open faces of a box that is not upright along x, y and z.
+    /// Walls or open faces of a box that is sheared or not along x, y and z.
     #[error("a box with {0:?} boundaries has edges along x, y and z; it can be neither sheared nor any other lattice")]
     Bounded(Boundaries),
 }
 
 /// A periodic box. With Lees-Edwards boundary conditions its lattice vectors are `(Lx, 0, 0)`, `(s Ly, Ly, 0)` and
-/// `(0, 0, Lz)`: flow along x, gradient along y, vorticity along z, strain `s`. The lattices of `s` and of `s + Lx/Ly`
-/// are the same, and `s` is kept in `[-Lx/(2 Ly), Lx/(2 Ly))`.
+/// `(0, 0, Lz)`: flow along x, gradient along y, vorticity along z, strain `s`. The lattices of `s` and of
+/// `s + Lx/Ly` are the same, and `s` is kept in `[-Lx/(2 Ly), Lx/(2 Ly))`.
 ///
-/// Positions in the box are named by lattice coordinates `(xi, eta, zeta) = (x - s y, y, z)`, each in `[0, L)` of its
-/// axis, which are periodic one by one.
+/// Positions in the box have lattice coordinates `(xi, eta, zeta) = (x - s y, y, z)`, each in `[0, L)` of its axis,
+/// which are periodic one by one.
 ///
 /// Any other lattice, as extensional flows need, is such a box in axes of its own: the first axis is along the first
 /// lattice vector and the second in the plane of the first two. In these axes the lattice vectors are `(Lx, 0, 0)`,
 /// `Ly (s, 1, 0)` and `Lz (t, r, 1)`, and `y = eta + r zeta`, `x = xi + s eta + t zeta`.
 ///
-/// A box with other [`Boundaries`] does not repeat along some axes: there positions are never wrapped, may lie outside
-/// where the fluid is open, and have no images. Where the fluid is open the box may be anywhere: it begins at an origin, which
-/// is zero along axes that repeat.
+/// A box with other [`Boundaries`] is not periodic along some axes: along them positions are never wrapped, may lie
+/// outside of the box if the fluid is open, and have no images. If the fluid is open the box may be anywhere: it
+/// begins at an origin, which is zero along periodic axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PeriodicBox {
     edges: Vector,
     strain: f64,
     /// `t` and `r`.
     tilts: [f64; 2],
-    /// The axes as columns, where they are not x, y and z.
+    /// Axes as columns, if they are not x, y and z.
     axes: Option<Tensor>,
     boundaries: Boundaries,
     origin: Vector,
@@ -82,7 +82,7 @@ impl PeriodicBox {
         })
     }
 
-    /// The box of any three lattice vectors in right-handed order, which are kept as they are.
+    /// Box of any three lattice vectors in right-handed order, which are kept as they are.
     pub fn of_lattice(vectors: [Vector; 3]) -> Result<Self, BoxError> {
         let [a, b, c] = vectors;
         let volume = a.cross(b).dot(c);
@@ -98,7 +98,7 @@ impl PeriodicBox {
         Ok(Self { edges, strain: b.dot(x) / edges.y, tilts, axes, boundaries, origin: Vector::ZERO })
     }
 
-    /// The same box with other boundaries, which only a box that is not sheared and along x, y and z can have.
+    /// The same box with other boundaries; only a box that is not sheared and along x, y and z can have them.
     pub fn with_boundaries(&self, boundaries: Boundaries) -> Result<Self, BoxError> {
         let is_plain = self.strain == 0.0 && self.axes.is_none();
         if boundaries != Boundaries::Periodic && !is_plain {
@@ -107,35 +107,35 @@ impl PeriodicBox {
         Ok(Self { boundaries, ..*self })
     }
 
-    /// A box of the same boundaries with other edges that begins elsewhere, along axes that do not repeat.
+    /// A box of the same boundaries with other edges and another origin along axes that are not periodic.
     pub fn spanning(&self, origin: Vector, edges: Vector) -> Result<Self, BoxError> {
         let plain = Self::new(edges)?.with_boundaries(self.boundaries)?;
         Ok(Self { origin, ..plain })
     }
 
-    /// Where the box begins along axes that do not repeat.
+    /// Origin of the box along axes that are not periodic.
     pub fn origin(&self) -> Vector {
         self.origin
     }
 
-    /// Where a position is in the box, in parts of its edges.
+    /// Position in the box as fractions of its edges.
     #[inline]
     pub fn parts(&self, position: Vector) -> Vector {
         (self.lattice_coordinates(position) - self.origin) / self.edges
     }
 
-    /// What lies at its faces.
+    /// Boundary conditions at the faces.
     pub fn boundaries(&self) -> Boundaries {
         self.boundaries
     }
 
-    /// Whether the box repeats along an axis: 0, 1 and 2 for x, y and z.
+    /// Whether the box is periodic along an axis: 0, 1 and 2 for x, y and z.
     #[inline]
     pub fn is_periodic(&self, axis: usize) -> bool {
         self.boundaries.is_periodic(axis)
     }
 
-    /// The same box in other units of length: all lengths times `factor`, a power of two, so that nothing is rounded.
+    /// The same box in other units of length: all lengths times `factor`, a power of two, so nothing is rounded.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self { edges: self.edges * factor, origin: self.origin * factor, ..*self }
@@ -146,27 +146,28 @@ impl PeriodicBox {
         self.edges
     }
 
-    /// The strain `s` of the lattice.
+    /// Strain `s` of the lattice.
     pub fn strain(&self) -> f64 {
         self.strain
     }
 
-    /// The volume, which a shear does not change.
+    /// Volume, which a shear does not change.
     pub fn volume(&self) -> f64 {
         self.edges.x * self.edges.y * self.edges.z
     }
 
-    /// `t` and `r`, by which the third lattice vector leans along the box's first and second axis; zero in a sheared box.
+    /// `t` and `r`, by which the third lattice vector is tilted along the box's first and second axis; zero in a
+    /// sheared box.
     pub fn tilts(&self) -> [f64; 2] {
         self.tilts
     }
 
-    /// Whether the third lattice vector is at right angles to the others but for round-off.
+    /// Whether the third lattice vector is orthogonal to the others up to round-off.
     pub fn is_upright(&self) -> bool {
         self.tilts.iter().all(|tilt| tilt.abs() < 1e-12)
     }
 
-    /// The box's axes as columns, unless they are x, y and z.
+    /// Axes of the box as columns, unless they are x, y and z.
     pub fn axes(&self) -> Option<&Tensor> {
         self.axes.as_ref()
     }
@@ -176,7 +177,7 @@ impl PeriodicBox {
         [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| self.lattice(steps))
     }
 
-    /// The lattice vector of a whole number of steps along each edge.
+    /// Lattice vector for an integer number of steps along each edge.
     pub fn lattice(&self, steps: [i32; 3]) -> Vector {
         self.at(Vector::from_array(steps.map(f64::from)) * self.edges)
     }
@@ -192,7 +193,7 @@ impl PeriodicBox {
         Vector::new(x - self.strain * y - t * z, y, z)
     }
 
-    /// The position that has these lattice coordinates.
+    /// Position with these lattice coordinates.
     pub fn at(&self, coordinates: Vector) -> Vector {
         let Vector { x, y, z } = coordinates;
         let Some(axes) = &self.axes else {
@@ -202,15 +203,15 @@ impl PeriodicBox {
         *axes * Vector::new(x + self.strain * y + t * z, y + r * z, z)
     }
 
-    /// The largest difference of each lattice coordinate between places a unit of length apart.
+    /// Largest difference of each lattice coordinate between positions a unit of length apart.
     pub fn slant(&self) -> Vector {
         let [t, r] = self.tilts;
         let first = t - self.strain * r;
         Vector::new((1.0 + self.strain.powi(2) + first * first).sqrt(), (1.0 + r * r).sqrt(), 1.0)
     }
 
-    /// The position inside the box that is an image of the given one, and the lattice steps that were taken out of it:
-    /// `position = wrapped + lattice(steps)`. Along axes that do not repeat nothing is taken out.
+    /// Image of a position inside the box, and the lattice steps that were taken out of the position:
+    /// `position = wrapped + lattice(steps)`. Along axes that are not periodic nothing is taken out.
     pub fn wrap(&self, position: Vector) -> (Vector, [i32; 3]) {
         let (coordinates, repeats) = (self.lattice_coordinates(position), self.boundaries.repeats());
         let mut steps = (coordinates / self.edges).floor() * repeats;
@@ -227,7 +228,7 @@ impl PeriodicBox {
         (wrapped, whole(steps))
     }
 
-    /// The shortest of the images of a separation, in a box whose strain is in its range.
+    /// Shortest of the images of a separation, in a box whose strain is in its range.
     pub fn nearest_image(&self, separation: Vector) -> Vector {
         if self.axes.is_some() {
             return self.nearest_of_any(separation);
@@ -244,7 +245,7 @@ impl PeriodicBox {
         if self.strain == 0.0 {
             return d;
         }
-        // The rounding above is exact for a straight box only: an image one row up or down may be nearer.
+        // The rounding above is exact for an orthogonal box only: an image one row up or down may be nearer.
         let mut nearest = d;
         for row in [-1.0, 1.0] {
             let mut e = d;
@@ -258,13 +259,13 @@ impl PeriodicBox {
         nearest
     }
 
-    /// The edges that a separation, in lattice coordinates, spans, rounded: none along axes that do not repeat.
+    /// Number of edges that a separation, in lattice coordinates, spans, rounded: 0 along axes that are not periodic.
     pub(crate) fn whole_steps(&self, coordinates: Vector) -> Vector {
         (coordinates / self.edges).round() * self.boundaries.repeats()
     }
 
-    /// The shortest of the images of a separation, in a lattice of vectors of which none is much shorter for a multiple of
-    /// another.
+    /// Shortest of the images of a separation, in a lattice with a reduced basis: no vector is much shorter after
+    /// adding a multiple of another.
     fn nearest_of_any(&self, separation: Vector) -> Vector {
         let steps = whole((self.lattice_coordinates(separation) / self.edges).round());
         let around = || (-1..=1).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| [x, y, z])));
@@ -318,7 +319,7 @@ mod tests {
         }
     }
 
-    /// A lattice of planar and one of uniaxial extension.
+    /// Lattices of planar and uniaxial extension.
     fn any(strain: f64) -> PeriodicBox {
         let stretched = Tensor::from_diagonal(Vector::new(strain.exp(), (-strain).exp(), 1.0));
         let vectors = [Vector::new(1.7, 0.9, 0.3), Vector::new(-0.9, 1.7, 0.1), Vector::new(0.2, -0.3, 2.1)];
@@ -377,7 +378,7 @@ mod tests {
         }
         let open = periodic.with_boundaries(Boundaries::Open).unwrap();
         assert_eq!((open.wrap(position), open.nearest_image(separation)), ((position, [0; 3]), separation));
-        // Just below the near face of an axis that repeats and far above one that does not.
+        // Just below the near face of a periodic axis and far above along one that is not periodic.
         let cell = periodic.with_boundaries(Boundaries::Wall).unwrap();
         let (wrapped, steps) = cell.wrap(Vector::new(-1e-18, 0.0, 11.0));
         assert!(wrapped.x < 3.0 && (wrapped.z - 11.0).abs() < 1e-15 && steps[2] == 0, "{wrapped}");

@@ -1,8 +1,8 @@
-//! Counter-based random numbers, which depend on a seed and a name only.
+//! Counter-based random numbers, which depend only on a seed and a name.
 
-/// A stream of random numbers of a seed and a name, such as a particle's id or the number of a step. It is the same on
-/// any rank and in any order of use: `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014, Fig. 14), started at a state mixed
-/// from seed and name.
+/// Stream of random numbers by a seed and a name, such as a particle's id or the number of a step. It is the same on
+/// any rank and in any order of use: `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014, Fig. 14), started at a state
+/// mixed from seed and name.
 #[derive(Debug, Clone)]
 pub struct Random {
     state: u64,
@@ -12,7 +12,7 @@ pub struct Random {
 const STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl Random {
-    /// The stream of this name.
+    /// Stream of this name.
     pub fn new(seed: u64, name: u64) -> Self {
         Self { state: mix(mix(seed.wrapping_add(STRIDE)) ^ name.wrapping_mul(STRIDE)) }
     }
@@ -23,7 +23,7 @@ impl Random {
         mix(self.state)
     }
 
-    /// Leaves out so many times 64 bits.
+    /// Skips `count` times 64 bits.
     pub fn skip(&mut self, count: u64) {
         self.state = self.state.wrapping_add(STRIDE.wrapping_mul(count));
     }
@@ -39,18 +39,18 @@ impl Random {
         [radius * turn.cos(), radius * turn.sin()]
     }
 
-    /// The next number of an even distribution of mean 0 and variance 1.
+    /// Next number of a uniform distribution with mean 0 and variance 1.
     pub fn even(&mut self) -> f64 {
         12.0_f64.sqrt() * (self.uniform() - 0.5)
     }
 
-    /// Three such numbers in `[0, 1)`.
+    /// Three uniform numbers in `[0, 1)`.
     pub fn point(&mut self) -> crate::Vector {
         let [x, y, z] = std::array::from_fn(|_| self.uniform());
         crate::Vector::new(x, y, z)
     }
 
-    /// Puts a list in random order, every order equally likely (Fisher-Yates).
+    /// Shuffles a list, with all orders equally likely (Fisher-Yates).
     pub fn shuffle<T>(&mut self, list: &mut [T]) {
         for last in (1..list.len()).rev() {
             let other = (u128::from(self.bits()) * (last as u128 + 1)) >> 64;
@@ -59,21 +59,21 @@ impl Random {
     }
 }
 
-/// The streams of some names of one seed, side by side: the numbers of [`Random`].
+/// Streams of `N` names of one seed in parallel: the numbers of [`Random`].
 #[derive(Debug, Clone)]
 pub struct RandomLanes<const N: usize> {
     states: [u64; N],
 }
 
 impl<const N: usize> RandomLanes<N> {
-    /// The streams of these names.
+    /// Streams of these names.
     #[inline(always)]
     pub fn new(seed: u64, names: &[u64; N]) -> Self {
         let seed = mix(seed.wrapping_add(STRIDE));
         Self { states: names.map(|name| mix(seed ^ name.wrapping_mul(STRIDE))) }
     }
 
-    /// The next number of each of an even distribution of mean 0 and variance 1.
+    /// Next number of each stream, uniform with mean 0 and variance 1.
     #[inline(always)]
     pub fn even(&mut self) -> [f64; N] {
         let root = 12.0_f64.sqrt();

@@ -1,13 +1,13 @@
 //! Measured parts of a process's resident memory, which can't be computed: on Debian 12 with Open MPI 4.1 and HDF5
 //! 1.10, by `scripts/validate memory`.
 
-/// The program itself, and the libraries that it is linked with, without anything of a scene.
+/// The program itself and the libraries that it is linked with, without any data of a scene.
 const PROGRAM: f64 = 18.5e6;
 
-/// What MPI adds to each process that a launcher starts.
+/// Memory of MPI in each process that a launcher starts.
 const LAUNCHED: f64 = 7e6;
 
-/// What HDF5 adds to the process that keeps files open to write to them, besides chunks.
+/// Memory of HDF5 in the process that keeps files open to write to them, without chunks.
 const WRITES: f64 = 7e6;
 
 /// Memory held by the allocator over memory allocated at the peak, because of fragmentation.
@@ -16,7 +16,7 @@ const ALLOCATOR: f64 = 1.1;
 /// The kind of a process, which determines the memory of its libraries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Process {
-    /// Whether a launcher started it, beside others.
+    /// Whether a launcher started it together with others.
     pub is_launched: bool,
     /// Whether it keeps files open.
     pub writes: bool,
@@ -31,7 +31,7 @@ impl Process {
         Self { is_launched: ranks > 1, writes: rank == 0 }
     }
 
-    /// The resident memory at the peak, given the bytes allocated then.
+    /// Resident memory at the peak, given the bytes allocated then.
     pub fn resident(self, allocated: f64) -> f64 {
         let launched = if self.is_launched { LAUNCHED } else { 0.0 };
         let writes = if self.writes { WRITES } else { 0.0 };

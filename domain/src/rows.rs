@@ -1,21 +1,21 @@
-//! Moving the rows of a table, one property after the other: reordering, and sending to other ranks.
+//! Moves of a table's rows, one property after the other: reordering, and sending to other ranks.
 
 use crate::Comm;
 use bytemuck::Pod;
 use rayon::prelude::*;
 
-/// A number of a row that any thread may move.
+/// A value of a row that any thread may move.
 pub(crate) trait Value: Pod + Send + Sync {}
 
 impl<T: Pod + Send + Sync> Value for T {}
 
 /// Moves rows of values, `width` numbers each. May be collective.
 pub(crate) trait Way {
-    /// The values of the rows after the move.
+    /// Values of the rows after the move.
     fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T>;
 }
 
-/// The rows of a list, in its order.
+/// Rows of a list, in its order.
 #[derive(Clone, Copy)]
 pub(crate) struct Picked<'a>(pub &'a [usize]);
 
@@ -42,13 +42,14 @@ impl Way for Picked<'_> {
     }
 }
 
-/// Rows of a width that the compiler knows, which it copies without a call.
+/// Rows of a width known at compile time, which are copied without a call.
 fn pick<T: Copy, const WIDTH: usize>(values: &[T], rows: &[usize], picked: &mut [T]) {
     let (values, picked) = (values.as_chunks::<WIDTH>().0, picked.as_chunks_mut::<WIDTH>().0);
     picked.iter_mut().zip(rows).for_each(|(picked, &row)| *picked = values[row]);
 }
 
-/// Sends each row to a rank. Received rows are in the order of the sending ranks, and of each rank in its own order.
+/// Sends each row to a rank. Received rows are in the order of the sending ranks, and from each rank in its own
+/// order.
 pub(crate) struct Delivery {
     comm: Comm,
     /// Rows sorted by the receiving rank.
@@ -58,7 +59,7 @@ pub(crate) struct Delivery {
 }
 
 impl Delivery {
-    /// Plans the delivery of each row to the rank in a list. Collective.
+    /// Plans the delivery of each row to the rank in `owners`. Collective.
     pub fn plan(owners: &[usize], comm: &Comm) -> Self {
         let mut leaving = vec![0; comm.size()];
         for &owner in owners {

@@ -1,17 +1,17 @@
-//! Pairs of the particles of all ranks within any distance, none of which is kept.
+//! Pairs of the particles of all ranks within any distance, without storing them.
 
 use crate::pairs::fold_some_pairs;
 use crate::{Halo, Particles, Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
 
-/// Ghosts that are no matter of memory.
+/// Number of ghosts whose memory is negligible.
 pub(crate) const FEW: usize = 1 << 16;
 
-/// Folds over the pairs of different particles of all ranks within a cutoff as [`crate::fold_pairs`] does: each pair, and each image
-/// of it, is visited once, on the rank that owns the particle with the smaller id, by the species of both, that of the smaller
-/// id first, and the separation from it to the image of the other. Separations have the same bits on any number of ranks. However
-/// large the cutoff, there are no more ghosts at a time than a rank has particles, or 65,536. Each rank brings the particles inside
-/// its pencil. Collective.
+/// Folds over the pairs of different particles of all ranks within a cutoff as [`crate::fold_pairs`] does. Each pair,
+/// and each image of it, is visited once, on the rank that owns the particle with the smaller id, with the species of
+/// both, that of the smaller id first, and the separation from it to the image of the other. Separations have the
+/// same bits on any number of ranks. However large the cutoff, there are no more ghosts at a time than a rank has
+/// particles, or 65,536. Each rank passes the particles inside its pencil. Collective.
 pub fn fold_shared_pairs<T: Send>(
     (partition, cell): (&Partition, &PeriodicBox),
     particles: &Particles,
@@ -37,7 +37,7 @@ fn fold_in_rounds<T: Send>(
     let mut parts = Vec::new();
     for round in 0..rounds {
         let near = Near::of(&halo.part(round, rounds), particles);
-        // Pairs of this rank's own are those of the first round.
+        // Pairs within this rank are visited in the first round.
         let of_round = |[_, j]: [u32; 2]| round == 0 || !near.is_own(j);
         parts.extend(fold_some_pairs(
             (cell, &near.positions, total),
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
     use crate::{Comm, Random, fold_pairs};
 
-    /// Pairs as they are visited, in an order of their own, to the last bit.
+    /// Visited pairs, sorted, to the last bit.
     fn sorted(parts: Vec<Vec<([u32; 2], Vector)>>) -> Vec<([u32; 2], [u64; 3])> {
         let bits = |(pair, separation): ([u32; 2], Vector)| (pair, separation.to_array().map(f64::to_bits));
         let mut all: Vec<_> = parts.into_iter().flatten().map(bits).collect();
@@ -100,7 +100,7 @@ mod tests {
         seen.push((pair, separation));
     }
 
-    /// Species are ids here. Cutoffs go beyond the box, where a pair has several images.
+    /// Species are ids here. Cutoffs extend beyond the box, where a pair has several images.
     #[test]
     fn pairs_are_those_of_one_rank_bit_for_bit() {
         for (strain, cutoff) in [(0.0, 0.8), (0.3, 2.1), (-0.4, 5.0)] {
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// Of ghosts that come in rounds there are never more than particles of the rank that has most, rounded up for each other.
+    /// Each of five rounds brings a fifth of the ghosts, rounded up per rank, and together they bring all.
     #[test]
     fn ghosts_come_in_rounds() {
         let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();

@@ -25,13 +25,13 @@ impl Traceless {
         ])
     }
 
-    /// All nine components.
+    /// Tensor with all nine components.
     pub fn tensor(self) -> Tensor {
         let [xx, xy, xz, yy, yz] = self.0;
         Tensor::from_cols(Vector::new(xx, xy, xz), Vector::new(xy, yy, yz), Vector::new(xz, yz, -xx - yy))
     }
 
-    /// The double contraction `A : B = A_ij B_ij`.
+    /// Double contraction `A : B = A_ij B_ij`.
     pub fn contract(self, other: Self) -> f64 {
         let ([a, b, c, d, e], [p, q, r, s, t]) = (self.0, other.0);
         a * p + d * s + (a + d) * (p + s) + 2.0 * (b * q + c * r + e * t)

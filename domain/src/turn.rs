@@ -1,26 +1,27 @@
-//! Axes in another order.
+//! Rotations that permute the axes.
 
 use crate::{Tensor, Traceless, Vector};
 
-/// A rotation between axes, each of which is along one of the others or against it: so that a box whose special axis is x or y
-/// has it along z. Right-handed systems are still right-handed, and what is along x stays so where it can.
+/// Rotation to axes each of which is parallel or antiparallel to one of the old axes, so that a box whose special
+/// axis is x or y has it along z. Right-handed systems remain right-handed, and the x axis is kept where possible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Turn {
-    /// The axis that becomes each.
+    /// Old axis that becomes each new axis.
     axes: [usize; 3],
-    /// Whether it becomes the one against it.
+    /// Whether the new axis points against the old one.
     against: [bool; 3],
 }
 
 impl Default for Turn {
-    /// The one that changes nothing.
+    /// Identity.
     fn default() -> Self {
         Self { axes: [0, 1, 2], against: [false; 3] }
     }
 }
 
 impl Turn {
-    /// The turn after which an axis, 0, 1 or 2, is the last: `(x, y, z)` becomes `(y, z, x)`, `(x, -z, y)` or `(x, y, z)`.
+    /// Rotation that makes an axis, 0, 1 or 2, the last: `(x, y, z)` becomes `(y, z, x)`, `(x, -z, y)` or
+    /// `(x, y, z)`.
     pub fn to_last(axis: usize) -> Self {
         match axis {
             0 => Self { axes: [1, 2, 0], against: [false; 3] },
@@ -29,12 +30,12 @@ impl Turn {
         }
     }
 
-    /// Whether it changes nothing.
+    /// Whether it is the identity.
     pub fn is_none(self) -> bool {
         self == Self::default()
     }
 
-    /// The turn that undoes this one.
+    /// Inverse rotation.
     #[must_use]
     pub fn inverse(self) -> Self {
         let mut inverse = Self::default();
@@ -44,32 +45,33 @@ impl Turn {
         inverse
     }
 
-    /// A list of an entry for each axis after the turn, whichever way that points.
+    /// List with one entry per axis, in the order of the new axes, without signs.
     pub fn list<T: Copy>(self, of_axes: [T; 3]) -> [T; 3] {
         self.axes.map(|before| of_axes[before])
     }
 
-    /// A vector, or a pseudovector, after the turn.
+    /// Rotated vector or pseudovector.
     pub fn vector(self, vector: Vector) -> Vector {
         let turned = Vector::from_array(self.list(vector.to_array()));
         let signed = |axis: usize| if self.against[axis] { 0.0 - turned[axis] } else { turned[axis] };
         Vector::new(signed(0), signed(1), signed(2))
     }
 
-    /// A place after the turn, in a box that then has these edges: the box stays between 0 and the edge along each axis.
+    /// Rotated position, in a box that has these edges afterwards: the box remains between 0 and the edge along each
+    /// axis.
     pub fn place(self, place: Vector, edges: Vector) -> Vector {
         let turned = Vector::from_array(self.list(place.to_array()));
         let placed = |axis: usize| if self.against[axis] { edges[axis] - turned[axis] } else { turned[axis] };
         Vector::new(placed(0), placed(1), placed(2))
     }
 
-    /// Steps along the edges of a box after the turn.
+    /// Rotated steps along the edges of a box.
     pub fn steps(self, steps: [i32; 3]) -> [i32; 3] {
         let turned = self.list(steps);
         [0, 1, 2].map(|axis| if self.against[axis] { turned[axis].wrapping_neg() } else { turned[axis] })
     }
 
-    /// A tensor after the turn.
+    /// Rotated tensor.
     pub fn tensor(self, tensor: &Tensor) -> Tensor {
         let columns = [tensor.x_axis, tensor.y_axis, tensor.z_axis].map(|column| self.vector(column));
         let turned = self.list(columns);
@@ -77,12 +79,12 @@ impl Turn {
         Tensor::from_cols(signed(0), signed(1), signed(2))
     }
 
-    /// A symmetric tensor without trace after the turn.
+    /// Rotated symmetric traceless tensor.
     pub fn traceless(self, tensor: Traceless) -> Traceless {
         if self.is_none() { tensor } else { Traceless::part_of(&self.tensor(&tensor.tensor())) }
     }
 
-    /// Along which axes the turn is against what was there before.
+    /// Whether each new axis points against the old one.
     pub fn against(self) -> [bool; 3] {
         self.against
     }
@@ -124,7 +126,7 @@ mod tests {
         assert_eq!(Turn::to_last(0).vector(V), Vector::new(2.0, 3.0, 1.0));
     }
 
-    /// Places in the box stay in it, with the same separations, and places without periodicity stay the same ones.
+    /// Positions in the box remain inside, with the same separations, and so do positions without periodicity.
     #[test]
     fn a_box_becomes_a_box() {
         let before = Vector::new(4.0, 5.0, 6.0);
@@ -142,7 +144,7 @@ mod tests {
         }
     }
 
-    /// No number becomes a zero below zero.
+    /// No zero becomes a negative zero.
     #[test]
     fn zero_stays_zero() {
         let turned = Turn::to_last(1).vector(Vector::ZERO);

@@ -1,56 +1,57 @@
 //! Units in which numbers are about 1.
 
-/// The largest power of two that is at most `|value|`, or 1 if there is none, for zero and numbers that are not normal.
-/// Multiplication and division by it are exact.
+/// Largest power of two that is at most `|value|`; 1 for zero and numbers that are not normal. Multiplication and
+/// division by it are exact.
 #[must_use]
 pub fn power_of_two(value: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     if value.is_normal() { f64::from_bits(value.to_bits() & EXPONENT) } else { 1.0 }
 }
 
-/// Internal units of length, viscosity and force, in which a problem in viscous flow is computed whatever units it is
-/// given in, so that values in `f32`, and high powers of lengths, stay within range. All are powers of two: conversions
-/// are exact, and a problem whose numbers are about 1 is unchanged.
+/// Internal units of length, viscosity and force for a problem of viscous flow given in any units, so that values in
+/// `f32`, and high powers of lengths, stay within range. All are powers of two: conversions are exact, and a problem
+/// whose numbers are about 1 is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
-    /// The unit of length, `l`.
+    /// Unit of length, `l`.
     pub length: f64,
-    /// The unit of viscosity, `mu`.
+    /// Unit of viscosity, `mu`.
     pub viscosity: f64,
-    /// The unit of force, `F`.
+    /// Unit of force, `F`.
     pub force: f64,
 }
 
 impl Units {
-    /// The units of the input.
+    /// Units of the input.
     pub const ONE: Self = Self { length: 1.0, viscosity: 1.0, force: 1.0 };
 
-    /// Units for a fluid and a range of radii: the unit of length is near their geometric mean. The unit of force is 1.
+    /// Units for a fluid and a range of radii: the unit of length is near their geometric mean. The unit of force
+    /// is 1.
     #[must_use]
     pub fn of(viscosity: f64, [smallest, largest]: [f64; 2]) -> Self {
         let length = power_of_two(power_of_two(smallest).sqrt() * power_of_two(largest).sqrt());
         Self { length, viscosity: power_of_two(viscosity), ..Self::ONE }
     }
 
-    /// The same with the unit of force near a force.
+    /// The same with the unit of force near a given force.
     #[must_use]
     pub fn with_force(self, force: f64) -> Self {
         Self { force: power_of_two(force), ..self }
     }
 
-    /// The unit of torques and stresslets, `F l`.
+    /// Unit of torques and stresslets, `F l`.
     #[must_use]
     pub fn torque(&self) -> f64 {
         self.force * self.length
     }
 
-    /// The unit of velocities, `F / (mu l)`.
+    /// Unit of velocities, `F / (mu l)`.
     #[must_use]
     pub fn velocity(&self) -> f64 {
         self.force / (self.viscosity * self.length)
     }
 
-    /// The unit of angular velocities and rates of strain, `F / (mu l^2)`.
+    /// Unit of angular velocities and rates of strain, `F / (mu l^2)`.
     #[must_use]
     pub fn rate(&self) -> f64 {
         self.velocity() / self.length

@@ -6,16 +6,16 @@ use crate::{Halo, Neighbours, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The neighbours of each particle within a cutoff. The lists extend beyond the cutoff by a skin and are rebuilt only
+/// Neighbours of each particle within a cutoff. The lists extend beyond the cutoff by a skin and are rebuilt only
 /// when some particle has moved too far (Verlet, Phys. Rev. 159, 98, 1967); neighbours within the cutoff are selected
 /// from them.
 ///
 /// Lists refer to particles by their rows at the last rebuild, since rows are sorted again as particles move. Each is
-/// in the order of the ids, so that results do not depend on when lists were rebuilt. With several ranks there are
-/// lists also of particles that may migrate from other ranks.
+/// in the order of the ids, so results do not depend on when lists were rebuilt. With several ranks there are also
+/// lists of particles that may migrate from other ranks.
 pub struct VerletList {
     cutoff: f64,
-    /// The skin over the cutoff.
+    /// Skin over the cutoff.
     skin: f64,
     partition: Partition,
     found: Option<Found>,
@@ -23,7 +23,7 @@ pub struct VerletList {
     searches: u64,
 }
 
-/// The local particles of a rank and, behind them, its ghosts: copies of particles of other ranks.
+/// Local particles of a rank followed by its ghosts, which are copies of particles of other ranks.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalAndGhosts<'a> {
     /// Number of particles that the rank owns, which come first.
@@ -34,7 +34,7 @@ pub struct LocalAndGhosts<'a> {
     pub positions: &'a [Vector],
 }
 
-/// The lists of a rebuild, and the positions at that time.
+/// Lists of a rebuild, and the positions at that time.
 struct Found {
     cell: PeriodicBox,
     /// Rows at the rebuild.
@@ -46,17 +46,17 @@ struct Found {
     lists: Neighbours,
 }
 
-/// The skin over the cutoff. It makes lists a third longer, which costs little compared with a rebuild.
+/// Skin over the cutoff. It makes lists a third longer, which is cheap compared with a rebuild.
 const SKIN: f64 = 0.1;
 
-/// The largest id over the number of particles present for which a table of ids is kept.
+/// Ratio of the largest id to the number of particles present up to which a table of ids is used.
 pub(crate) const SPARSEST: usize = 8;
 
 /// Particles whose lists one thread processes at a time.
 const BATCH: usize = 1024;
 
 impl VerletList {
-    /// The range of the lists over the cutoff.
+    /// Range of the lists over the cutoff.
     pub const REACH: f64 = 1.0 + SKIN;
 
     /// Empty lists, on the ranks of a domain decomposition.
@@ -65,13 +65,13 @@ impl VerletList {
         Self { cutoff, skin: SKIN, partition, found: None, near, searches: 0 }
     }
 
-    /// With another skin over the cutoff.
+    /// The same with another skin over the cutoff.
     #[must_use]
     pub fn with_skin(self, skin: f64) -> Self {
         Self { skin, ..self }
     }
 
-    /// The neighbours of each owned particle within the cutoff at the last positions, by rows.
+    /// Neighbours of each owned particle within the cutoff at the last positions, by row.
     pub fn neighbours(&self) -> &Neighbours {
         &self.near
     }
@@ -92,11 +92,11 @@ impl VerletList {
             self.near = picked.unwrap_or_default();
             return;
         }
-        // What is of no use any more makes room.
+        // Frees memory that is no longer needed.
         drop(picked);
         self.found = None;
         let found = self.search(cell, present);
-        // A place that is no number can't be followed.
+        // A position that is NaN can't be followed.
         self.near = near(&found).unwrap_or_else(|| found.lists.clone());
         self.found = Some(found);
     }
@@ -104,13 +104,13 @@ impl VerletList {
     fn search(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) -> Found {
         let comm = self.partition.comm();
         let (mut ids, mut positions) = (present.ids.to_vec(), present.positions.to_vec());
-        // Who asks but once needs no skin.
+        // A single search needs no skin.
         let skin = if self.searches > 0 { self.skin } else { 0.0 };
         self.searches += 1;
         let reach = (1.0 + skin) * self.cutoff;
         let mut listed = vec![true; present.owned];
         if skin > 0.0 && comm.size() > 1 {
-            // Those who may come to be owned before the next search, and all whom their lists name.
+            // Particles that may become owned before the next search, and all in their lists.
             let margin = 0.5 * (reach - self.cutoff);
             let halo = Halo::plan(&self.partition, cell, &positions[..present.owned], [reach + margin; 2]);
             ids.truncate(present.owned);
@@ -128,10 +128,10 @@ impl VerletList {
     }
 }
 
-/// The row of an id without a particle.
+/// Row of an id without a particle.
 const NOBODY: u32 = u32::MAX;
 
-/// The rows of ids: a table of all where it is not much longer than a list of those that are here.
+/// Rows of ids: a table over all ids if it is not much longer than a list of those present.
 enum RowById {
     Table(Vec<u32>),
     /// In the order of the ids.
@@ -139,7 +139,7 @@ enum RowById {
 }
 
 impl RowById {
-    /// Of ids that are in these rows.
+    /// For ids in the order of their rows.
     fn new(ids: &[u64]) -> Self {
         let last = ids.iter().copied().max().unwrap_or(0);
         let rows = ids.iter().zip(0..);
@@ -162,34 +162,34 @@ impl RowById {
     }
 }
 
-/// The particles of the last rebuild now. Those that have left this rank have no neighbours.
+/// Present state of the particles of the last rebuild. Those that have left this rank have no neighbours.
 struct Now {
     owned: usize,
     at: Vec<At>,
-    /// From the box to each image.
+    /// Offset from the box to each image.
     offsets: Vec<Vector>,
 }
 
-/// A particle of the last rebuild now, in one line of the cache.
+/// Present state of a particle of the last rebuild, in half a cache line.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 struct At {
-    /// Its position without wrapping since then.
+    /// Position without wrapping since then.
     place: Vector,
-    /// Its present row.
+    /// Present row.
     row: u32,
-    /// What that wrapping takes out of the entry of an image.
+    /// Shift that wrapping takes out of the entry of an image.
     shift: u32,
 }
 
 const _: () = assert!(size_of::<At>() == 32);
 
 impl Found {
-    /// The present state of the listed particles; `None` if a pair within the cutoff may be missing in the lists.
+    /// Present state of the listed particles; `None` if a pair within the cutoff may be missing in the lists.
     ///
-    /// A deformation of the box moves no particle in fractions of the lattice vectors. It reduces distances at most by its
-    /// least stretch, which in simple shear is `sqrt(1 + g^2/4) - g/2` at the strain `g` since the rebuild. A box that follows
-    /// the particles moves none either: all are seen from where it begins.
+    /// A deformation of the box moves no particle in fractions of the lattice vectors. It reduces distances by its
+    /// least stretch at most, which in simple shear is `sqrt(1 + g^2/4) - g/2` at the strain `g` since the rebuild. A
+    /// box that follows the particles moves none either: positions are relative to its origin.
     fn follow(&self, cell: &PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now> {
         let (edges, images) = (cell.edges(), self.lists.images());
         if !images.reach(cell, cutoff) {
@@ -217,7 +217,7 @@ impl Found {
             let moved = cell.lattice_coordinates(now) - cell.origin() - past;
             let steps = cell.whole_steps(moved);
             let moved = cell.at(moved - steps * edges);
-            // Both of a pair may have come nearer. Images are looked after by their owners.
+            // Both particles of a pair may have moved. Images are checked by their owners.
             let is_near = 4.0 * moved.length_squared() <= spare * spare && spare >= 0.0;
             if (row as usize) < present.owned && !(is_near && self.listed[before]) {
                 all_near.store(false, Ordering::Relaxed);
@@ -231,7 +231,7 @@ impl Found {
         all_near.into_inner().then_some(Now { owned: present.owned, at, offsets })
     }
 
-    /// The present rows by those of the rebuild; `None` if the rank owns a particle that was not here then.
+    /// Present rows by rows of the rebuild; `None` if the rank owns a particle that was not here then.
     fn rows_now(&self, present: &LocalAndGhosts) -> Option<Vec<u32>> {
         let mut rows = vec![NOBODY; self.positions.len()];
         for (row, &id) in present.ids.iter().enumerate() {
@@ -244,7 +244,7 @@ impl Found {
         Some(rows)
     }
 
-    /// The neighbours in the lists that are within a cutoff.
+    /// Neighbours in the lists that are within a cutoff.
     fn within(&self, now: &Now, cutoff: f64) -> Neighbours {
         let count = now.at.len();
         let pick = |batch: usize| {
@@ -270,7 +270,7 @@ impl Found {
         for &entry in list {
             let At { place: there, row: other, shift: away, .. } = at[images.row(entry) as usize];
             let x = place - there - offsets[images.number(entry)];
-            // Without a branch, which would be mispredicted all the time.
+            // Without a branch, which would often be mispredicted.
             picked[found] = images.moved(entry, (other, home.wrapping_sub(away)));
             found += usize::from(x.length_squared() < cutoff * cutoff);
         }
@@ -278,8 +278,8 @@ impl Found {
     }
 }
 
-/// A bound from below of the factors by which distances change when a box is deformed into another: one over the
-/// Frobenius norm of the inverse deformation beyond that of none.
+/// Lower bound of the factors by which distances change when a box is deformed into another: `1 / (1 + |F^-1 - I|)`
+/// with the inverse deformation `F^-1` in the Frobenius norm.
 fn least_stretch(before: &PeriodicBox, now: &PeriodicBox) -> f64 {
     let vectors = |cell: &PeriodicBox| Tensor::from_cols_array_2d(&cell.lattice_vectors().map(|v| v.to_array()));
     let back = vectors(before) * vectors(now).inverse();
@@ -295,7 +295,7 @@ mod tests {
 
     fn particles(cell: &PeriodicBox, places: &[Vector], turn: usize) -> Particles {
         let mut particles = Particles::default();
-        // In another order each turn.
+        // In a different order each time.
         for i in 0..places.len() {
             let id = (i * 7 + turn) % places.len();
             particles.push(id as u64, cell.wrap(places[id]).0, 1.0, 0);
@@ -336,12 +336,12 @@ mod tests {
         lists_are_right(&sheared, 2..100);
     }
 
-    /// The same where the box does not repeat along all axes and particles leave it.
+    /// The same if the box is not periodic along all axes and particles leave it.
     #[test]
     fn lists_are_right_where_a_box_does_not_repeat() {
         for boundaries in [Boundaries::Wall, Boundaries::Open] {
             let cell = |_: usize, edges| PeriodicBox::new(edges).unwrap().with_boundaries(boundaries).unwrap();
-            // This box does not go with the shear in which they move.
+            // This box does not follow the shear in which the particles move.
             lists_are_right(&cell, 2..190);
         }
     }
@@ -388,7 +388,7 @@ mod tests {
         let cell = PeriodicBox::new(Vector::splat(6.0)).unwrap();
         let places = places(100, cell.edges());
         let mut verlet_list = alone(1.5);
-        // Without a skin, those who have not moved at all.
+        // Without a skin, for particles that have not moved at all.
         for _ in 0..5 {
             verlet_list.update(&cell, &present(&particles(&cell, &places, 0)));
             assert_eq!(verlet_list.searches(), 1);
@@ -398,7 +398,7 @@ mod tests {
             verlet_list.update(&cell, &present(&particles(&cell, &moved, turn)));
             assert_eq!(verlet_list.searches(), 2);
         }
-        // Nor because somebody has left, who is in no list any more.
+        // Nor if a particle has left, which is in no list any more.
         let fewer = particles(&cell, &places[..99], 0);
         verlet_list.update(&cell, &present(&fewer));
         assert_eq!(verlet_list.searches(), 2);
@@ -416,7 +416,7 @@ mod tests {
         verlet_list.update(&cell, &present(&some));
         verlet_list.update(&cell, &present(&some));
         assert_eq!(verlet_list.searches(), 2);
-        // As large as you like.
+        // Of any size.
         some.ids[3] = u64::MAX;
         verlet_list.update(&cell, &present(&some));
         verlet_list.update(&cell, &present(&some));

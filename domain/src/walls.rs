@@ -1,26 +1,26 @@
-//! Walls of a box, as spheres see them.
+//! Walls of a box as seen from its spheres.
 
 use crate::{PeriodicBox, Vector};
 
-/// A wall as seen from a place.
+/// A wall as seen from a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToWall {
-    /// 0 for the wall at `z = 0`, 1 for that at `z = Lz`.
+    /// 0 for the wall at `z = 0`, 1 for the one at `z = Lz`.
     pub wall: usize,
-    /// The unit vector to the wall, along z.
+    /// Unit vector to the wall, along z.
     pub axis: Vector,
-    /// How far it is along that; negative beyond it.
+    /// Distance of the wall along that vector; negative beyond the wall.
     pub distance: f64,
 }
 
 impl PeriodicBox {
-    /// The axis along which a shear flow `u_x` grows: z between walls, else y.
+    /// Axis of the gradient of a shear flow `u_x`: z between walls, else y.
     pub fn gradient_axis(&self) -> usize {
         if self.boundaries().walls() > 0 { 2 } else { 1 }
     }
 
-    /// A place of the box moved away from walls so far that a sphere of a radius fits, all places alike: those between walls are as
-    /// likely as before.
+    /// Position of the box mapped linearly to the heights at which a sphere of a given radius fits between the walls,
+    /// so that a uniform distribution stays uniform.
     pub(crate) fn off_walls(&self, place: Vector, radius: f64) -> Vector {
         if self.boundaries().walls() == 0 {
             return place;
@@ -29,7 +29,7 @@ impl PeriodicBox {
         Vector { z: radius + place.z * (1.0 - 2.0 * radius / height), ..place }
     }
 
-    /// The walls that the box has, as seen from a place.
+    /// Walls of the box as seen from a position.
     pub fn to_walls(&self, place: Vector) -> impl Iterator<Item = ToWall> {
         let below = ToWall { wall: 0, axis: -Vector::Z, distance: place.z };
         let above = ToWall { wall: 1, axis: Vector::Z, distance: self.edges().z - place.z };

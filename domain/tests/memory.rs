@@ -1,4 +1,4 @@
-//! What is predicted to be allocated against what is.
+//! Forecasts of memory against measured allocations.
 
 mod heap;
 
@@ -13,7 +13,7 @@ const EDGE: f64 = 40.0;
 const CUTOFF: f64 = 2.5;
 const LINES: [usize; 2] = [40, 40];
 
-/// Spread evenly, as predictions take them to be.
+/// Uniformly distributed, as forecasts assume.
 fn particles() -> Particles {
     let mut particles = Particles::default();
     for id in 0..COUNT as u64 {
@@ -29,7 +29,7 @@ fn within(share: f64, predicted: f64, found: f64) {
     assert!((predicted / found - 1.0).abs() < share, "{predicted:.3e} predicted, {found:.3e} found");
 }
 
-/// One test: what others allocate would count.
+/// A single test function, since the allocations of concurrent tests would be counted.
 #[test]
 fn predictions_are_what_is_allocated() {
     let (all, cell) = (particles(), PeriodicBox::new(Vector::splat(EDGE)).unwrap());
@@ -43,7 +43,7 @@ fn stores(all: &Particles) {
     let (n, partition) = (COUNT as f64, Partition::new(&Comm::alone(), LINES));
     let (_, found) = measured(|| all.gathered(&partition));
     within(0.01, Particles::bytes(n, 8).most, found.kept);
-    // The first rank has room for what others send too.
+    // The first rank also has room for the values from other ranks.
     let gathered = Particles::gathering_bytes(n, n, 8, true);
     within(0.01, gathered.kept, found.kept);
     assert!(gathered.most > found.most && gathered.most < 2.0 * found.most, "{gathered:?} {found:?}");
@@ -65,7 +65,7 @@ fn lists(all: &Particles, cell: &PeriodicBox) {
     let mut verlet_list = VerletList::new(CUTOFF, &partition);
     let ((), found) = measured(|| {
         let present = LocalAndGhosts { owned: COUNT, ids: &all.ids, positions: &all.positions };
-        // The first time a search has no skin.
+        // The first search has no skin.
         verlet_list.update(cell, &present);
         verlet_list.update(cell, &present);
     });
@@ -74,7 +74,7 @@ fn lists(all: &Particles, cell: &PeriodicBox) {
     within(0.15, predicted.most, found.most);
 }
 
-/// Nine numbers of every image on their way.
+/// Nine numbers of every image in an exchange.
 fn images(all: &Particles, cell: &PeriodicBox) {
     const RANKS: usize = 4;
     let owner = |partition: &Partition, row: usize| partition.owner(cell, all.positions[row]);
@@ -95,12 +95,13 @@ fn images(all: &Particles, cell: &PeriodicBox) {
     let (counts, found) = measured(|| Comm::threads(RANKS, extend));
     let one = |&[owned, present]: &[f64; 2]| Bytes::list::<[f64; 9]>(present).then(Halo::bytes(owned, present));
     within(0.25, counts.iter().map(|counts| one(counts).most).sum(), found.most);
-    // The row of each image.
+    // Row of each image.
     let rows = |&[owned, present]: &[f64; 2]| within(1e-12, Halo::bytes(owned, present).kept, 4.0 * (present - owned));
     counts.iter().for_each(rows);
 }
 
-/// Sparse ones one by one; dense ones are moved apart as well, which has pairs and what moves them.
+/// Dilute packings by sequential addition; dense ones also need pairs and the minimisation that separates the
+/// spheres.
 fn packings() {
     for (count, fraction) in [(20_000_u32, 0.2), (5_000, 0.4)] {
         let n = f64::from(count);

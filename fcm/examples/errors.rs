@@ -1,5 +1,5 @@
-//! Errors of an evaluation against one number at a time, beside what the planner expects of it: the measurements that
-//! its bounds were fitted to. Prints Markdown.
+//! Errors of an evaluation against one parameter at a time, next to the planner's bounds: the measurements to which
+//! the bounds were fitted. Prints Markdown.
 //!
 //! `cargo run --release -p fcm --example errors`
 
@@ -10,7 +10,7 @@ mod common;
 #[allow(dead_code, reason = "the bounds alone are printed")]
 mod accuracy;
 
-/// Where the library's module of bounds looks for them.
+/// Module under the path at which the included `accuracy.rs` expects it.
 mod problem {
     pub use fcm::Multipoles;
 }
@@ -23,7 +23,7 @@ use common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Vector};
 use fcm::{Evaluation, Fixed, Loads, Method, MethodName, Motion, Multipoles, Plan, Precision, Problem};
 
-/// A suspension, loads and the exact motion.
+/// A suspension, its loads and the exact motion.
 #[derive(Clone)]
 struct Case {
     name: String,
@@ -48,14 +48,15 @@ impl Case {
         Self { name, suspension, multipoles, loads, exact }
     }
 
-    /// The tightest plan of a method: one number of it is made worse at a time.
+    /// The most accurate plan of a method, of which one parameter at a time is degraded.
     fn tightest(&self, method: MethodName) -> Plan {
         let fixed = Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() };
         let problem = Problem { fixed, multipoles: self.multipoles, ..self.suspension.problem(1e-12) };
         Plan::choose(&problem).expect("a tolerance that is kept")
     }
 
-    /// The largest of the errors of velocities, angular velocities and rates of strain, or that of velocities alone.
+    /// Largest of the errors of velocities, angular velocities and rates of strain; with monopoles the error of
+    /// velocities.
     fn error(&self, plan: &Plan) -> f64 {
         if self.multipoles == Multipoles::Dipole {
             return worst(&self.suspension.evaluate(plan, &self.loads), &self.exact);
@@ -65,7 +66,7 @@ impl Case {
     }
 }
 
-/// The width of the narrowest Gaussian on the grid, which sets the spacing, and of the widest, which sets the stencil.
+/// Width of the narrowest Gaussian on the grid, which sets the spacing, and of the widest, which sets the stencil.
 fn widths(plan: &Plan) -> [f64; 2] {
     match plan.method {
         Method::Split { width, .. } => [width; 2],
@@ -77,21 +78,21 @@ fn widths(plan: &Plan) -> [f64; 2] {
     }
 }
 
-/// One row of a table: the number that was made worse, the error, and the bound that the planner goes by.
+/// Row of a table: the degraded parameter, the error, and the planner's bound.
 struct Row {
     number: String,
     error: f64,
     bound: f64,
 }
 
-/// Grids from coarse to fine with stencils and cutoffs that add nothing: the error by `Sigma / h`.
+/// Error by `Sigma / h`: grids from coarse to fine, with stencils and cutoffs of negligible error.
 fn by_resolution(case: &Case, method: MethodName) -> Vec<Row> {
     let tight = case.tightest(method);
     let [narrowest, widest] = widths(&tight);
     let row = |points: usize| {
         let plan = on_grid(&tight, points);
         let spacing = plan.edges.x / points as f64;
-        // Eight widths to either side are exp(-32).
+        // At eight widths to either side a Gaussian is exp(-32).
         let support = if method == MethodName::Split { 16 } else { (16.0 * widest / spacing).ceil() as usize };
         let resolution = narrowest / spacing;
         Row {
@@ -106,7 +107,7 @@ fn by_resolution(case: &Case, method: MethodName) -> Vec<Row> {
     grids(&tight).into_iter().map(row).collect()
 }
 
-/// Sizes of grids up to a plan's.
+/// Sizes of grids up to that of a plan.
 fn grids(plan: &Plan) -> Vec<usize> {
     let finest = plan.grid[0];
     (4..=finest).step_by(2).filter(|&n| is_good(n) && n * 4 >= finest).collect()
@@ -131,7 +132,7 @@ fn is_good(points: usize) -> bool {
     }) == 1
 }
 
-/// The direct method's stencils from short to long on the finest grid: the error by half a stencil over the width.
+/// Error by half the stencil over the width: the direct method's stencils from short to long on the finest grid.
 fn by_reach(case: &Case) -> Vec<Row> {
     let tight = case.tightest(MethodName::Direct);
     let row = |support: usize| {
@@ -142,7 +143,7 @@ fn by_reach(case: &Case) -> Vec<Row> {
     (8..=tight.support.support).step_by(4).map(row).collect()
 }
 
-/// The split method's windows, by points and by grid.
+/// Errors of the split method's windows, by number of points and by grid.
 fn by_window(case: &Case) -> Vec<Row> {
     let tight = case.tightest(MethodName::Split);
     let brackets = brackets(&tight);
@@ -152,7 +153,7 @@ fn by_window(case: &Case) -> Vec<Row> {
             let plan = with_support(&on_grid(&tight, points), support);
             let resolution = widths(&tight)[0] * points as f64 / plan.edges.x;
             let bound = window_error(case.multipoles, support, resolution, brackets);
-            // Where the grid itself does not add much.
+            // Skips grids whose own error is not small against the window's.
             if 4.0 * split_grid_error(case.multipoles, resolution, brackets) < bound {
                 rows.push(Row { number: format!("{support} at {resolution:.2}"), error: case.error(&plan), bound });
             }
@@ -161,19 +162,19 @@ fn by_window(case: &Case) -> Vec<Row> {
     rows
 }
 
-/// The width of the envelope that the terms of a plan have beside the force's, if any.
+/// Width of the envelope of the plan's highest multipole: the dipole's, or the force's with monopoles alone.
 fn own(plan: &Plan, envelope: fcm::Envelope) -> f64 {
     if plan.multipoles == Multipoles::Monopole { envelope.monopole } else { envelope.dipole }
 }
 
-/// What the planner calls so.
+/// Brackets of a plan as the planner computes them.
 fn brackets(plan: &Plan) -> Brackets {
     let square = |radius: Option<&f64>| own(plan, fcm::Envelope::of_sphere(*radius.expect("a plan has radii"))).powi(2);
     let ([least, most], width) = ([square(plan.radii.first()), square(plan.radii.last())], widths(plan)[0].powi(2));
     Brackets { common: 0.5 - (0.125 * least + 0.375 * most) / width, own: 0.25 * (most - least) / width, stretch: 1.0 }
 }
 
-/// Cutoffs from short to long on the finest grid: the error by the cutoff over the width.
+/// Error by the cutoff over the width: cutoffs from short to long on the finest grid.
 fn by_cutoff(case: &Case) -> Vec<Row> {
     let tight = case.tightest(MethodName::Split);
     let row = |tenths: i32| {
@@ -188,7 +189,7 @@ fn by_cutoff(case: &Case) -> Vec<Row> {
     (20..=100).step_by(10).map(row).collect()
 }
 
-/// A table for each case.
+/// Prints a table with the rows of all cases.
 fn print(title: &str, cases: &[Case], measure: impl Fn(&Case) -> Vec<Row>) {
     println!("\n## {title}\n\n| suspension | number | error | bound | bound / error |\n|---|---|---|---|---|");
     for case in cases {

@@ -1,57 +1,59 @@
-//! What a tolerance needs.
+//! Resolution, stencil and cutoff that keep a tolerance.
 //!
-//! The error of an evaluation comes from the grid's spacing `h`, the stencils' ends and, with the split method, the
-//! pairs' cutoff `r_c`; each part depends on one number in units of the Gaussian's width `Sigma`. The bounds below are
-//! the upper edges of errors measured one at a time against sums over wavevectors
-//! (`cargo run --release -p fcm --example errors`), for radii of ratios 1 to 4 and volume fractions to 40%. The parts
-//! know nothing of each other, so that their squares add up.
+//! The error of an evaluation comes from the grid spacing `h`, from the truncation of the stencils and, with the
+//! split method, from the cutoff `r_c` of the pairs. Each part depends on one number in units of the Gaussian's width
+//! `Sigma`. The bounds below are upper envelopes of errors measured one at a time against sums over wavevectors
+//! (`cargo run --release -p fcm --example errors`), for ratios of radii from 1 to 4 and volume fractions up to 40%.
+//! The parts are independent, so their squares add up.
 
 use crate::problem::Multipoles;
 use crate::window::Window;
 use std::f64::consts::PI;
 use std::ops::{Range, RangeInclusive};
 
-/// Tolerances below this, and of iterations below a quarter of it, need a grid in `f64`.
+/// Tolerance of an evaluation, or four times that of an iteration, below which the grid needs `f64`.
 pub(crate) const FINEST_SINGLE: f64 = 1e-6;
 
-/// What a grid in `f32` rounds off, relative to motions: at most this, from ten spheres to twenty thousand.
+/// Upper bound of the round-off error of a grid in `f32`, relative to the motions, for ten to twenty thousand
+/// spheres.
 pub(crate) const ROUND_OFF: f64 = 4e-7;
 
-/// Shares of a tolerance for the grid and the stencils together, and for the cutoff: `0.89^2 + 0.45^2 < 1`.
+/// Shares of the tolerance for grid and stencils together, and for the cutoff: `0.89^2 + 0.45^2 < 1`.
 const GRID_SHARE: f64 = 0.89;
 const CUTOFF_SHARE: f64 = 0.45;
 
-/// A grid and stencils, in units of the Gaussian's width.
+/// Resolution of the grid and length of the stencils, in units of the Gaussian's width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Accuracy {
-    /// Width over grid spacing.
+    /// Gaussian width over grid spacing.
     pub resolution: f64,
-    /// Points of a stencil.
+    /// Points of a stencil along an axis.
     pub points: usize,
 }
 
-/// What the split method leaves to the common Gaussian's brackets, `(1 + k^2 D/2) (1 + k^2 rest)`, over the square of
-/// its width: see [`Common`](crate::envelope::Common).
+/// Coefficients of the brackets `(1 + k^2 D/2) (1 + k^2 rest)` that correct the common Gaussian of the split method,
+/// over the square of its width: see [`Common`](crate::envelope::Common).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Brackets {
-    /// `D/2`, half what the squares of widths differ by.
+    /// `D/2`, half the common difference of the squared widths.
     pub common: f64,
-    /// A typical `|d - D| / 2`.
+    /// Typical `|d - D| / 2`.
     pub own: f64,
-    /// How much farther wavevectors reach along an axis of the box, sheared by `s`, say: `sqrt(1 + s^2)`.
+    /// Factor by which wavevectors are longer along an axis of the box than along the lattice: `sqrt(1 + s^2)` in a
+    /// box sheared by `s`, for example.
     pub stretch: f64,
 }
 
 impl Brackets {
-    /// At a wavenumber in units of the inverse width.
+    /// Product of the brackets at a wavenumber in units of the inverse width.
     fn at(self, wavenumber: f64) -> f64 {
         let square = wavenumber * wavenumber;
         (1.0 + self.common * square) * (1.0 + self.own * square)
     }
 }
 
-/// Error of the direct method's grid with `Sigma / h = resolution`: what a Gaussian squared has beyond the highest
-/// wavevector, `pi / h`. That of forces alone has no derivatives.
+/// Truncation error of the direct method's grid with `Sigma / h = resolution`: the part of a squared Gaussian beyond
+/// the highest wavenumber, `pi / h`. With forces alone no derivatives are involved.
 pub(crate) fn direct_grid_error(terms: Multipoles, resolution: f64) -> f64 {
     let decay = (-(PI * resolution).powi(2)).exp();
     match terms {
@@ -60,7 +62,7 @@ pub(crate) fn direct_grid_error(terms: Multipoles, resolution: f64) -> f64 {
     }
 }
 
-/// The same of the split method, with the brackets that restore the far field.
+/// Truncation error of the split method's grid, with the brackets that restore the far field.
 pub(crate) fn split_grid_error(terms: Multipoles, resolution: f64, brackets: Brackets) -> f64 {
     let decay = (-(PI * resolution).powi(2)).exp() * brackets.at(PI * resolution).powi(2);
     match terms {
@@ -69,15 +71,15 @@ pub(crate) fn split_grid_error(terms: Multipoles, resolution: f64, brackets: Bra
     }
 }
 
-/// Error of the direct method's stencils that end `reach` widths from the particle, where a Gaussian has fallen to
+/// Error of the direct method's stencils if they end `reach` widths from the particle, where a Gaussian has fallen to
 /// `exp(-reach^2 / 2)`.
 pub(crate) fn stencil_error(reach: f64) -> f64 {
     2.0 * (-0.5 * reach * reach).exp()
 }
 
-/// Error of a window of so many points by what folds onto the wavenumbers of the Gaussian, from `2 pi / h` and beyond,
-/// farther in a sheared box, times what the derivatives on the grid make of that: one for each side of a dipole, and
-/// the second ones, `1 - rest lap`.
+/// Aliasing error of a window of `points` points. Wavenumbers from `2 pi / h` on, and farther in a sheared box, alias
+/// onto those of the Gaussian. Derivatives on the grid amplify the error: one for each side of a dipole, and two for
+/// `1 - rest lap`.
 pub(crate) fn window_error(terms: Multipoles, points: usize, resolution: f64, brackets: Brackets) -> f64 {
     let window = Window::new(points, resolution).shape();
     let folded = (resolution * brackets.stretch).powi(2);
@@ -85,15 +87,15 @@ pub(crate) fn window_error(terms: Multipoles, points: usize, resolution: f64, br
     match terms {
         Multipoles::Dipole => 165.0 * folded * (1.0 + rest) * (-0.92 * window).exp(),
         Multipoles::Monopole => {
-            // About up to where wavenumbers matter.
+            // Up to about the highest wavenumber that matters.
             let common = 1.0 + brackets.common * (0.5 * points as f64 / resolution).powi(2);
             28.0 * (1.0 + 4.0 * rest) * common * (-window).exp()
         }
     }
 }
 
-/// Error of leaving out pairs farther apart than `cutoff` widths. Of forces alone it vanishes where the Gaussian is every
-/// envelope's own.
+/// Error of leaving out pairs farther apart than `cutoff` widths. With forces alone it vanishes if the common
+/// Gaussian is the envelope of every particle.
 pub(crate) fn cutoff_error(terms: Multipoles, cutoff: f64, brackets: Brackets) -> f64 {
     let square = 0.25 * cutoff * cutoff;
     let beyond = |distance: f64| (cutoff - distance).max(0.0).powi(2);
@@ -107,13 +109,14 @@ pub(crate) fn cutoff_error(terms: Multipoles, cutoff: f64, brackets: Brackets) -
     size * (-square).exp()
 }
 
-/// The cutoff that keeps a tolerance, in widths.
+/// Smallest cutoff that keeps a tolerance, in widths.
 pub(crate) fn cutoff(terms: Multipoles, tolerance: f64, brackets: Brackets) -> f64 {
     let enough = |&cutoff: &f64| cutoff_error(terms, cutoff, brackets) <= CUTOFF_SHARE * tolerance;
     (100..2000).map(|c| f64::from(c) * 0.01).find(enough).expect("an error that decays gets small")
 }
 
-/// Error of the direct method's grid and stencils, in units of the narrowest and of the widest Gaussian.
+/// Error of the direct method's grid and stencils; `resolution` is in units of the narrowest Gaussian and `reach` in
+/// units of the widest.
 pub(crate) fn direct_error(terms: Multipoles, resolution: f64, reach: f64) -> f64 {
     direct_grid_error(terms, resolution).hypot(stencil_error(reach))
 }
@@ -124,23 +127,25 @@ pub(crate) fn split_error(terms: Multipoles, resolution: f64, points: usize, bra
 }
 
 impl Accuracy {
-    /// Ways of the direct method to keep a tolerance, from the shortest stencil, which needs a fine grid, to a few
-    /// points more. On the coarse grids of forces alone the shortest are not what their ends say.
+    /// Choices of the direct method that keep a tolerance: from the shortest stencil, which needs a fine grid, to a
+    /// few points more. With forces alone grids are coarse, and the error of the shortest stencils exceeds the bound
+    /// from their truncation.
     pub fn direct(terms: Multipoles, tolerance: f64) -> Vec<Self> {
-        // A finer grid takes more from a stencil of so many points than it gives.
+        // With a fixed number of points a finer grid loses more by truncation of the stencil than it gains in
+        // resolution.
         let error = |points: usize, resolution: f64| direct_error(terms, resolution, 0.5 * points as f64 / resolution);
         let is_enough = |points, hundredths| error(points, resolution(hundredths)) <= GRID_SHARE * tolerance;
         let fewest = if terms == Multipoles::Monopole { 5 } else { 3 };
         options(fewest..=100, |points| RESOLUTIONS.clone().find(|&r| is_enough(points, r)))
     }
 
-    /// The same of the split method, with the brackets that a resolution has.
+    /// Choices of the split method that keep a tolerance; `brackets` gives the brackets at a resolution.
     pub fn split(terms: Multipoles, tolerance: f64, brackets: impl Fn(f64) -> Brackets) -> Vec<Self> {
         let fewest = if terms == Multipoles::Monopole { 4 } else { 3 };
         let error = |points: usize, resolution: f64| split_error(terms, resolution, points, brackets(resolution));
         let is_enough = |points, hundredths| error(points, resolution(hundredths)) <= GRID_SHARE * tolerance;
         options(fewest..=Window::POINTS[1], |points| {
-            // Errors fall with the resolution: it is halved in on.
+            // Errors fall with the resolution, so a bisection finds the coarsest.
             let Range { start: mut coarse, end: mut fine } = RESOLUTIONS;
             while coarse < fine {
                 let middle = u32::midpoint(coarse, fine);
@@ -151,14 +156,14 @@ impl Accuracy {
     }
 }
 
-/// Resolutions that are tried, in hundredths.
+/// Resolutions to choose from, in hundredths.
 const RESOLUTIONS: Range<u32> = 50..400;
 
 fn resolution(hundredths: u32) -> f64 {
     f64::from(hundredths) * 0.01
 }
 
-/// The coarsest grid for each stencil, from the shortest that has one on.
+/// The coarsest grid for each number of points, for the five shortest stencils that have one.
 fn options(points: RangeInclusive<usize>, coarsest: impl Fn(usize) -> Option<u32>) -> Vec<Accuracy> {
     let option = |points| Some(Accuracy { resolution: resolution(coarsest(points)?), points });
     points.filter_map(option).take(5).collect()

@@ -1,13 +1,13 @@
-//! Bessel functions of the first kind, of several arguments at once.
+//! Bessel functions of the first kind, for several arguments at once.
 
-/// Arguments that are taken together.
+/// Number of arguments evaluated together.
 pub(crate) const LANES: usize = 8;
 
-/// Functions, from `J_0` on.
+/// Number of orders, from `J_0` on.
 pub(crate) const ORDERS: usize = 5;
 
-/// `J_0` to `J_4` of arguments in equal steps: by the recurrence from orders on that are next to nothing, whose sum with even orders
-/// is one (Miller).
+/// `J_0` to `J_4` of equally spaced arguments `first + i step` by Miller's algorithm: downward recurrence from orders
+/// that are negligible, normalised by `J_0 + 2 (J_2 + J_4 + ...) = 1`.
 #[inline(always)]
 pub(crate) fn bessel([first, step]: [f64; 2]) -> [[f64; LANES]; ORDERS] {
     let mut values = [[0.0; LANES]; ORDERS];
@@ -17,12 +17,12 @@ pub(crate) fn bessel([first, step]: [f64; 2]) -> [[f64; LANES]; ORDERS] {
     }
     let (mut above, mut here, mut sum, mut inverse) = ([0.0; LANES], [1e-200; LANES], [0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
-        // Below that the recurrence would overflow, and no function is off by more.
+        // Below that the recurrence would overflow; the bound changes no function by more than this.
         inverse[lane] = 2.0 / (first + lane as f64 * step).max(1e-5);
     }
     let highest = 2 * (9 + (0.55 * (first + LANES as f64 * step)) as usize);
     for order in (0..highest).rev() {
-        // `here` is that of the order above this one.
+        // `here` is the function of the next higher order.
         let number = (order + 1) as f64;
         for lane in 0..LANES {
             let next = (number * inverse[lane]).mul_add(here[lane], -above[lane]);

@@ -1,4 +1,4 @@
-//! Grids of boxes that do not repeat along all axes.
+//! Grids for boxes that are not periodic along all axes.
 
 use crate::envelope::{Common, Envelope};
 use crate::plan::Plan;
@@ -7,10 +7,10 @@ use crate::wall_cut::{AtWalls, WallCut};
 use crate::window::Window;
 use domain::{Boundaries, Number, PeriodicBox, Vector};
 
-/// The least distance of a sphere's centre from a wall, in radii: below about 0.8 the mobility is not positive definite.
+/// Least distance of a sphere's centre from a wall, in radii: below about 0.8 the mobility is not positive definite.
 pub const NEAREST_WALL: f64 = 0.85;
 
-/// A sphere that is too near a wall, or not in the box at all.
+/// Error for a sphere that is too near a wall, or outside of the box.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "sphere {id} of radius {} is at {axis} = {}; the box is {} long there with {what}, and its centre needs to be from {} to \
@@ -18,29 +18,29 @@ pub const NEAREST_WALL: f64 = 0.85;
     Number(*radius), Number(*place), Number(*edge), Number(allowed[0]), Number(allowed[1])
 )]
 pub struct OutsideError {
-    /// Its id.
+    /// Id of the sphere.
     pub id: u64,
-    /// Its radius.
+    /// Radius of the sphere.
     pub radius: f64,
-    /// x, y or z.
+    /// Axis along which it is outside: x, y or z.
     pub axis: char,
-    /// The coordinate of its centre.
+    /// Coordinate of its centre along that axis.
     pub place: f64,
-    /// The box's edge along the axis.
+    /// Edge of the box along the axis.
     pub edge: f64,
-    /// What lies at the faces.
+    /// Description of the boundaries across the axis.
     pub what: &'static str,
-    /// Where centres may be.
+    /// Interval in which the centre has to be.
     pub allowed: [f64; 2],
 }
 
-/// Refuses a sphere that is nearer a wall than [`NEAREST_WALL`] of its radius, or outside of the box where that does not
-/// repeat.
+/// Refuses a sphere that is nearer to a wall than [`NEAREST_WALL`] of its radius, or outside of the box along an axis
+/// that is not periodic.
 pub fn check_inside(cell: &PeriodicBox, id: u64, position: Vector, radius: f64) -> Result<(), OutsideError> {
     for (axis, name) in "xyz".chars().enumerate().filter(|(axis, _)| !cell.is_periodic(*axis)) {
         let (place, edge) = (position[axis], cell.edges()[axis]);
         let allowed = allowed(cell.boundaries(), edge, radius);
-        // Places computed from those of spheres at the ends are not refused for round-off.
+        // Positions computed from those of spheres at the limits are not refused for round-off.
         let round_off = 1e-9 * edge;
         if !(allowed[0] - round_off..=allowed[1] + round_off).contains(&place) {
             let what = match cell.boundaries() {
@@ -54,30 +54,31 @@ pub fn check_inside(cell: &PeriodicBox, id: u64, position: Vector, radius: f64) 
     Ok(())
 }
 
-/// Where centres may be along an axis that does not repeat.
+/// Interval in which centres have to be along an axis that is not periodic.
 fn allowed(boundaries: Boundaries, edge: f64, radius: f64) -> [f64; 2] {
     let [below, above] = [1, 2].map(|walls| if boundaries.walls() >= walls { NEAREST_WALL * radius } else { 0.0 });
     [below, edge - above]
 }
 
-/// What a plan has at walls.
+/// Quantities of a plan on which the wavenumber split at walls depends.
 pub(crate) struct GridAtWalls {
     pub boundaries: Boundaries,
-    /// The smallest radius and the largest.
+    /// Smallest and largest radius.
     pub radii: [f64; 2],
     pub multipoles: Multipoles,
-    /// The relative error that the cut may have.
+    /// Relative error allowed for the split of wavenumbers.
     pub allowed: f64,
     pub width: f64,
     pub cutoff: f64,
     pub spacing: f64,
     pub points: usize,
-    /// The edge across the walls.
+    /// Edge of the box across the walls.
     pub height: f64,
 }
 
 impl GridAtWalls {
-    /// The cut between wavenumbers of walls on the grid and between spheres, and the error of walls; neither without walls.
+    /// Wavenumber split between the grid and pairs of spheres, and the error of the walls' flow; no split and no
+    /// error without walls.
     pub fn cut(&self) -> (WallCut, f64) {
         let [smallest, _] = self.radii;
         if self.boundaries.walls() == 0 {
@@ -101,9 +102,9 @@ impl GridAtWalls {
 }
 
 impl Problem {
-    /// Lengths that a grid has to have: the edges where the box repeats. Between walls there is room for whole windows of
-    /// `window` along an axis, and the copies of a sphere do not overlap any other; in open space the grid is as long
-    /// again as what is on it.
+    /// Lengths that the grid needs at least: the edges along periodic axes. Between walls there is room for whole
+    /// windows of length `window`, and periodic copies of a sphere do not overlap (`overlap`); in open space the grid
+    /// is twice as long as that.
     pub(crate) fn lengths(&self, window: f64, overlap: f64) -> Vector {
         let length = |axis: usize| {
             let edge = self.edges[axis];
@@ -119,7 +120,7 @@ impl Problem {
 }
 
 impl Plan {
-    /// Which wavenumbers of the flow of walls the grid has.
+    /// Wavenumbers of the walls' flow that the grid resolves.
     pub(crate) fn wall_cut(&self) -> WallCut {
         let Method::Split { width, cutoff } = self.method else { return WallCut::none(self.spacing().max_element()) };
         let (smallest, largest) = self.extremes();
@@ -137,7 +138,8 @@ impl Plan {
         at_walls.cut().0
     }
 
-    /// Where the grid's first point is: where the lowest sphere's window begins, along axes that do not repeat.
+    /// Position of the first grid point. Along axes that are not periodic the window of the lowest sphere begins
+    /// there.
     pub(crate) fn first_point(&self) -> Vector {
         let half = 0.5 * self.support.support as f64;
         let first = |axis: usize| {
@@ -146,8 +148,8 @@ impl Plan {
         Vector::from_array(std::array::from_fn(first))
     }
 
-    /// From where to where centres of spheres may be along an axis that does not repeat, or points of the fluid if velocities
-    /// are asked for there.
+    /// Interval of the centres of spheres along an axis that is not periodic, or of points of the fluid if velocities
+    /// are evaluated there.
     pub(crate) fn span(&self, axis: usize) -> [f64; 2] {
         let (edge, walls) = (self.edges[axis], self.boundaries.walls());
         match self.beyond {
@@ -156,7 +158,8 @@ impl Plan {
         }
     }
 
-    /// How far a rank's share of the grid and its share of the box may be apart along y and z.
+    /// Largest distance along y and z between the boundary of a rank's share of the grid and that of its share of the
+    /// box.
     pub(crate) fn mismatch(&self) -> [f64; 2] {
         let (first, end) = (self.first_point(), self.first_point() + self.period - self.edges);
         [1, 2].map(|axis| first[axis].abs().max(end[axis].abs()))

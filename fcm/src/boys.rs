@@ -1,4 +1,4 @@
-//! Boys functions, of which all the radial functions of Gaussians in Stokes flow are made.
+//! Boys functions, from which the radial functions of Gaussians in Stokes flow are built.
 
 use libm::erf;
 

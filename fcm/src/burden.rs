@@ -1,4 +1,4 @@
-//! What makes a plan cost more than anybody has, and what would help.
+//! Plans that are infeasible: the cause, and advice.
 
 use crate::cost;
 use crate::costs::Costs;
@@ -6,13 +6,13 @@ use crate::plan::Plan;
 use crate::problem::{Method, Precision, Problem};
 use domain::{Number, readable_bytes};
 
-/// Seconds of an evaluation, and bytes of a grid, from which on a plan is hopeless.
+/// Seconds of an evaluation, and bytes of a grid, from which on a plan is infeasible.
 const SECONDS: f64 = 3600.0;
 const BYTES: f64 = 1e13;
 
 impl Plan {
-    /// What makes this plan of a problem hopeless, of which an evaluation takes hours or whose grid fills more memory
-    /// than machines have, and what would help; nothing if it isn't.
+    /// Cause and advice if this plan of a problem is infeasible, that is, if an evaluation takes hours or the grid
+    /// needs more memory than machines have.
     #[must_use]
     pub fn burden(&self, problem: &Problem) -> Option<String> {
         let (seconds, bytes) = (self.predicted_seconds, self.grid_bytes());

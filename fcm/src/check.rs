@@ -1,4 +1,4 @@
-//! What can't be planned, and why.
+//! Checks of a problem, with the reason if it can't be planned.
 
 use crate::envelope::Envelope;
 use crate::plan::PlanError;
@@ -8,7 +8,7 @@ use domain::{Boundaries, Number, PeriodicBox, Vector};
 use solver::Grid;
 
 impl Fixed {
-    /// What the widest envelope, of width `widest`, and the methods can't do.
+    /// Checks the values that the user fixed against the methods and the widest envelope, of width `widest`.
     fn check(&self, widest: f64) -> Result<(), PlanError> {
         let least = |key: &str, value: Option<f64>, least: f64| match value {
             Some(value) if !(value.is_finite() && value >= least) => Err(PlanError::Fixed(format!(
@@ -41,13 +41,13 @@ impl Fixed {
     }
 }
 
-/// The edges of a box for reading.
+/// Edges of a box for messages.
 fn in_short(edges: Vector) -> String {
     edges.to_array().map(|edge| Number(edge).to_string()).join(" x ")
 }
 
 impl Problem {
-    /// Why no candidate has become a plan.
+    /// Error for a problem of which no candidate has become a plan.
     pub(crate) fn no_plan(&self) -> PlanError {
         if let Some(grid) = self.fixed.grid {
             return PlanError::Fixed(format!(
@@ -61,12 +61,12 @@ impl Problem {
             return PlanError::Fixed(format!("{what}, {}; leave it out, or take less", in_short(self.edges)));
         }
         let radius = self.radii.iter().map(|r| r.0).fold(f64::INFINITY, f64::min);
-        // About two points a width.
+        // About two points per width.
         let points = (self.edges * (2.0 / Envelope::of_sphere(radius).monopole)).element_product();
         PlanError::TooFine { radius, edges: in_short(self.edges), points }
     }
 
-    /// Refuses what only a periodic box can have.
+    /// Refuses choices that need a periodic box.
     fn check_bounded(&self) -> Result<(), PlanError> {
         let found = [
             (self.fixed.method == Some(MethodName::Direct)).then_some("hydrodynamics.method \"direct\" is"),
@@ -81,7 +81,7 @@ impl Problem {
         }
     }
 
-    /// Refuses what no plan can do.
+    /// Refuses a problem that no plan can solve.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         let cell = PeriodicBox::new(self.edges).map_err(|e| PlanError::Box(e.to_string()))?;
         if self.radii.iter().map(|r| r.1).sum::<usize>() == 0 {

@@ -1,8 +1,8 @@
-//! The Krylov solver: preconditioned conjugate gradients on unknowns shared out among ranks.
+//! Preconditioned conjugate gradients, with the unknowns distributed over ranks.
 
 use domain::{Comm, Interrupt, Traceless};
 
-/// Numbers that can be added, of which each rank holds its own part.
+/// Vectors of a linear space, of which each rank holds its own part.
 pub trait Linear: Clone {
     /// `self += factor other`.
     fn add(&mut self, factor: f64, other: &Self);
@@ -14,48 +14,48 @@ pub trait Linear: Clone {
 /// A system `A x = b` with `A` symmetric positive definite, and a preconditioner `P` that resembles `A`. Methods are
 /// collective.
 pub trait System {
-    /// What is solved for.
+    /// Type of the unknowns `x`.
     type Unknowns: Linear;
 
-    /// What is left over of the right-hand side.
+    /// Type of the residual `b - A x`.
     type Residual: Linear;
 
-    /// This rank's part of `r . x`.
+    /// This rank's part of the inner product `r . x`.
     fn product(&self, residual: &Self::Residual, x: &Self::Unknowns) -> f64;
 
     /// `A p`.
     fn apply(&mut self, direction: &Self::Unknowns) -> Self::Residual;
 
-    /// `A p`, and this rank's part of `p . A p`.
+    /// `A p`, and this rank's part of the curvature `p . A p`.
     fn curvature(&mut self, direction: &Self::Unknowns) -> (Self::Residual, f64) {
         let image = self.apply(direction);
         let curvature = self.product(&image, direction);
         (image, curvature)
     }
 
-    /// Told of each step `x += length p` along the last direction, to follow other linear functions of `x`.
+    /// Called with each step `x += length p` along the last direction, to update other linear functions of `x`.
     fn stepped(&mut self, length: f64);
 
-    /// `P^-1 r`; need not be linear to the last digit.
+    /// `P^-1 r`; needs to be linear only approximately.
     fn precondition(&mut self, residual: &Self::Residual) -> Self::Unknowns;
 
-    /// Makes the preconditioner more exact, if it can be: asked for when `r . P^-1 r` came out below zero. All ranks
-    /// must answer alike.
+    /// Makes the preconditioner more exact, if possible; returns whether it did. Called if `r . P^-1 r` is negative.
+    /// All ranks must return the same.
     fn sharpen(&mut self) -> bool {
         false
     }
 
-    /// This rank's part of the square of the error that a preconditioned residual `z = P^-1 r` estimates: `r . z`, unless
-    /// another measure says more.
+    /// This rank's part of the square of the error that a preconditioned residual `z = P^-1 r` estimates: `r . z`,
+    /// unless the system has a stricter measure.
     fn error(&self, residual: &Self::Residual, z: &Self::Unknowns) -> f64 {
         self.product(residual, z)
     }
 
-    /// This rank's part of the square of the size of `x` that goes with it: `x . P x`.
+    /// This rank's part of the square of the size of `x` to which the error is relative: `x . P x`.
     fn size(&self, x: &Self::Unknowns) -> f64;
 
-    /// Goes a step, if one is given, and looks at what is left: `z = P^-1 r`, in the place of the `z` before the step, and
-    /// this rank's sums. One pass over the unknowns can do it all.
+    /// Takes a step, if one is given, and measures the residual: computes `z = P^-1 r`, in place of the `z` before
+    /// the step, and this rank's sums. An implementation can do all of it in one pass over the unknowns.
     fn look(
         &mut self,
         (x, residual): (&mut Self::Unknowns, &mut Self::Residual),
@@ -73,22 +73,22 @@ pub trait System {
     }
 }
 
-/// A step of the iteration, `x += length p` and `r -= length A p`.
+/// Step of the iteration, `x += length p` and `r -= length A p`.
 pub struct Step<'a, X, R> {
-    /// Its length.
+    /// Length of the step.
     pub length: f64,
-    /// `p`.
+    /// Direction `p`.
     pub direction: &'a X,
-    /// `A p`, whose memory is free after it.
+    /// Image `A p`; its memory is released after the step.
     pub image: R,
 }
 
-/// What there is to know of the residual `r` and of `z = P^-1 r`.
+/// Inner products of the residual `r` and `z = P^-1 r`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sums {
     /// `r . z`.
     pub product: f64,
-    /// `r` times the `z` before the step, if there was one.
+    /// `r` times the `z` before the step; 0 if there was no step.
     pub former: f64,
     /// See [`System::error`].
     pub error: f64,
@@ -109,37 +109,38 @@ impl std::ops::Add for Sums {
     }
 }
 
-/// How an iteration ended.
+/// Result of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// Applications of the matrix.
+    /// Number of applications of the matrix.
     pub iterations: usize,
-    /// The error left, `|r . P^-1 r / x . P x|^(1/2)` or what the system measures in its place.
+    /// Relative error left, `|r . P^-1 r / x . P x|^(1/2)`, or the system's own measure.
     pub residual: f64,
-    /// Whether that is at most what was asked for.
+    /// Whether the residual is within the tolerance.
     pub converged: bool,
-    /// Whether the iteration ended before that since some rank was asked to stop.
+    /// Whether the iteration ended before convergence because some rank was asked to stop.
     pub interrupted: bool,
 }
 
-/// When to stop.
+/// Stopping criteria.
 #[derive(Clone, Copy)]
 pub struct Limits<'a> {
-    /// Largest error allowed.
+    /// Largest relative error allowed.
     pub tolerance: f64,
-    /// Most applications of the matrix.
+    /// Largest number of applications of the matrix.
     pub iterations: usize,
-    /// Looked at after each of them.
+    /// Polled after each application.
     pub interrupt: &'a Interrupt,
 }
 
-/// Solves `A x = b` from the starting point in `x`, whose residual `b - A x` is given and left behind as it is at the
-/// end, with `P^-1` of it in `z`, which may be anything before. Collective.
+/// Solves `A x = b` from the initial guess `x` with its residual `b - A x`; both are updated in place. At the end `z`
+/// holds `P^-1` of the residual; its initial value does not matter. Collective.
 ///
-/// Directions are made conjugate by the rule of Polak and Ribière, which bears a preconditioner that is itself an
-/// iteration (Golub & Ye 1999). It stops when the error that the preconditioned residual estimates is small against
-/// `x`, both as the system measures them, or in the energy norm of the preconditioner; or, not converged, when `r . P^-1 r` is below zero and the
-/// preconditioner can't be made more exact, or when any rank is asked to stop.
+/// Directions are made conjugate by the formula of Polak and Ribière, which tolerates a preconditioner that is itself
+/// an iteration (Golub & Ye 1999). The iteration converges when the error that the preconditioned residual estimates
+/// is small against `x`, both as the system measures them (by default in the energy norm of the preconditioner). It
+/// ends without convergence when `r . P^-1 r` is negative and the preconditioner can't be made more exact, or when
+/// any rank is asked to stop.
 pub fn conjugate_gradients<S: System>(
     comm: &Comm,
     system: &mut S,
@@ -155,7 +156,7 @@ pub fn conjugate_gradients<S: System>(
         iterations += 1;
         let mut curvature = [curvature];
         comm.sum(&mut curvature);
-        // The residual is orthogonal to the former direction, so this is the step to the minimum along this one.
+        // The residual is orthogonal to the former direction, so this step reaches the minimum along the new one.
         let length = at.product / curvature[0];
         system.stepped(length);
         let before = at.product;
@@ -163,14 +164,14 @@ pub fn conjugate_gradients<S: System>(
         (at, asked) = look(comm, system, (x, residual, z), Some(step), limits.interrupt);
         direction.turn((at.product - at.former) / before, z);
     }
-    // Not a number stays none, whatever it is measured against.
+    // NaN stays NaN, whatever it is divided by.
     let residual = if at.error == 0.0 { 0.0 } else { (at.error / at.size).abs().sqrt() };
     let converged = small(&at);
     Outcome { iterations, residual, converged, interrupted: !converged && asked }
 }
 
-/// [`System::look`] with a `z` as exact as `r . z` above zero needs; the sums over all ranks, and whether any is asked to
-/// stop. Collective.
+/// [`System::look`], with the preconditioner made more exact until `r . z` is positive. Returns the sums over all
+/// ranks, and whether any rank is asked to stop. Collective.
 fn look<S: System>(
     comm: &Comm,
     system: &mut S,
@@ -221,7 +222,7 @@ mod tests {
         }
     }
 
-    /// `diag(1, 4)` with a preconditioner that has the sign wrong until it was made more exact this often.
+    /// `diag(1, 4)` with a preconditioner of the wrong sign until it has been made more exact `left` times.
     struct Wrong {
         left: usize,
         can: usize,
@@ -257,7 +258,7 @@ mod tests {
         }
     }
 
-    /// A system that sees the first number alone, and counts both as errors.
+    /// A system whose inner products see the first component alone, and whose error counts both.
     struct Blind;
 
     impl System for Blind {
@@ -287,7 +288,7 @@ mod tests {
         }
     }
 
-    /// No direction lessens what is left, so the solve ends with numbers.
+    /// No direction reduces the error, so the solve ends with finite numbers.
     #[test]
     fn an_error_that_no_product_sees_ends_the_solve() {
         let (mut x, mut residual) = ([1.0, 1.0], [0.0, 0.5]);
@@ -327,7 +328,7 @@ mod tests {
         );
     }
 
-    /// The last rank alone is asked to stop, after a number of looks.
+    /// Only the last rank is asked to stop, after a number of polls.
     #[test]
     fn one_rank_that_is_asked_to_stop_stops_all() {
         for looks in 0..3 {

@@ -1,16 +1,17 @@
-//! A flow besides whose amplitude follows from the loads.
+//! Rank-one correction of the mobility by a flow whose amplitude follows from the loads.
 
 use crate::loads::{Loads, Motion};
 use domain::Comm;
 
-/// A flow in which particles have the motions `m` at unit amplitude, and whose amplitude under loads `f` is
+/// A flow in which particles have the motions `m` at unit amplitude. Under loads `f` its amplitude is
 ///
 /// ```text
-/// c = -m . f / alpha,        m . f = sum (F . U + T . Omega - S : E),
+/// c = -m . f / alpha,        m . f = sum (F . U + T . Omega - S : E).
 /// ```
 ///
-/// such as that which leaves the flux between walls what it is without loads. The mobility `M` is `M - m m^T / alpha` with it: symmetric,
-/// and positive definite as long as no flow can have an amplitude that loads do not pay for.
+/// An example is the flow that keeps the flux between walls what it is without loads. The mobility `M` becomes
+/// `M - m m^T / alpha`: symmetric, and positive definite if no flow can have an amplitude without the loads doing
+/// work.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constraint {
     /// `m`, of the particles that the rank owns.
@@ -20,14 +21,14 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// The amplitude under loads. Collective.
+    /// Amplitude of the flow under loads. Collective.
     pub fn amplitude(&self, loads: &Loads, comm: &Comm) -> f64 {
         let mut power = [self.response.power(loads)];
         comm.sum(&mut power);
         -self.compliance * power[0]
     }
 
-    /// Adds the flow under loads to a motion that they cause. Collective.
+    /// Adds the flow to the motion that the loads cause. Collective.
     pub(crate) fn add_to(&self, motion: &mut Motion, loads: &Loads, comm: &Comm) {
         motion.add(self.amplitude(loads, comm), &self.response);
     }

@@ -1,35 +1,35 @@
-//! What an evaluation costs.
+//! Cost model of an evaluation.
 
 use crate::costs::Costs;
 use crate::gaussian::length;
 use crate::plan::Plan;
 use crate::problem::{Method, Multipoles, Precision};
 
-/// Bytes of a grid that stay near a core: a few megabytes.
+/// Bytes of a grid that stay in the caches: a few megabytes.
 const CACHE: f64 = 3.3e6;
 
-/// Seconds a byte that a rank writes to another's memory on the same machine.
+/// Seconds per byte that a rank writes to another's memory on the same machine.
 const SENT: f64 = 0.5e-9;
 
-/// Seconds of an image in a wall, with its share of what it takes to find it in a solve.
+/// Seconds per image in a wall, including its share of the search for images in a solve.
 const IMAGE: f64 = 4e-7;
 
 impl Plan {
-    /// Seconds expected of the parts of an evaluation of so many particles by one thread, on the machine that the
-    /// planner was made on.
+    /// Seconds expected of the parts of an evaluation of this many particles by one thread, on the machine on which
+    /// the model was calibrated.
     #[must_use]
     pub fn parts(&self, particles: usize) -> Costs {
         seconds(self, particles, 0.0, 1)
     }
 }
 
-/// Seconds for one evaluation in a box of the given strain by one thread on each of some ranks together, as measured on
-/// a Zen 4 processor. `fcm-solve bench` prints what follows from them beside what it measures.
+/// Seconds for one evaluation in a box of the given strain by one thread on each of `ranks` ranks together, as
+/// measured on a Zen 4 processor. `fcm-solve bench` prints predictions beside measured times.
 pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) -> Costs {
     let single = plan.precision == Precision::Single;
     let points: f64 = plan.grid.iter().map(|&n| n as f64).product();
     let bytes = points * if single { 12.0 } else { 24.0 };
-    // How much of the grid comes from afar, again and again.
+    // Part of the grid that is fetched from main memory in each pass.
     let spilt = (bytes / CACHE - 1.0).clamp(0.0, 1.0);
     let particles = particles as f64;
     let terms = if plan.multipoles == Multipoles::Dipole { 1.0 } else { 0.6 };
@@ -38,7 +38,7 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
             let rows = length(&plan.support, plan.spacing(), strain, if single { 16 } else { 8 });
             rows * if single { 18e-9 } else { 17e-9 }
         }
-        // Rows of eight, of sixteen in two vectors.
+        // Rows of eight points, or of sixteen in two vectors.
         Method::Split { .. } => {
             let rows = (plan.support.support * plan.support.support) as f64;
             rows * 12.5e-9 * (plan.support.support as f64 / 8.0).ceil()

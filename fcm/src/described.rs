@@ -1,10 +1,10 @@
-//! Plans in words, as runs keep them.
+//! Comparison of plans by their printed descriptions, which runs store.
 
-/// Lines that say how a fluid is computed, and not what is expected of it.
+/// Lines of a description that decide the evaluation, as opposed to expected errors and costs.
 const COUNTS: [&str; 4] = ["method", "grid", "support", "iteration"];
 
-/// Whether two plans in words, as [`Plan::describe`](crate::Plan::describe) has them, compute a fluid in the same way: up
-/// to the digits that are printed, and whatever error is expected of them.
+/// Whether two descriptions by [`Plan::describe`](crate::Plan::describe) stand for the same way to evaluate, up to
+/// the digits printed and whatever the expected errors.
 pub fn is_same_way(one: &str, other: &str) -> bool {
     let (one, other) = (what_counts(one), what_counts(other));
     one.len() == other.len() && one.iter().zip(&other).all(|(a, b)| are_equal(a, b))
@@ -15,7 +15,7 @@ fn what_counts(plan: &str) -> Vec<&str> {
     lines.flat_map(str::split_whitespace).map(|word| word.trim_end_matches(',')).collect()
 }
 
-/// Equal words, or numbers with a fraction that are equal to a unit in the fourth digit.
+/// Whether two words are equal, or numbers with a fraction that agree to one unit in the fourth digit.
 fn are_equal(one: &str, other: &str) -> bool {
     let number = |word: &str| word.parse::<f64>().ok();
     let are_near = |(a, b): (f64, f64)| (a - b).abs() <= 1e-3 * a.abs().min(b.abs());

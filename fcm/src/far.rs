@@ -1,4 +1,4 @@
-//! The far field: through the grid.
+//! Far field: spreading to the grid, Stokes solve, interpolation.
 
 mod operator;
 
@@ -19,14 +19,14 @@ use solver::{Field, Grid, Physical, Real, Stokes, Transform};
 use std::borrow::Cow;
 use std::marker::PhantomData;
 
-/// What particles apply: the forces and dipoles of all present, or none at all of a kind.
+/// Loads of the particles present: one force and one dipole per particle, or an empty list of either.
 pub(crate) struct FarLoads<'a> {
     pub classes: &'a [u32],
     pub forces: &'a [Vector],
     pub dipoles: &'a [Tensor],
 }
 
-/// What is asked for of every particle present.
+/// Quantities to evaluate for every particle present.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wanted {
     Velocities,
@@ -34,34 +34,36 @@ pub(crate) enum Wanted {
     Both,
 }
 
-/// The far field in whichever precision the plan chose.
+/// Far field in the precision that the plan chose.
 pub(crate) trait FarField {
-    /// Fixes the box and the positions of the particles present.
+    /// Sets the box and the positions of the particles present.
     fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]);
 
-    /// The velocities and velocity gradients, by what this rank's share of the grid adds to them.
+    /// Velocities and velocity gradients of the particles present: the contributions of this rank's share of the
+    /// grid.
     fn motions(&mut self, loads: &FarLoads, wanted: Wanted, work: &mut Work) -> Vec<(Vector, Tensor)>;
 
-    /// The field of the loads alone, without what it moves.
+    /// Velocity field of the loads on the grid, without interpolation.
     fn solve(&mut self, loads: &FarLoads, work: &mut Work);
 
-    /// The velocities of the last field at points of the fluid in a box that does not repeat along all axes, by what this rank's
-    /// share of the grid adds to them: the transform of a point's envelope is 1, of which the grid has what is common to all.
+    /// Velocities of the last field at points of the fluid, in a box that is not periodic along all axes: the
+    /// contributions of this rank's share of the grid. The envelope of a point has the transform 1; the grid carries
+    /// the part that is common to all envelopes.
     fn velocities_at(&mut self, cell: &PeriodicBox, points: &[Vector]) -> Vec<Vector>;
 
-    /// Velocities and velocity gradients, or velocities alone, of the covariance of those by random forces and dipoles, by what
-    /// this rank's share of the grid adds to them.
+    /// Random velocities and velocity gradients, or velocities alone, whose covariance is the mobility of the far
+    /// field: the contributions of this rank's share of the grid.
     fn noise(&mut self, classes: &[u32], wanted: Wanted, stream: Stream) -> Vec<(Vector, Tensor)>;
 
-    /// The velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
+    /// Velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
 
-    /// The largest `|k . u| / (|k| |u|)` of the last velocity field, which is used up by that, see [`solver::divergence`].
+    /// Largest `|k . u| / (|k| |u|)` of the last velocity field, which it overwrites; see [`solver::divergence`].
     fn divergence(&mut self) -> f64;
 }
 
-/// A grid of values of one precision. Vectors and tensors on it have components along the box's axes, see
-/// [`PeriodicBox`]; loads come and motions go in those of space.
+/// Far field on a grid of one precision. Vectors and tensors on the grid have components along the box's axes, see
+/// [`PeriodicBox`]; loads and motions have Cartesian components in space.
 pub(crate) struct Far<T: Real> {
     plan: Plan,
     partition: Partition,
@@ -69,15 +71,15 @@ pub(crate) struct Far<T: Real> {
     transform: Transform<T>,
     operator: Stokes<T>,
     field: Field<T, Physical>,
-    /// That of the last velocity field, which is lost once this is known.
+    /// Divergence of the last velocity field, which computing it overwrites.
     divergence: Option<f64>,
     stencils: Stencils<T>,
-    /// Those of points of the fluid, once they are asked for.
+    /// Stencils of points of the fluid, made when first needed.
     of_points: Option<Stencils<T>>,
     places: Vec<Place>,
 }
 
-/// What is on the grid: envelopes themselves, or a window.
+/// Functions on the grid: the envelopes themselves, or a window.
 enum Stencils<T> {
     Gaussian(gaussian::Lattice),
     Window(window::Lattice<T>),
@@ -145,16 +147,16 @@ impl<T: Real> Far<T> {
         motions
     }
 
-    /// The volume of a point by which interpolation multiplies.
+    /// Volume of a grid point by which interpolation multiplies.
     fn interpolated_volume(&self) -> f64 {
         let spacing = self.grid.spacing();
         spacing.x * spacing.y * spacing.z / unit_volume(&self.plan, &self.grid).powi(2)
     }
 
-    /// The positions in a box that does not repeat along all axes.
+    /// Places of stencils in a box that is not periodic along all axes.
     ///
     /// # Panics
-    /// If a window goes around the grid along such an axis: what comes out would not be a small error but nonsense.
+    /// If a window wraps around the grid along such an axis: the result would not have a small error but be nonsense.
     fn bounded_places(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vec<Place> {
         let (plan, extent) = (&self.plan, self.stencils.extent(&self.plan));
         let first = cell.origin() + plan.first_point();
@@ -179,7 +181,7 @@ impl<T: Real> Far<T> {
     }
 }
 
-/// Something done with a kernel.
+/// Operation that is generic over the kernel.
 trait With<T: Real> {
     type Output;
 
@@ -221,7 +223,7 @@ impl<T: Real> Stencils<T> {
         Self::for_envelopes(plan, grid, &envelopes(plan))
     }
 
-    /// Those of spheres of the plan, or of others that share its common Gaussian.
+    /// Stencils of the plan's spheres, or of other envelopes that share its common Gaussian.
     fn for_envelopes(plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
         match (plan.window(), plan.common()) {
             (Some(window), Some(common)) => Self::Window(window::Lattice::new(grid, window, common, envelopes)),
@@ -238,7 +240,7 @@ impl<T: Real> Stencils<T> {
         Self::Gaussian(gaussian::Lattice::new::<T>(grid, plan.support, sources))
     }
 
-    /// The same on a grid that has been sheared.
+    /// The same stencils on a grid that has been sheared.
     fn sheared(&self, plan: &Plan, grid: &Grid) -> Self {
         match (self, plan.common()) {
             (Self::Window(lattice), Some(common)) => Self::Window(lattice.sheared(grid, common, &envelopes(plan))),
@@ -255,7 +257,7 @@ impl<T: Real> Stencils<T> {
         }
     }
 
-    /// Does something with the kernel for forces or not, and dipoles or not.
+    /// Runs an operation with the kernel for the terms that are present: forces, dipoles, or both.
     fn with<W: With<T>>(&self, [forces, dipoles]: [bool; 2], what: W) -> W::Output {
         match self {
             Self::Gaussian(lattice) => match (forces, dipoles) {

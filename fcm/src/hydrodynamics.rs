@@ -9,7 +9,7 @@ use crate::work::Work;
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless};
 use std::f64::consts::PI;
 
-/// A solve that did not end well; known to all ranks.
+/// Failure of a solve, the same on all ranks.
 #[derive(Debug, Clone, thiserror::Error, PartialEq)]
 pub enum SolveError {
     /// The stresslets did not converge.
@@ -18,14 +18,14 @@ pub enum SolveError {
          {tolerance:.1e}; allow a larger hydrodynamics.iteration_tolerance, or look for overlapping particles"
     )]
     NotConverged {
-        /// Iterations made.
+        /// Iterations done.
         iterations: usize,
         /// Residual reached.
         residual: f64,
         /// Residual asked for.
         tolerance: f64,
     },
-    /// Positions or loads are not numbers.
+    /// Positions or loads are not finite.
     #[error(
         "the motion of the particles is not finite; look for forces beyond the range of numbers (species.force, \
          repulsion.strength, ...), or for particles at one point"
@@ -36,21 +36,21 @@ pub enum SolveError {
     Interrupted(#[from] Interrupted),
 }
 
-/// The motions of rigid spheres and what was needed to find them.
+/// Motions of rigid spheresand the outcome of the solve for them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solved {
     /// Velocities, angular velocities and rates of strain relative to the background flow; with monopoles only, only
     /// velocities.
     pub motion: Motion,
-    /// The stresslets of the particles; empty with monopoles only.
+    /// Stresslets of the particles; empty with monopoles only.
     pub stresslets: Vec<Traceless>,
-    /// Applications of the mobility to find the stresslets.
+    /// Applications of the mobility in the iteration for the stresslets.
     pub iterations: usize,
-    /// The error left in the stresslets, as the iteration estimates it, relative to them.
+    /// Relative error left in the stresslets, as the iteration estimates it.
     pub residual: f64,
 }
 
-/// The hydrodynamics of spheres: forces and torques to motions, with the stresslets that keep them rigid.
+/// Solver for rigid spheres: forces and torques to motions, with the stresslets that keep the spheres rigid.
 ///
 /// With `M` the mobility `(F, T, -S) -> (V, Omega, E)`, the stresslets solve `M_EE (-S) = -(E_inf + E_FT)`, where
 /// `E_FT` is the rate of strain by forces and torques and `E_inf` the background's: a symmetric positive definite
@@ -61,22 +61,22 @@ pub struct Hydrodynamics {
     interrupt: Interrupt,
 }
 
-/// Stresslet iterations after which a solve has failed.
+/// Largest number of iterations for the stresslets.
 const MOST_ITERATIONS: usize = 500;
 
 impl Hydrodynamics {
-    /// Prepares what `plan` decided, for ranks that share out the grid by `partition`.
+    /// Sets up the solver of a plan, on ranks that share the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
         let (mobility, comm) = (Mobility::new(plan, partition), partition.comm().clone());
         Self { mobility, comm, interrupt: Interrupt::NEVER }
     }
 
-    /// Looks at this interrupt at each evaluation of a solve from now on.
+    /// Polls this interrupt at each evaluation of a solve from now on.
     pub fn listen(&mut self, interrupt: Interrupt) {
         self.interrupt = interrupt;
     }
 
-    /// What it looks at.
+    /// The interrupt that is polled.
     pub fn interrupt(&self) -> &Interrupt {
         &self.interrupt
     }
@@ -86,14 +86,14 @@ impl Hydrodynamics {
         &mut self.mobility
     }
 
-    /// What has been done so far.
+    /// Work done so far.
     pub fn work(&self) -> Work {
         self.mobility.work()
     }
 
-    /// The motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`.
-    /// With dipoles, `loads.stresslets` are ignored and solved for, starting from `guess` (one a particle, or none).
-    /// Collective; an error is an error on all ranks.
+    /// Motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`.
+    /// With dipoles, `loads.stresslets` are ignored and solved for, starting from `guess` (one per particle, or
+    /// none). Collective; an error is an error on all ranks.
     pub fn solve(
         &mut self,
         cell: &PeriodicBox,
@@ -105,7 +105,7 @@ impl Hydrodynamics {
         self.solve_in(cell, particles, (loads, &Motion::default()), background, guess)
     }
 
-    /// The same with motions that the fluid has at the particles besides, each its own, or none.
+    /// The same with additional ambient motions of the fluid, one per particle, or none.
     pub fn solve_in(
         &mut self,
         cell: &PeriodicBox,
@@ -171,10 +171,10 @@ impl Hydrodynamics {
     }
 }
 
-/// The rate of strain by stresslets `-D`, and the whole motion as it follows the iteration.
+/// System for the stresslets: rate of strain by the stresslets `-D`. The whole motion follows the iteration.
 struct Strain<'a> {
     mobility: &'a mut Mobility,
-    /// The resistance of single spheres to strain.
+    /// Resistance of single spheres to strain.
     diagonal: Vec<f64>,
     motion: Motion,
     step: Motion,
@@ -191,7 +191,7 @@ impl System for Strain<'_> {
     fn apply(&mut self, direction: &Vec<Traceless>) -> Vec<Traceless> {
         let stresslets = direction.iter().map(|&d| -d).collect();
         let loads = Loads { stresslets, ..Loads::default() };
-        // The last step's memory is free for this one's.
+        // Releases the memory of the last step before this one's is allocated.
         self.step = Motion::default();
         self.step = self.mobility.apply(&loads, Evaluation::All);
         self.step.strain_rates.clone()

@@ -1,4 +1,4 @@
-//! Velocity field to motions.
+//! Interpolation: velocity field to motions.
 
 use crate::kernel::{Kernel, Slab};
 use crate::stencil::Place;
@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use solver::simd::{Vector as Lanes, Work};
 use solver::{Field, Physical, Real};
 
-/// What is interpolated to: stencils, and for each particle present its class.
+/// Targets of the interpolation: stencils, and the class of each particle present.
 pub(crate) struct Interpolation<'a> {
     pub places: &'a [Place],
     pub classes: &'a [u32],
-    /// Volume of a point of the grid.
+    /// Volume of a grid point.
     pub volume: f64,
 }
 
@@ -19,7 +19,8 @@ pub(crate) struct Interpolation<'a> {
 const BATCH: usize = 64;
 
 impl Interpolation<'_> {
-    /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present, by what this rank's rows add to them.
+    /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present: the contributions of this rank's
+    /// rows.
     pub fn run<T: Real, K: Kernel<T>>(&self, kernel: &K, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
@@ -33,13 +34,13 @@ impl Interpolation<'_> {
     }
 }
 
-/// Motions that threads write at the same time, each those of its own places.
+/// Motions that threads write concurrently, each thread those of its own stencils.
 struct ByRow {
     motions: *mut (Vector, Tensor),
     rows: usize,
 }
 
-// SAFETY: each particle has one place, and each place is in one batch: no two threads write to the same row.
+// SAFETY: each particle has one stencil, and each stencil is in one batch: no two threads write to the same row.
 unsafe impl Sync for ByRow {}
 
 impl ByRow {
@@ -47,12 +48,12 @@ impl ByRow {
     fn set(&self, place: &Place, motion: (Vector, Tensor)) {
         let row = place.row as usize;
         assert!(row < self.rows, "a place of a particle that is present");
-        // SAFETY: a row of the list, which nobody else writes to.
+        // SAFETY: a row of the list, to which no other thread writes.
         unsafe { self.motions.add(row).write(motion) };
     }
 }
 
-/// One batch.
+/// One batch of stencils.
 struct Weigh<'a, T, K> {
     to: &'a Interpolation<'a>,
     kernel: &'a K,

@@ -1,4 +1,5 @@
-//! The two loops in which the program spends its time: a particle's stencil to the grid, and the grid to a particle.
+//! Trait of the two loops that dominate the cost: spreading of a particle's load to the grid, and interpolation from
+//! the grid to a particle.
 
 use crate::stencil::Place;
 use domain::{Tensor, Vector};
@@ -6,12 +7,13 @@ use solver::Real;
 use solver::simd::Vector as Lanes;
 use std::ops::Range;
 
-/// A way to bring a particle's load to the grid and the grid's velocities to the particle, each the other's adjoint.
+/// Spreading of a particle's load to the grid and interpolation of the grid's velocities to the particle, each the
+/// adjoint of the other.
 pub(crate) trait Kernel<T: Real>: Sync {
-    /// What one particle's stencil needs; kept from particle to particle to reuse its memory.
+    /// Working memory for one particle's stencil, reused from particle to particle.
     type Scratch: Default;
 
-    /// Grid points of a stencil along z.
+    /// Number of planes (points along z) of a stencil.
     fn planes(&self) -> usize;
 
     /// Adds the load of a particle of a class to the rows of a slab.
@@ -22,7 +24,7 @@ pub(crate) trait Kernel<T: Real>: Sync {
         slab: &mut Slab<&mut [T]>,
     );
 
-    /// Weighs the velocities on the rows of a slab as the particle's load was spread.
+    /// Sums the velocities on the rows of a slab with the weights of the particle's stencil.
     fn collect<V: Lanes<T>>(
         &self,
         scratch: &mut Self::Scratch,
@@ -31,7 +33,7 @@ pub(crate) trait Kernel<T: Real>: Sync {
     ) -> Weighed<T>;
 }
 
-/// One particle's force and dipole in the grid's precision: `dipole[c][j] = G_cj`.
+/// Force and dipole of one particle in the grid's precision: `dipole[c][j] = G_cj`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Load<T> {
     pub force: [T; 3],
@@ -46,39 +48,39 @@ impl<T: Real> Load<T> {
     }
 }
 
-/// What has been weighed for one particle: the velocity and `gradient[c][j]`, the weight of `G_cj`.
+/// Weighted sums for one particle: the velocity and `gradient[c][j]`, the weight of `G_cj`.
 pub(crate) struct Weighed<T> {
     pub velocity: [T; 3],
     pub gradient: [[T; 3]; 3],
 }
 
-/// The rows that one thread works on: some planes of this rank's share of the grid.
+/// Rows that one thread works on: some planes of this rank's share of the grid.
 pub(crate) struct Slab<S> {
-    /// The three components of the planes, rows with halos.
+    /// The three components of the planes, with halos on the rows.
     pub components: [S; 3],
-    /// The rank's lines along y.
+    /// The rank's range of rows along y.
     pub lines: Range<usize>,
-    /// The slab's planes.
+    /// Range of planes of the slab.
     pub planes: Range<usize>,
-    /// Reals from row to row and from plane to plane.
+    /// Distance in values from row to row and from plane to plane.
     pub strides: [usize; 2],
 }
 
-/// Where a row or plane of a stencil would begin that is not in the slab.
+/// Offset of a row or plane of a stencil that is not in the slab.
 pub(crate) const ELSEWHERE: usize = usize::MAX;
 
-/// Where the rows of a stencil begin in a plane of a slab, and where its planes begin in the slab.
+/// Offsets of the rows of a stencil in a plane of a slab, and of its planes in the slab.
 #[derive(Default)]
 pub(crate) struct Starts {
     pub rows: Vec<usize>,
     pub planes: Vec<usize>,
-    /// Whether the slab has all of them.
+    /// Whether all rows and planes are in the slab.
     pub whole: bool,
 }
 
 impl Starts {
-    /// Those of a stencil of so many rows and planes from the place on. Gives where the last row begins, or nothing if
-    /// the slab has none.
+    /// Finds the offsets of a stencil of `count` rows and planes from `place` on. Returns the offset of the last row,
+    /// or `None` if no row is in the slab.
     #[inline(always)]
     pub fn find<S>(&mut self, place: &Place, count: usize, points: [usize; 3], slab: &Slab<S>) -> Option<usize> {
         let [_, y, z] = place.first.map(|first| first as usize);
@@ -91,8 +93,8 @@ impl Starts {
         rows.any.then_some(planes.last + rows.last)
     }
 
-    /// Adds to the rows where they begin along x: at the place's first point, and each `shift` points before the last one, around a
-    /// period. Gives the last of these points.
+    /// Adds to each row's offset its first column along x: the place's first point, shifted back by `shift` points
+    /// from row to row, periodically. Returns the largest of the columns.
     #[inline(always)]
     pub fn add_columns(&mut self, place: &Place, shift: usize, period: usize) -> usize {
         let (mut x, mut last) = (place.first[0] as usize, 0);
@@ -107,14 +109,14 @@ impl Starts {
     }
 }
 
-/// Which points of a stencil are in a share of them.
+/// Summary of the points of a stencil that are in a share.
 struct Found {
     any: bool,
     all: bool,
     last: usize,
 }
 
-/// Where the points of a stencil from `first` on, around and around a period, begin in a share of them.
+/// Offsets in a share of the `count` points of a stencil from `first` on, wrapped at the period.
 #[inline(always)]
 fn starts(
     starts: &mut Vec<usize>,

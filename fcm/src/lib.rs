@@ -1,11 +1,11 @@
-//! The far field: spheres that exchange momentum with the fluid through Gaussian envelopes (the force-coupling method).
+//! Far field of the force-coupling method: spheres exchange momentum with the fluid through Gaussian envelopes.
 //!
-//! A particle of radius `a` at `Y` applies the force density `f_i = F_i Delta + G_ij d_j Delta'` to the fluid, with
-//! `G = S + A` made of its stresslet `S` and the antisymmetric part `A` of its torque, and moves with the fluid's
-//! velocity averaged over the same envelopes. [`Mobility`] is that linear map from loads to motions; [`Hydrodynamics`]
-//! adds the stresslets that keep spheres rigid.
+//! A particle of radius `a` at `Y` applies the force density `f_i = F_i Delta + G_ij d_j Delta'` to the fluid, where
+//! `G = S + A` is the sum of its stresslet `S` and the antisymmetric part `A` by its torque. It moves with the
+//! fluid's velocity averaged over the same envelopes. [`Mobility`] is that linear map from loads to motions;
+//! [`Hydrodynamics`] adds the stresslets that keep spheres rigid.
 //!
-//! Units are any that fit together. The velocity of a sphere in a periodic box of 32 radii, over its Stokes velocity
+//! Units are any consistent ones. The velocity of a sphere in a periodic box of 32 radii, over its Stokes velocity
 //! `F / (6 pi mu a)`, is `1 - 2.8373 a/L + 4.19 (a/L)^3` (Hasimoto 1959):
 //! ```
 //! use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector};

@@ -1,8 +1,9 @@
-//! What acts on the particles and how they move.
+//! Loads on the particles and their motions.
 
 use domain::{Tensor, Traceless, Vector};
 
-/// What the particles apply to the fluid, one entry a particle each; an empty list stands for zeros and costs nothing.
+/// Loads that the particles apply to the fluid, one entry per particle; an empty list stands for zeros and costs
+/// nothing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Loads {
     /// Forces.
@@ -14,7 +15,7 @@ pub struct Loads {
 }
 
 impl Loads {
-    /// The largest component of these loads, of torques and stresslets over a length; not a number is none.
+    /// Largest component of these loads, with torques and stresslets divided by a length; NaN is ignored.
     pub(crate) fn largest(&self, length: f64) -> f64 {
         let largest = |list: &[Vector]| list.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
         let stresslets = self.stresslets.iter().flat_map(|s| s.0).map(f64::abs).fold(0.0, f64::max);
@@ -22,7 +23,7 @@ impl Loads {
     }
 }
 
-/// How the particles move relative to the background flow, one entry each; empty where it was not asked for.
+/// Motions of the particles relative to the background flow, one entry per particle; empty if not requested.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Motion {
     /// Velocities.
@@ -44,7 +45,8 @@ impl Motion {
         }
     }
 
-    /// The power `sum (F . U + T . Omega - S : E)` of loads of the same particles in this motion, as far as there are both.
+    /// The power `sum (F . U + T . Omega - S : E)` of loads of the same particles in this motion; lists that are
+    /// empty in either contribute nothing.
     pub fn power(&self, loads: &Loads) -> f64 {
         let of = |a: &[Vector], b: &[Vector]| a.iter().zip(b).map(|(&a, &b)| a.dot(b)).sum::<f64>();
         let strained = loads.stresslets.iter().zip(&self.strain_rates).map(|(&s, &e)| s.contract(e)).sum::<f64>();

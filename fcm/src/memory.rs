@@ -1,4 +1,4 @@
-//! What a mobility, and the solve for stresslets, take.
+//! Memory of a mobility and of the solve for stresslets.
 
 use crate::envelope::Envelope;
 use crate::kernel::Load;
@@ -11,7 +11,7 @@ use crate::wall_images::WallImages;
 use domain::{Boundaries, Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
 use solver::Real;
 
-/// A plan as a rank carries it out that need not be there: what its [`crate::Mobility`] takes.
+/// Memory that the [`crate::Mobility`] of a plan takes on a rank, forecast without building it.
 pub struct Footprint<'a> {
     plan: &'a Plan,
     place: Place,
@@ -21,18 +21,18 @@ pub struct Footprint<'a> {
 }
 
 impl<'a> Footprint<'a> {
-    /// Of a rank at a place with so many particles to expect, and of so many threads.
+    /// Footprint on a rank with `threads` threads at `place`, with the particle counts that are expected there.
     pub fn new(plan: &'a Plan, (place, threads): (&Place, usize), expected: &'a ExpectedCounts) -> Self {
         let grid = solver::Footprint::new(plan.grid, place, plan.support.lanes).leaning(plan.leans);
         Self { plan, place: place.clone(), grid, expected, threads }
     }
 
-    /// The precision of the grid.
+    /// Precision of the grid.
     pub fn precision(&self) -> Precision {
         self.plan.precision
     }
 
-    /// [`crate::Mobility`] with its particles in place, and what it takes to bring them there.
+    /// [`crate::Mobility`] with its particles arranged, and temporaries of the arrangement.
     pub fn mobility(&self) -> Bytes {
         let grid = match self.plan.precision {
             Precision::Single => self.grid_in::<f32>(),
@@ -40,7 +40,7 @@ impl<'a> Footprint<'a> {
         };
         let (owned, present) = (self.expected.owned(), self.present());
         let arrangement = Halo::bytes(owned, present).then(Bytes::list::<(Vector, u32)>(present));
-        // Stencils as they are found, sorted, and those of before.
+        // Stencils as they are found, sorted, and the former ones.
         let stencils = Bytes::list::<Stencil>(present).then(Bytes::list::<Stencil>(2.0 * present).freed());
         let images = Bytes::keep(WallImages::bytes(self.plan, owned, self.expected.total()));
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
@@ -54,7 +54,7 @@ impl<'a> Footprint<'a> {
             _ => self.grid.channel::<T>(),
         };
         let grid = self.grid.field::<T>().then(self.grid.transform::<T>(self.threads)).then(operator);
-        // In a box that shears the operator is made anew again and again.
+        // In a sheared box the operator is rebuilt repeatedly.
         grid.then(operator.freed()).then(more).then(Bytes::keep(self.tables::<T>()))
     }
 
@@ -81,8 +81,8 @@ impl<'a> Footprint<'a> {
         self.expected.present(stencil.max(self.plan.method.cutoff()))
     }
 
-    /// An evaluation, from loads to motions: loads of those present, in the grid's precision too, motions as they are
-    /// found, as they are brought into order and home.
+    /// An evaluation, from loads to motions: loads of the particles present, also in the grid's precision; motions as
+    /// they are found, sorted, and returned to their owners.
     pub fn evaluation(&self) -> Bytes {
         type Found = (Vector, Tensor);
         let (owned, present) = (self.expected.owned(), self.present());
@@ -109,8 +109,9 @@ impl<'a> Footprint<'a> {
         }
     }
 
-    /// [`crate::Hydrodynamics::solve`] besides what the mobility has: a motion, unknowns, residual, preconditioned residual,
-    /// direction and the loads that it is, and an evaluation. Forces and stresslets of the start take less, and are gone then.
+    /// [`crate::Hydrodynamics::solve`] without the memory of the mobility: a motion, unknowns, residual,
+    /// preconditioned residual, direction and its loads, and an evaluation. Forces and stresslets at the start take
+    /// less and are released by then.
     pub fn solve(&self) -> Bytes {
         if self.plan.multipoles == Multipoles::Monopole {
             return Bytes::list::<Vector>(self.expected.owned()).then(self.evaluation());
@@ -126,7 +127,8 @@ impl<'a> Footprint<'a> {
         Bytes::list::<[f64; 3]>(points).then(Bytes::list::<[f64; 3]>(points).freed())
     }
 
-    /// [`crate::Mobility::flow`], plane by plane: loads, near functions, and the points of a plane with what the grid moves them by.
+    /// [`crate::Mobility::flow`], plane by plane: loads, near-field functions, and the points of a plane with the
+    /// velocities from the grid.
     pub fn flow(&self) -> Bytes {
         let [nx, ny, _] = self.plan.points_of_flow();
         let points = (nx * ny) as f64;
@@ -152,28 +154,28 @@ impl<'a> Footprint<'a> {
         self.plan.radii.iter().map(functions).map(bytes).sum()
     }
 
-    /// Points of the rank's share of the grid.
+    /// Grid points in the rank's share.
     pub fn points(&self) -> f64 {
         self.grid.points()
     }
 
-    /// The distinct radii.
+    /// Distinct radii.
     pub fn radii(&self) -> &[f64] {
         &self.plan.radii
     }
 
-    /// The plan for the flow itself, in a box sheared as far as it will be; none where no grid can carry it.
+    /// Plan for the velocity field of the fluid, in a box at its largest strain; none if no grid can represent it.
     pub fn plan_of_flow(&self, largest_strain: f64) -> Option<Plan> {
         self.plan.of_flow(largest_strain).ok()
     }
 
-    /// The place of this rank among those that share out the grid of another plan.
+    /// Place of this rank among those that share the grid of another plan.
     pub fn place_of(&self, plan: &Plan) -> Place {
         let ([rows, columns], [row, column]) = (self.place.table(), self.place.index());
         Place::of(rows * columns, row * columns + column, [plan.grid[1], plan.grid[2]])
     }
 
-    /// Memory of other ranks on the same machine that is mapped here, at most: that of all others.
+    /// Upper bound of the memory of other ranks on the same machine that is mapped here: the columns of all others.
     pub fn columns_of_others(&self, ranks: usize) -> f64 {
         let own = match self.plan.precision {
             Precision::Single => self.grid.columns_bytes::<f32>(),
@@ -182,7 +184,7 @@ impl<'a> Footprint<'a> {
         own * (ranks - 1) as f64
     }
 
-    /// What is resident on this rank but stands in the memory of others on the same machine.
+    /// Memory that is resident on this rank but belongs to other ranks on the same machine.
     pub fn reached(&self) -> f64 {
         match self.plan.precision {
             Precision::Single => self.grid.reached_bytes::<f32>(),

@@ -1,4 +1,4 @@
-//! The linear map from loads to motions.
+//! Mobility: the linear map from loads to motions.
 
 mod flow;
 mod fluctuations;
@@ -21,10 +21,10 @@ use domain::{
 use rayon::prelude::*;
 use solver::Real;
 
-/// Which motions are asked for.
+/// Motions to evaluate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Evaluation {
-    /// Velocities alone: no dipole is touched on the way back.
+    /// Velocities alone: no dipole is interpolated.
     Velocities,
     /// Angular velocities and rates of strain alone.
     Gradients,
@@ -32,24 +32,24 @@ pub enum Evaluation {
     All,
 }
 
-/// The grand mobility of the force-coupling method, `(F, T, S) -> (V, Omega, E)`, in a periodic box with no mean flow.
-/// As a map from `(F, T, -S)` it is symmetric and positive definite.
+/// Grand mobility of the force-coupling method, `(F, T, S) -> (V, Omega, E)`, in a periodic box with no mean flow. As
+/// a map from `(F, T, -S)` it is symmetric and positive definite.
 ///
 /// An evaluation is collective. Particles are those that the rank owns; their positions are set by
 /// [`Mobility::arrange`] and hold for any number of evaluations.
 ///
-/// All arguments and results are in the units that the plan came in. Within, everything is in units of length and
-/// viscosity in which the plan's are about 1, and in each evaluation in a unit of force in which its loads are: powers
-/// of two, so that results have the same digits in any units, and the same bits where these differ by powers of two.
+/// All arguments and results are in the units of the plan. Internally, units of length and viscosity make those of
+/// the plan about 1, and in each evaluation a unit of force makes the loads about 1. The units are powers of two, so
+/// results have the same digits in any units, and the same bits if the units differ by powers of two.
 pub struct Mobility {
     plan: Plan,
-    /// Those of length and viscosity, and that of force of the last evaluation.
+    /// Units of length and viscosity, and of force in the last evaluation.
     units: Units,
     partition: Partition,
     far: Box<dyn FarField>,
     near: Option<Box<dyn NearField>>,
     wall_images: Option<WallImages>,
-    /// Made when it is asked for first.
+    /// Made when first needed.
     wall_drift: Option<WallDrift>,
     arrangement: Arrangement,
     verlet_list: VerletList,
@@ -57,7 +57,7 @@ pub struct Mobility {
     work: Work,
 }
 
-/// What depends on the positions alone, in units in which it is computed.
+/// Quantities that depend on the positions alone, in internal units.
 struct Arrangement {
     cell: PeriodicBox,
     halo: Halo,
@@ -66,7 +66,7 @@ struct Arrangement {
 }
 
 impl Mobility {
-    /// Prepares what `plan` decided, for ranks that share out the grid by `partition`.
+    /// Sets up the mobility of a plan, on ranks that share the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
         let units = plan.units();
         let own = plan.in_units(&units);
@@ -97,22 +97,23 @@ impl Mobility {
         }
     }
 
-    /// The plan that it follows.
+    /// The plan that is followed.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// What has been done so far.
+    /// Work done so far.
     pub fn work(&self) -> Work {
         self.work
     }
 
-    /// Adds a flow whose amplitude follows from the loads to all motions that [`Self::apply`] finds from now on, or none.
+    /// Adds a flow whose amplitude follows from the loads to all motions of [`Self::apply`] from now on; `None`
+    /// removes it.
     pub fn constrain(&mut self, constraint: Option<Constraint>) {
         self.constraint = constraint;
     }
 
-    /// Sets the box and the particles of this rank, inside it, with radii of the plan.
+    /// Sets the box and the particles of this rank, which are inside it and have radii of the plan.
     pub fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
         let mut clock = Clock::start();
         let inverse = 1.0 / self.units.length;
@@ -141,7 +142,7 @@ impl Mobility {
         clock.stop(&mut self.work.seconds.near);
     }
 
-    /// How far stencils reach beyond a rank's share of the box along y and z.
+    /// Distance along y and z by which stencils extend beyond a rank's share of the box.
     fn reach(&self, cell: &PeriodicBox) -> [f64; 2] {
         let half = 0.5 * self.plan.support.support as f64;
         let grid = &self.plan.grid;
@@ -154,7 +155,7 @@ impl Mobility {
         [half * spacing.y + mismatch[0], half * spacing.z + mismatch[1]]
     }
 
-    /// The motions that the loads cause. Lists of loads have an entry for each particle that the rank owns, or none.
+    /// Motions that the loads cause. Lists of loads have an entry for each particle that the rank owns, or none.
     pub fn apply(&mut self, loads: &Loads, wanted: Evaluation) -> Motion {
         self.work.evaluations += 1;
         let mut clock = Clock::start();
@@ -190,8 +191,8 @@ impl Mobility {
         motion
     }
 
-    /// Which of forces, torques and stresslets there are on any rank, and the unit of force that goes with the largest
-    /// of them. Collective.
+    /// Whether there are forces, torques and stresslets on any rank; sets the unit of force by the largest of them.
+    /// Collective.
     fn kinds_of(&mut self, loads: &Loads) -> [bool; 3] {
         // A rank without particles has empty lists, but takes part in the exchange.
         let [forced, twisted, strained] =
@@ -204,7 +205,7 @@ impl Mobility {
         [forced, twisted, strained].map(|kind| kind > 0.0)
     }
 
-    /// The forces and dipoles of all particles present, in the units in which they are computed.
+    /// Forces and dipoles of all particles present, in internal units.
     fn present(&self, loads: &Loads, [forced, twisted, strained]: [bool; 3]) -> (Vec<Vector>, Vec<Tensor>) {
         let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
         let mut forces = Vec::new();
@@ -223,21 +224,21 @@ impl Mobility {
         (forces, dipoles)
     }
 
-    /// The velocity field of the last evaluation on this rank's share of the grid, `[component][z][y][x]`, x fastest.
+    /// Velocity field of the last evaluation on this rank's share of the grid, `[component][z][y][x]`, x fastest.
     /// With the split method it is the flow of the common wide Gaussians.
     pub fn velocity_field(&self) -> Vec<f64> {
         let unit = self.units.velocity();
         self.far.velocity_field().into_iter().map(|value| value * unit).collect()
     }
 
-    /// The largest `|k . u| / (|k| |u|)` over all modes of the last velocity field, whose memory that takes:
-    /// [`Self::velocity_field`] comes before it, if at all.
+    /// Largest `|k . u| / (|k| |u|)` over all modes of the last velocity field, whose memory it overwrites: call
+    /// [`Self::velocity_field`] before it, if at all.
     pub fn divergence(&mut self) -> f64 {
         self.far.divergence()
     }
 }
 
-/// The far field and the near field of a plan, if it has one, in one precision.
+/// Far field of a plan, and near field if it has one, in one precision.
 fn parts<T: Real>(
     plan: &Plan,
     partition: &Partition,
@@ -258,12 +259,12 @@ impl Arrangement {
         FarLoads { classes: &self.classes, forces, dipoles }
     }
 
-    /// The particles present with loads.
+    /// The particles present with their loads, for the near field.
     fn loaded<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> Loaded<'a> {
         Loaded { cell: &self.cell, positions: &self.positions, classes: &self.classes, forces, dipoles }
     }
 
-    /// Brings what the ranks added up for each other's particles home.
+    /// Returns the sums that ranks made for each other's particles to the owners.
     fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
         let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();
         self.halo.collect(&mut velocities);
@@ -275,7 +276,7 @@ impl Arrangement {
     }
 }
 
-/// What was asked for, in the units that the plan came in.
+/// The motions that were requested, in the plan's units.
 fn motion(motions: &[(Vector, Tensor)], wanted: Evaluation, units: &Units) -> Motion {
     let (velocity, rate) = (units.velocity(), units.rate());
     let mut motion = Motion::default();

@@ -1,7 +1,7 @@
-//! The near field: what the common wide Gaussians leave out, pair by pair.
+//! Pair correction: the difference between the envelopes' flow and that of the common wide Gaussians.
 //!
-//! Between envelopes whose radial function is `B`, with `x` from the source to the target and
-//! `f_n = (1/r d/dr)^n B`, the flow of a force `F` and a dipole `G` is (`mu = 1`)
+//! Between envelopes whose radial function is `B`, with `x` from the source to the target and `f_n = (1/r d/dr)^n B`,
+//! the flow of a force `F` and a dipole `G` is (`mu = 1`)
 //!
 //! ```text
 //! u_a       = T_ab F_b + d_c T_ab G_bc,     T_ab = -delta_ab lap B + d_a d_b B
@@ -9,7 +9,7 @@
 //! d_c T_ab  = -delta_ab x_c (4 f_2 + r^2 f_3) + (delta_ac x_b + delta_bc x_a) f_2 + x_a x_b x_c f_3
 //! ```
 //!
-//! and its gradient follows by one derivative more.
+//! and its gradient follows by one more derivative.
 
 use crate::envelope::{Common, Envelope};
 use crate::table::{PairFunctions, Table};
@@ -19,13 +19,14 @@ use rayon::prelude::*;
 use solver::simd::{Vector as Lanes, Work};
 use solver::{Memory, Real};
 
-/// Above this many radii, tables for all pairs of them cost more than they save.
+/// Number of radii above which tables for all pairs of them cost more than they save.
 const MOST_TABULATED: usize = 8;
 
-/// Values by which a pair, or a load, is described: a multiple of the lanes of any vector.
+/// Number of values that describe a pair, or a load: a multiple of the lanes of any vector.
 pub(crate) const RECORD: usize = 16;
 
-/// The particles present: positions, classes of radius, and loads; an empty list of forces or dipoles stands for none.
+/// Positions, classes of radius and loads of the particles present; an empty list of forces or dipoles stands for
+/// none.
 pub(crate) struct Loaded<'a> {
     pub cell: &'a PeriodicBox,
     pub positions: &'a [Vector],
@@ -34,17 +35,17 @@ pub(crate) struct Loaded<'a> {
     pub dipoles: &'a [Tensor],
 }
 
-/// The near field in whichever precision the plan chose.
+/// Pair correction in the precision that the plan chose.
 pub(crate) trait NearField {
-    /// How far it reaches.
+    /// Distance beyond which pairs are left out.
     fn cutoff(&self) -> f64;
 
-    /// Adds the near field of all particles present, their own included, to the velocities and, if they are asked for,
+    /// Adds the near field of all particles present, including the self-term, to the velocities and, if requested,
     /// the velocity gradients of the particles that have neighbour lists.
     fn add(&self, present: &Loaded, neighbours: &Neighbours, gradients: bool, motions: &mut [(Vector, Tensor)]);
 }
 
-/// The near field of particles of given radii.
+/// Pair correction of particles of given radii.
 pub(crate) struct Near<T> {
     cutoff: f64,
     inverse_viscosity: f64,
@@ -120,7 +121,7 @@ impl<T: Real> Near<T> {
     }
 }
 
-/// Particles whose lists one thread goes through at a time.
+/// Particles whose lists one thread processes at a time.
 const BATCH: usize = 64;
 
 impl<T: Real> NearField for Near<T> {
@@ -145,7 +146,7 @@ impl<T: Real> NearField for Near<T> {
     }
 }
 
-/// The force and the dipole of a particle, row by row.
+/// Force and dipole of a particle as a record: the force, then the dipole row by row.
 fn load<T: Real>(present: &Loaded, row: usize) -> [T; RECORD] {
     let mut record = [T::default(); RECORD];
     let force = present.forces.get(row).copied().unwrap_or_default();
@@ -159,7 +160,7 @@ fn load<T: Real>(present: &Loaded, row: usize) -> [T; RECORD] {
     record
 }
 
-/// Some particles and their lists.
+/// A batch of particles and their neighbour lists.
 struct Batch<'a, T> {
     near: &'a Near<T>,
     present: &'a Loaded<'a>,
@@ -178,7 +179,7 @@ impl<T: Real> Work<T> for Batch<'_, T> {
         let mut scratch = Scratch { group: Group::new(), totals: Totals::default() };
         for offset in 0..self.motions.len() {
             let row = self.first + offset;
-            // Most lists of a suspension that is not dense fit half a vector.
+            // Most lists of a moderately dense suspension fit half a vector.
             let sums = if self.neighbours.of(row).len() <= V::Half::LANES {
                 self.sums::<V::Half>(&mut scratch, row)
             } else {
@@ -201,7 +202,7 @@ struct Scratch<T: Real> {
 }
 
 impl<T: Real> Batch<'_, T> {
-    /// What a particle's neighbours add up to, group by group: its velocity, and its gradient row by row.
+    /// Sums over a particle's neighbours, group by group: its velocity, and its gradient row by row.
     #[inline(always)]
     fn sums<V: Lanes<T>>(&self, Scratch { group, totals }: &mut Scratch<T>, row: usize) -> [T; 12] {
         let mut sums = [V::splat(T::default()); 12];
@@ -227,15 +228,15 @@ impl<T: Real> Batch<'_, T> {
     }
 }
 
-/// As many pairs as a vector has lanes: a record of each, `x` and the pair functions, and of its neighbour's load; then
-/// the same with each value's lanes together.
+/// As many pairs as a vector has lanes: the record of each pair, `x` and the pair functions, and that of its
+/// neighbour's load; then the transpose of both, with the lanes of each value contiguous.
 struct Group<T> {
     pairs: Memory<T>,
     loads: Memory<T>,
     turned: [Memory<T>; 2],
 }
 
-/// Where a pair's record has the last of its functions, and the first eight.
+/// Positions in a pair's record of the last of its functions, and of the first eight.
 const NINTH: usize = 3;
 const FIRST: usize = 4;
 
@@ -256,7 +257,7 @@ impl<T: Real> Group<T> {
         self.loads.values_mut().as_chunks_mut::<RECORD>().0[lane] = *load;
     }
 
-    /// Lanes from one on have no pair and add nothing: their functions are zero.
+    /// Clears the lanes from `from` on, which have no pair: with functions of zero they add nothing.
     #[inline(always)]
     fn clear<V: Lanes<T>>(&mut self, from: usize) {
         for record in &mut self.pairs.values_mut().as_chunks_mut::<RECORD>().0[from..V::LANES] {
@@ -287,7 +288,7 @@ impl<T: Real> Group<T> {
         [Self::vector(&self.turned[0], 0), Self::vector(&self.turned[0], 1), Self::vector(&self.turned[0], 2)]
     }
 
-    /// The pair functions, in the order of [`PairFunctions`].
+    /// Pair functions, in the order of [`PairFunctions`].
     #[inline(always)]
     fn functions<V: Lanes<T>>(&self) -> [V; 9] {
         let mut functions = [Self::vector(&self.turned[0], NINTH); 9];
@@ -313,7 +314,7 @@ impl<T: Real> Group<T> {
         g
     }
 
-    /// From forces to velocities: the first three sums.
+    /// Velocities by forces: adds to the first three sums.
     #[inline(always)]
     fn add_velocity<V: Lanes<T>>(&self, sums: &mut [V; 12]) {
         let (x, force, f) = (self.x::<V>(), self.force::<V>(), self.functions::<V>());
@@ -325,8 +326,8 @@ impl<T: Real> Group<T> {
         }
     }
 
-    /// From forces and dipoles to velocities, and to gradients `d_d u_a`, which are the sums from the fourth on, row by
-    /// row.
+    /// Velocities and gradients `d_d u_a` by forces and dipoles. The gradients are the sums from the fourth on, row
+    /// by row.
     #[inline(always)]
     fn add_all<V: Lanes<T>>(&self, sums: &mut [V; 12]) {
         self.add_velocity(sums);
@@ -344,7 +345,7 @@ impl<T: Real> Group<T> {
         for a in 0..3 {
             sums[a] = gx[a].mul_add(level, xg[a].mul_add(f[2], x[a].mul_add(across, sums[a])));
         }
-        // From the force to the gradient, and from the dipole to the gradient.
+        // From the force and from the dipole to the gradient.
         let level = less(square, f[5], 4.0, f[4]);
         let twist = less(square, f[7], 4.0, f[6]);
         let bend = less(square, f[8], 6.0, f[7]);

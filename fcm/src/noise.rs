@@ -4,24 +4,25 @@ use crate::loads::Motion;
 use domain::{Comm, Random, RandomLanes, Traceless, Vector};
 use solver::{Complexes, Draw, MODES};
 
-/// Where the random numbers of one draw come from: the same numbers for the same modes and particles, on any ranks.
+/// Source of the random numbers of one draw: the same numbers for the same modes and particles, on any number of
+/// ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stream {
-    /// The seed of the draw.
+    /// Seed of the draw.
     seed: u64,
 }
 
-/// Kinds of random numbers.
+/// Kinds of random numbers: of the grid's modes, and of particles.
 const OF_FIELD: u64 = 1;
 const OF_NEAR: u64 = 2;
 
 impl Stream {
-    /// The numbers of a draw, such as a step, by a seed.
+    /// Numbers of a draw, such as a step, by a seed.
     pub fn new(seed: u64, draw: u64) -> Self {
         Self { seed: Random::new(seed, draw).bits() }
     }
 
-    /// Numbers of a kind and a name.
+    /// Generator for a kind of numbers and the name of a mode or particle.
     pub fn of(self, kind: u64, name: u64) -> Random {
         Random::new(self.seed_of(kind), name)
     }
@@ -42,7 +43,7 @@ impl Stream {
     }
 }
 
-/// Each of many waves adds little to any velocity: even numbers do.
+/// Many modes add little each to any velocity, so uniform numbers do.
 impl Draw for Stream {
     #[inline(always)]
     fn draw(&self, modes: &[[i64; 3]; MODES]) -> Complexes {
@@ -56,50 +57,50 @@ impl Draw for Stream {
     }
 }
 
-/// Components of a particle's motion or loads: three of the velocity, three of the angular velocity, and five of the rate of
-/// strain in an orthonormal basis.
+/// Components of a particle's motion or loads: three of the velocity, three of the angular velocity, and five of the
+/// rate of strain in an orthonormal basis.
 pub(crate) type Components = [f64; 11];
 
-/// How a draw went.
+/// Diagnostics of a draw.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Drawn {
     /// Applications of the near field, or of the whole mobility.
     pub iterations: usize,
-    /// The weight of negative eigenvalues that were taken for zero, over the whole: none but where spheres
-    /// overlap.
+    /// Weight of the negative eigenvalues, which are replaced by zero, relative to all: 0 unless spheres overlap.
     pub clipped: f64,
-    /// The change of the root in the last iteration, over it.
+    /// Relative change of the result in the last iteration.
     pub change: f64,
 }
 
 impl Drawn {
-    /// A weight that may be left out without a word.
+    /// Clipped weight that needs no warning.
     pub const NEGLIGIBLE: f64 = 1e-3;
 }
 
-/// The root of 1.5.
+/// Square root of 1.5.
 const AXIAL: f64 = 1.224_744_871_391_589;
 
-/// A traceless tensor in the orthonormal basis.
+/// Components of a traceless tensor in the orthonormal basis.
 pub(crate) fn orthonormal(tensor: Traceless) -> [f64; 5] {
     let [xx, xy, xz, yy, yz] = tensor.0;
     let root = std::f64::consts::SQRT_2;
     [-AXIAL * (xx + yy), (xx - yy) / root, root * xy, root * xz, root * yz]
 }
 
-/// The tensor of components in that basis.
+/// Traceless tensor from its components in the orthonormal basis.
 pub(crate) fn tensor([axial, planar, xy, xz, yz]: [f64; 5]) -> Traceless {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let mean = -0.5 * axial / AXIAL;
     Traceless([mean + half * planar, half * xy, half * xz, mean - half * planar, half * yz])
 }
 
-/// `A^{1/2} z` of a symmetric operator that is positive, or nearly, to a tolerance relative to the length of the result
-/// (Lanczos; Chow & Saad, SIAM J. Sci. Comput. 36, A588, 2014): with `V` an orthonormal basis of the Krylov space of `z` and
-/// `T = V^T A V`, it is `|z| V T^{1/2} e_1`. In `most` iterations at most. Each rank has some rows of all vectors. Collective.
+/// `A^{1/2} z` of a symmetric operator that is positive semidefinite, or nearly, to a tolerance relative to the norm
+/// of the result (Lanczos; Chow & Saad, SIAM J. Sci. Comput. 36, A588, 2014): with `V` an orthonormal basis of the
+/// Krylov space of `z` and `T = V^T A V`, it is `|z| V T^{1/2} e_1`. Takes `most` iterations at most. Vectors are
+/// distributed over ranks by rows. Collective.
 ///
 /// # Errors
-/// Those of the operator, which have to be on every rank or on none.
+/// Those of the operator, which have to occur on every rank or on none.
 pub fn root_times<const N: usize, E>(
     comm: &Comm,
     start: &[[f64; N]],
@@ -124,7 +125,7 @@ pub fn root_times<const N: usize, E>(
         let last = basis.len() - 1;
         let mut next = apply(&basis[last])?;
         diagonal.push(dot(&basis[last], &next));
-        // Once more against all, for what rounding leaves.
+        // Orthogonalised twice against the whole basis, to remove round-off.
         for _ in 0..2 {
             for vector in &basis {
                 let share = dot(vector, &next);
@@ -152,7 +153,7 @@ pub fn root_times<const N: usize, E>(
     }
 }
 
-/// The sum of the products of two lists' numbers, in lanes that add up side by side.
+/// Inner product of two lists, summed in independent lanes.
 fn product(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
@@ -171,8 +172,8 @@ fn subtract<const N: usize>(from: &mut [[f64; N]], factor: f64, vector: &[[f64; 
     }
 }
 
-/// The first column of the root of a tridiagonal matrix, and the share of its eigenvectors to negative eigenvalues, which
-/// count as zero.
+/// First column of the square root of a tridiagonal matrix, with negative eigenvalues replaced by zero, and the share
+/// of `e_1` that belongs to their eigenvectors.
 fn first_column_of_root(diagonal: &[f64], beside: &[f64]) -> (Vec<f64>, f64) {
     let count = diagonal.len();
     let mut matrix = vec![vec![0.0; count]; count];
@@ -196,7 +197,7 @@ fn first_column_of_root(diagonal: &[f64], beside: &[f64]) -> (Vec<f64>, f64) {
     (column, if all > 0.0 { negative / all } else { 0.0 })
 }
 
-/// Eigenvalues and eigenvectors of a small symmetric matrix, by Jacobi's rotations.
+/// Eigenvalues and eigenvectors of a small symmetric matrix, by Jacobi rotations.
 fn eigen(mut matrix: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
     let count = matrix.len();
     let mut vectors: Vec<Vec<f64>> =
@@ -233,7 +234,7 @@ fn eigen(mut matrix: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
     ((0..count).map(|k| matrix[k][k]).collect(), vectors)
 }
 
-/// A motion of so many particles by components.
+/// Motion of particles from their components.
 pub(crate) fn motion(components: impl Iterator<Item = Components>) -> Motion {
     let mut motion = Motion::default();
     for [x, y, z, a, b, c, strain @ ..] in components {
@@ -261,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Twice the root is the matrix.
+    /// The square of the root is the matrix.
     #[test]
     fn roots_are_roots() {
         const LIMITS: (f64, usize) = (1e-12, 60);

@@ -1,4 +1,4 @@
-//! What the grid's wide Gaussians leave out between two particles.
+//! Radial functions of the pair correction: the difference between two envelopes and two wide Gaussians on the grid.
 
 use crate::boys::boys;
 use crate::envelope::Common;
@@ -7,16 +7,15 @@ use std::f64::consts::PI;
 /// Highest order of [`Difference::evaluate`] plus one.
 pub(crate) const ORDERS: usize = 11;
 
-/// The radial function `B(r)` whose transform is
-/// `[exp(-k^2 s^2 / 2) - w_i(k) w_j(k)] / k^4`, with `s^2` the sum of the two envelopes' variances and the `w` of
-/// [`Common`]. The bracket is `O(k^4)`, so `B` decays like a Gaussian.
+/// Radial function `B(r)` whose transform is `[exp(-k^2 s^2 / 2) - w_i(k) w_j(k)] / k^4`, with `s^2` the sum of the
+/// variances of the two envelopes and the `w` of [`Common`]. The bracket is `O(k^4)`, so `B` decays like a Gaussian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Difference {
     /// Sum of the variances of the two envelopes.
     variance: f64,
     /// `2 Sigma^2`.
     wide_variance: f64,
-    /// Those of `w_i w_j` over the Gaussian, by powers of `k^2`.
+    /// Coefficients of `w_i w_j` over the Gaussian, by powers of `k^2`.
     polynomial: [f64; 5],
 }
 
@@ -36,8 +35,8 @@ impl Difference {
     /// `f_n = (1/r d/dr)^n B` at `r^2 = square`, for `n = 1..ORDERS` (entry 0 is not used and zero).
     ///
     /// With `x = r^2 / (2 s^2)` and Boys' functions, the transforms `exp(-k^2 s^2 / 2) / k^p` have
-    /// `p = 4: (-1)^n (F_(n-1) - F_n) s^(1-2n) / 2`, `p = 2: (-1)^n F_n s^(-1-2n)`, `p = 0: (-1)^n exp(-x) s^(-3-2n)`,
-    /// each over `(2 pi)^(3/2)`. From there on each power of `k^2` is a Laplacian.
+    /// `p = 4: (-1)^n (F_(n-1) - F_n) s^(1-2n) / 2`, `p = 2: (-1)^n F_n s^(-1-2n)`,
+    /// `p = 0: (-1)^n exp(-x) s^(-3-2n)`, each over `(2 pi)^(3/2)`. Higher powers of `k^2` follow as Laplacians.
     pub fn evaluate(&self, square: f64) -> [f64; ORDERS] {
         let near = Gaussian::new(square, self.variance);
         let wide = Gaussian::new(square, self.wide_variance);
@@ -84,13 +83,13 @@ impl Gaussian {
         self.scale[n] * self.decay / (self.variance * self.variance)
     }
 
-    /// `-lap` of a Gaussian: with `g_n = (1/r d/dr)^n g`, `lap g = 3 g_1 + r^2 g_2`, of which the `n`-th is
+    /// `-lap` of a Gaussian: with `g_n = (1/r d/dr)^n g`, `lap g = 3 g_1 + r^2 g_2`, whose `n`-th derivative is
     /// `(3 + 2n) g_(n+1) + r^2 g_(n+2)`, and `g_(n+1) = -g_n / s^2`.
     fn times_k2(&self, n: usize) -> f64 {
         self.itself(n) * ((3 + 2 * n) as f64 - self.square) / self.variance
     }
 
-    /// `-lap` once more.
+    /// `lap^2` of a Gaussian.
     fn times_k4(&self, n: usize) -> f64 {
         let (next, last) = ((5 + 2 * n) as f64, (3 + 2 * n) as f64);
         let polynomial = next * last - 2.0 * next * self.square + self.square * self.square;
@@ -102,8 +101,8 @@ impl Gaussian {
 mod tests {
     use super::*;
 
-    /// `f_n = (-1)^n / (2 pi^2) int k^(2n+2) [bracket]/k^4 j_n(kr)/(kr)^n dk` by the trapezoidal rule, which converges
-    /// geometrically for this integrand.
+    /// `f_n = (-1)^n / (2 pi^2) int k^(2n+2) [bracket]/k^4 j_n(kr)/(kr)^n dk` by the trapezoidal rule, which
+    /// converges geometrically for this integrand.
     fn by_quadrature(d: &Difference, n: usize, r: f64) -> f64 {
         let step = 0.01;
         let mut sum = 0.0;

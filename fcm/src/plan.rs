@@ -1,4 +1,4 @@
-//! How an evaluation is to be made: grid, supports, cutoff, precision.
+//! Plan of an evaluation: grid, stencils, cutoff, precision.
 
 use crate::costs::Costs;
 use crate::envelope::{Common, Envelope};
@@ -7,101 +7,101 @@ use crate::stencil::Support;
 use crate::window::Window;
 use domain::{Boundaries, Number, PeriodicBox, Turn, Units, Vector};
 
-/// Why there is no plan.
+/// Reason why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PlanError {
-    /// No particles at all.
+    /// There are no particles.
     #[error("there are no particles; a scene needs at least one")]
     NoParticles,
-    /// A radius that is none.
+    /// A radius is not positive and finite.
     #[error("a particle has the radius {}; radii need to be positive and finite", Number(*.0))]
     Radius(f64),
-    /// A particle that meets itself.
+    /// A particle overlaps its own periodic image.
     #[error(
         "a particle of radius {} does not fit the box, whose shortest lattice vector is {} long; it needs more than {}",
         Number(*radius), Number(*shortest), Number(*needed)
     )]
     TooLarge {
-        /// The radius.
+        /// Radius of the particle.
         radius: f64,
         /// Length of the box's shortest lattice vector.
         shortest: f64,
-        /// The least length for that radius.
+        /// Least length of that vector for this radius.
         needed: f64,
     },
-    /// A viscosity that is none.
+    /// The viscosity is not positive and finite.
     #[error("the viscosity is {}; it needs to be positive and finite", Number(*.0))]
     Viscosity(f64),
-    /// A box that is none.
+    /// The box is invalid.
     #[error("the box: {0}")]
     Box(String),
-    /// A tolerance out of range.
+    /// The tolerance is out of range.
     #[error("the tolerance is {}; it needs to be between 1e-12 and 0.5", Number(*.0))]
     Tolerance(f64),
-    /// A fixed grid that can't be transformed.
+    /// The fixed grid can't be transformed.
     #[error("hydrodynamics.grid: {0}")]
     Grid(solver::GridError),
-    /// A grid of more points than are counted.
+    /// The grid would have more points than the largest supported grid.
     #[error(
         "the smallest radius, {}, needs {points:.0e} grid points in a box of {edges}, more than are counted; \
          leave hydrodynamics.method to the program, or take a smaller box, larger spheres or a larger tolerance",
         Number(*radius)
     )]
     TooFine {
-        /// The smallest radius.
+        /// Smallest radius.
         radius: f64,
         /// Edges of the box.
         edges: String,
-        /// Points needed.
+        /// Number of points needed.
         points: f64,
     },
-    /// Fixed choices that contradict each other.
+    /// Fixed choices contradict each other.
     #[error("{0}")]
     Fixed(String),
 }
 
-/// Not as a source of the error: its message holds that of the grid already.
+/// Without the grid's error as the source: the message contains it already.
 impl From<solver::GridError> for PlanError {
     fn from(error: solver::GridError) -> Self {
         Self::Grid(error)
     }
 }
 
-/// Lengths of a box over its width from which on the grid of its lattice as it is sheared, of strains up to half of that, would
-/// have to be some times as fine along y.
+/// Aspect ratio `x/y` of a box from which on its lattice may be sheared so much, by strains up to half the ratio,
+/// that the grid would need several times the resolution along y.
 pub(crate) const LONG: f64 = 16.0;
 
-/// How an evaluation is made.
+/// Numerical parameters of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Edges of the box; the longest that will be met, where they change.
+    /// Edges of the box; the longest that occur, if they change.
     pub edges: Vector,
-    /// What lies at its faces.
+    /// Boundary conditions at the faces of the box.
     pub boundaries: Boundaries,
-    /// Lengths after which the grid repeats: the edges, or longer along axes that do not repeat.
+    /// Periods of the grid: the edges, or longer along axes that are not periodic.
     pub period: Vector,
-    /// How far beyond its open faces there are points where the velocity of the fluid is asked for; none if that is asked for at
-    /// centres of spheres alone.
+    /// Distance beyond the open faces up to which the velocity of the fluid is evaluated; `None` if only that of
+    /// spheres is.
     pub beyond: Option<f64>,
-    /// The part of each of these edges that will be left at least.
+    /// Smallest length of an edge that occurs, over its length here: 1 if the edges do not change.
     pub contraction: f64,
-    /// Whether its third lattice vector leans.
+    /// Whether the third lattice vector is tilted.
     pub leans: bool,
     /// Distinct radii, in ascending order.
     pub radii: Vec<f64>,
     /// Viscosity of the fluid.
     pub viscosity: f64,
-    /// Terms of the expansion.
+    /// Multipole terms of the particles.
     pub multipoles: Multipoles,
     /// Relative error asked for.
     pub tolerance: f64,
-    /// Relative error left in the stresslets.
+    /// Relative error allowed in the stresslets.
     pub iteration_tolerance: f64,
-    /// Relative error that the cut between wavenumbers of walls on the grid and between spheres may have.
+    /// Relative error allowed for the split between wavenumbers of the walls' flow on the grid and between spheres.
     pub allowed_of_wall_cut: f64,
-    /// Part of the mobility of a sphere below which its images in walls are left out.
+    /// Fraction of a sphere's mobility below which its images in walls are left out.
     pub least_image: f64,
-    /// Direct or split, with the split's width and cutoff.
+    /// Direct or split, with the width and cutoff of the split.
     pub method: Method,
     /// Precision of the grid.
     pub precision: Precision,
@@ -116,7 +116,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The fastest plan that keeps the tolerance, by the models of its error and its cost.
+    /// The fastest plan that keeps the tolerance, by the models of error and cost.
     pub fn choose(problem: &Problem) -> Result<Self, PlanError> {
         let ranked = Self::ranked(problem)?;
         Ok(ranked.into_iter().next().expect("there is a plan for every problem that was checked"))
@@ -134,9 +134,9 @@ impl Plan {
         Ok(plans)
     }
 
-    /// A plan for the flow itself, which needs every envelope on the grid, in a box of the given strain that
-    /// does not lean. Its error is
-    /// a percent at most. There is none where the smallest envelope takes more points than are counted.
+    /// Plan for the velocity field of the fluid, which needs every envelope on the grid, in a box of the given strain
+    /// that is not tilted. Its error is 1% at most. Fails if the smallest envelope needs more points than the largest
+    /// supported grid.
     pub fn on_the_grid_alone(&self, strain: f64) -> Result<Self, PlanError> {
         let problem = Problem {
             edges: self.edges,
@@ -192,7 +192,7 @@ impl Plan {
         }
     }
 
-    /// The smallest and the largest radius.
+    /// Smallest and largest radius.
     pub(crate) fn extremes(&self) -> (f64, f64) {
         let of = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
         (of(self.radii.first()), of(self.radii.last()))
@@ -203,8 +203,8 @@ impl Plan {
         self.period / Vector::from_array(self.grid.map(|n| n as f64))
     }
 
-    /// What the split method spreads in place of the envelopes. The least is left to the grid: with dipoles, nothing of
-    /// theirs if all radii are equal.
+    /// Function that the split method spreads in place of the envelopes. If all radii are equal, dipoles need no
+    /// bracket on the grid.
     pub(crate) fn common(&self) -> Option<Common> {
         let Method::Split { width, .. } = self.method else {
             return None;
@@ -213,7 +213,7 @@ impl Plan {
         Some(Common::new(width, self.radii.iter().map(narrowest)))
     }
 
-    /// The window that the split method has on the grid.
+    /// Window that the split method uses on the grid.
     pub(crate) fn window(&self) -> Option<Window> {
         let Method::Split { width, .. } = self.method else {
             return None;
@@ -221,7 +221,7 @@ impl Plan {
         Some(Window::new(self.support.support, width / self.spacing().max_element()))
     }
 
-    /// The class of a radius: its place among [`Plan::radii`].
+    /// Class of a radius: its index in [`Plan::radii`].
     ///
     /// # Panics
     /// If no particle of the problem had that radius.
@@ -230,17 +230,17 @@ impl Plan {
         place.expect("a plan knows the radii of all particles") as u32
     }
 
-    /// How exact the tables of pair functions need to be.
+    /// Error of the tables of pair functions.
     pub(crate) fn table_tolerance(&self) -> f64 {
         (0.01 * self.tolerance).max(1e-14)
     }
 
-    /// The plan in a line.
+    /// One-line summary of the plan.
     pub fn in_short(&self) -> String {
         self.in_short_for(Turn::default())
     }
 
-    /// The same for a reader whose axes this turn makes those of the box.
+    /// The same in the user's axes, which `turn` maps to those of the box.
     pub fn in_short_for(&self, turn: Turn) -> String {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let method = if self.method == Method::Direct { "direct" } else { "split" };
@@ -249,12 +249,12 @@ impl Plan {
         format!("{method}, {nx} x {ny} x {nz} in {precision}, {points} points along an axis, error {error:.1e}")
     }
 
-    /// The plan in words, a line each.
+    /// Description of the plan, one quantity per line.
     pub fn describe(&self) -> String {
         self.describe_for(Turn::default())
     }
 
-    /// The same for a reader whose axes this turn makes those of the box.
+    /// The same in the user's axes, which `turn` maps to those of the box.
     pub fn describe_for(&self, turn: Turn) -> String {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let [px, py, pz] = turn.inverse().list(self.support.along_axes());

@@ -1,4 +1,4 @@
-//! Ways to evaluate a problem.
+//! Candidate plans of a problem.
 
 use crate::accuracy::{self, Accuracy, Brackets};
 use crate::bounded::GridAtWalls;
@@ -15,21 +15,21 @@ use domain::{Boundaries, Vector};
 use solver::Grid;
 use std::f64::consts::PI;
 
-/// How much finer grids are at walls: on finer ones windows err less, and images reach less far.
+/// Refinement factors of grids at walls: on finer grids the windows have smaller errors, and images reach less far.
 const FINER_AT_WALLS: [f64; 7] = [1.0, 1.1, 1.2, 1.35, 1.6, 2.0, 2.5];
 
-/// Smallest radii that a cutoff may span at walls: images take as many wavenumbers.
+/// Largest cutoff at walls, in smallest radii: images take as many wavenumbers.
 const FARTHEST_AT_WALLS: f64 = 1000.0;
 
-/// Edges of the box that a cutoff may span: images are counted in bytes.
+/// Largest cutoff, in shortest edges of the box: steps to periodic images are stored in bytes.
 const FARTHEST: f64 = 60.0;
 
-/// The least factor from one number of points to the next that is tried: none up to a thousand.
+/// Least factor from one number of points to the next that is tried: none up to a thousand.
 fn coarser(points: usize) -> f64 {
     if points < 1000 { 1.0 } else { 1.04 }
 }
 
-/// One way to keep a tolerance: what a method needs, and the width of its Gaussian.
+/// One way to keep a tolerance: method, resolution and stencil, and width of the Gaussian.
 #[derive(Clone, Copy)]
 struct Candidate {
     method: MethodName,
@@ -37,7 +37,7 @@ struct Candidate {
     width: f64,
 }
 
-/// A candidate on a grid with windows that err little enough at walls, or do not.
+/// A candidate, and whether its windows keep the error allowed at walls.
 struct AtWalls {
     candidate: Candidate,
     keeps: bool,
@@ -48,7 +48,7 @@ impl Problem {
         self.radii.iter().map(|r| r.0).fold(0.0, f64::max)
     }
 
-    /// The same with each radius once, which is all that is needed of many particles.
+    /// The same with equal radii merged, as planning needs.
     pub(crate) fn summed_up(&self) -> Self {
         let mut radii = self.radii.clone();
         radii.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -65,8 +65,8 @@ impl Problem {
         self.radii.iter().map(|r| r.1).sum()
     }
 
-    /// Plans that keep the tolerance: the best of each method, precision and stencil. Where none does at walls, the one that errs
-    /// least there.
+    /// Plans that keep the tolerance: the best of each method, precision and stencil. If none keeps it at walls, the
+    /// one with the smallest error there.
     pub(crate) fn candidates(&self) -> Vec<Plan> {
         let (mut best, mut least): (Vec<Plan>, Option<Plan>) = (Vec::new(), None);
         for candidate in self.direct().into_iter().chain(self.split()) {
@@ -103,7 +103,7 @@ impl Problem {
     }
 
     fn precisions(&self) -> impl Iterator<Item = Precision> {
-        // Iterations that go on below what the grid rounds off would follow its noise.
+        // An iteration continued below the round-off of the grid would follow its noise.
         let finest = (self.tolerance / self.hindrance()).min(self.iteration_tolerance() / ITERATION_SHARE);
         let single = finest >= accuracy::FINEST_SINGLE || self.fixed.precision.is_some();
         let enough = move |precision: &Precision| single || *precision == Precision::Double;
@@ -121,13 +121,13 @@ impl Problem {
         all.map(|accuracy| Candidate { method, accuracy, width }).collect()
     }
 
-    /// The width of a sphere's narrowest envelope.
+    /// Width of a sphere's narrowest envelope.
     fn own_width(&self, radius: f64) -> f64 {
         self.multipoles.narrowest(Envelope::of_sphere(radius))
     }
 
-    /// Common Gaussians worth trying: those for each good number of points along the longest edge, up to so many that a
-    /// step of a few percent skips some.
+    /// Common Gaussians worth trying: those for each efficient number of points along the longest edge, up to large
+    /// numbers, of which steps of a few percent skip some.
     fn split(&self) -> Vec<Candidate> {
         let [fewest, most] = Window::POINTS;
         if !self.allows(MethodName::Split) || self.fixed.support.is_some_and(|p| !(fewest..=most).contains(&p)) {
@@ -158,14 +158,14 @@ impl Problem {
         }
     }
 
-    /// Those with one Gaussian.
+    /// Candidates with a given width of the Gaussian.
     fn of_width(&self, width: f64) -> Vec<Candidate> {
         let brackets = |resolution: f64| self.brackets(width, self.stretch_at(width / resolution));
         let all = Accuracy::split(self.multipoles, self.tolerance * self.leeway(), brackets).into_iter();
         all.map(|accuracy| Candidate { method: MethodName::Split, accuracy, width }).collect()
     }
 
-    /// Those with one spacing.
+    /// Candidates with a given grid spacing.
     fn of_spacing(&self, spacing: f64) -> Vec<Candidate> {
         let stretch = self.stretch_at(spacing);
         let brackets = |resolution: f64| self.brackets(spacing * resolution, stretch);
@@ -174,7 +174,7 @@ impl Problem {
         all.map(|accuracy| Candidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
     }
 
-    /// Brackets that a common Gaussian leaves, on a grid along whose axes spheres reach farther by `stretch`.
+    /// Brackets of a common Gaussian, on a grid along whose axes spheres extend farther by `stretch`.
     fn brackets(&self, width: f64, stretch: f64) -> Brackets {
         let [least, most] = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
         let common = Common::new(width, [least, most].into_iter());
@@ -182,7 +182,7 @@ impl Problem {
         Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch }
     }
 
-    /// The grid that a candidate needs; none if it has more points than are counted.
+    /// Grid that a candidate needs; none if it has more points than the largest supported grid.
     fn grid(&self, candidate: &Candidate) -> Option<[usize; 3]> {
         if let Some(grid) = self.fixed.grid {
             return Some(grid);
@@ -197,8 +197,8 @@ impl Problem {
         (grid.iter().map(|&n| n as f64).product::<f64>() <= Grid::MOST_IN_ALL).then_some(grid)
     }
 
-    /// A candidate on grids that are fine enough at walls, each with windows that err little enough there; if there are none, on the
-    /// finest of them with those that err least. Without walls as it is.
+    /// A candidate on grids that are fine enough at walls, each with a window whose error is allowed there; if there
+    /// are none, on the finest grid with the window of least error. Unchanged without walls.
     fn at_walls(&self, candidate: &Candidate, precision: Precision) -> Vec<AtWalls> {
         if self.boundaries.walls() == 0 {
             return vec![AtWalls { candidate: *candidate, keeps: true }];
@@ -219,16 +219,16 @@ impl Problem {
         let longest = Window::POINTS[1].max(points);
         let windows = |factor: f64| (points..=longest).map(move |points| with(factor, points));
         let allowed = ENOUGH * self.allowed_at_walls();
-        // Where the longest window errs too much the others do.
+        // If the error of the longest window is too large, so are the others.
         let may_be = |factor: &f64| of_walls(*factor, longest).1 <= allowed;
         let enough = |factor: f64| windows(factor).find(|(_, error)| *error <= allowed);
-        // A grid that is fixed is as it is.
+        // A fixed grid is not refined.
         let finer = &FINER_AT_WALLS[..if self.fixed.grid.is_some() { 1 } else { FINER_AT_WALLS.len() }];
         let mut found = Vec::new();
         for &factor in finer.iter().filter(|factor| may_be(factor)) {
             let Some((candidate, _)) = enough(factor) else { continue };
             found.push(AtWalls { candidate, keeps: true });
-            // On a finer grid yet the window would be no shorter.
+            // A finer grid could not have a shorter window.
             if candidate.accuracy.points == points {
                 break;
             }
@@ -240,7 +240,8 @@ impl Problem {
         found
     }
 
-    /// Round-off as the highest wavenumbers amplify it, on which a window that is long for its Gaussian has next to nothing.
+    /// Round-off error as the highest wavenumbers amplify it, where the transform of a window that is long for its
+    /// Gaussian nearly vanishes.
     fn amplified(&self, width: f64, Accuracy { resolution, points }: Accuracy, precision: Precision) -> f64 {
         let window = Window::new(points, resolution);
         let Brackets { common, own, .. } = self.brackets(width, self.stretch());
@@ -253,7 +254,8 @@ impl Problem {
         most.powi(2) * if precision == Precision::Single { accuracy::ROUND_OFF } else { f64::EPSILON }
     }
 
-    /// The error of walls on a grid of this spacing with windows of so many points that stand for a Gaussian of this width.
+    /// Error of the walls' flow on a grid of this spacing, with windows of `points` points for a Gaussian of this
+    /// width.
     fn wall_error(&self, (width, cutoff): (f64, f64), spacing: f64, points: usize) -> f64 {
         let at_walls = GridAtWalls {
             boundaries: self.boundaries,
@@ -269,7 +271,7 @@ impl Problem {
         at_walls.cut().1
     }
 
-    /// Lengths that the grid of a candidate has to have.
+    /// Lengths that the grid of a candidate needs.
     fn lengths_of(&self, candidate: &Candidate) -> Vector {
         if self.boundaries == Boundaries::Periodic {
             return self.edges;
@@ -279,13 +281,15 @@ impl Problem {
         self.lengths(window, self.overlap(candidate.width))
     }
 
-    /// The distance from which common Gaussians do not overlap: the cutoff, except for forces alone, which may have none.
+    /// Distance from which common Gaussians do not overlap: the cutoff, except with forces alone, where the cutoff
+    /// may be 0.
     fn overlap(&self, width: f64) -> f64 {
         let brackets = self.brackets(width, self.stretch());
         width * accuracy::cutoff(Multipoles::Dipole, self.tolerance * self.leeway(), brackets)
     }
 
-    /// Lengths after which the grid of a candidate repeats: spacings of what it needs along axes that do not.
+    /// Periods of the grid of a candidate: the edges along periodic axes, along others the number of points times the
+    /// spacing.
     fn period(&self, candidate: &Candidate, grid: [usize; 3]) -> Vector {
         let spacing = candidate.width / candidate.accuracy.resolution;
         let along = |axis: usize| {
@@ -337,12 +341,12 @@ impl Problem {
         Some(plan)
     }
 
-    /// The cutoff that a common Gaussian needs.
+    /// Cutoff that a common Gaussian needs.
     fn cutoff(&self, width: f64) -> f64 {
         width * accuracy::cutoff(self.multipoles, self.tolerance * self.leeway(), self.brackets(width, self.stretch()))
     }
 
-    /// The stencils that a candidate needs on a grid.
+    /// Stencils that a candidate needs on a grid.
     fn support(&self, candidate: &Candidate, spacing: Vector, widest: f64) -> Support {
         let needed = candidate.accuracy.points;
         if candidate.method == MethodName::Split {
@@ -354,7 +358,7 @@ impl Problem {
             };
         }
         let reach = 0.5 * needed as f64 / candidate.accuracy.resolution * widest;
-        // Where edges shrink, the grid does.
+        // The grid shrinks with the edges.
         let needed = |h: f64| ((2.0 * reach / (h * self.contraction) - 1e-9).ceil() as usize).min(Grid::MOST);
         let points = |h: f64| self.fixed.support.unwrap_or_else(|| needed(h));
         let reach = self.fixed.support.map_or(reach, |points| 0.5 * points as f64 * spacing.max_element());
@@ -365,7 +369,8 @@ impl Problem {
         }
     }
 
-    /// The error of what is done, with what the user fixed: with the narrowest and the widest Gaussian on the grid.
+    /// Error expected of the final choice, with the parameters that the user fixed and the narrowest and the widest
+    /// Gaussian on the grid.
     fn expected(&self, method: Method, [narrowest, widest]: [f64; 2], spacing: Vector, support: Support) -> f64 {
         let lengthened = self.lengthened_on(method, spacing);
         let resolution = narrowest / (spacing * lengthened).max_element();

@@ -1,15 +1,15 @@
-//! What is to be evaluated, and in which ways it may be.
+//! Problem to plan for: box, particles, loads, and choices that the user fixed.
 
 use crate::costs::Costs;
 use crate::envelope::Envelope;
 use domain::{Boundaries, PeriodicBox, Vector};
 
-/// How envelopes are evaluated.
+/// Method of evaluation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// Each envelope itself is spread: the smallest one sets the grid.
+    /// Direct: each envelope itself is spread, so the smallest one sets the grid.
     Direct,
-    /// All particles share one wider Gaussian on the grid, and pairs within the cutoff make up the difference.
+    /// Split: all particles share one wider Gaussian on the grid, and pairs within the cutoff make up the difference.
     Split {
         /// Width of the common Gaussian.
         width: f64,
@@ -19,7 +19,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Distance beyond which pairs are left out: 0 if there are none.
+    /// Distance beyond which pairs are left out; 0 for the direct method.
     pub fn cutoff(&self) -> f64 {
         match *self {
             Self::Direct => 0.0,
@@ -37,7 +37,7 @@ pub enum Precision {
     Double,
 }
 
-/// Which terms of the multipole expansion the particles have.
+/// Terms of the multipole expansion of the particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Multipoles {
     /// Forces alone.
@@ -47,7 +47,7 @@ pub enum Multipoles {
 }
 
 impl Multipoles {
-    /// The width of a sphere's narrowest envelope.
+    /// Width of a sphere's narrowest envelope.
     pub(crate) fn narrowest(self, envelope: Envelope) -> f64 {
         match self {
             Self::Monopole => envelope.monopole,
@@ -56,63 +56,64 @@ impl Multipoles {
     }
 }
 
-/// What is to be evaluated, and what the user fixed of how.
+/// Description of the suspension to evaluate, and the choices that the user fixed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// Edges of the box; the longest that will be met, where they change.
+    /// Edges of the box; the longest that occur, if they change.
     pub edges: Vector,
-    /// What lies at its faces.
+    /// Boundary conditions at the faces of the box.
     pub boundaries: Boundaries,
-    /// Volume of the box; that of a stretched one does not change.
+    /// Volume of the box; it does not change in extensional flow.
     pub volume: f64,
-    /// Length of the shortest lattice vector that will be met, across which no sphere meets itself.
+    /// Length of the shortest lattice vector that occurs; spheres must not overlap their images across it.
     pub shortest_vector: f64,
-    /// The part of each of these edges that will be left at least: 1 where they do not change.
+    /// Smallest length of an edge that occurs, over its length here: 1 if the edges do not change.
     pub contraction: f64,
-    /// Largest strain of the box that will be met.
+    /// Largest strain of the box that occurs.
     pub largest_strain: f64,
-    /// Largest [`PeriodicBox::tilts`] of the box that will be met: 0 where its third lattice vector is upright.
+    /// Largest [`PeriodicBox::tilts`] of the box that occur: 0 if its third lattice vector is orthogonal to the other
+    /// two.
     pub largest_tilts: [f64; 2],
     /// Radius and number of each kind of particle; radii may repeat.
     pub radii: Vec<(f64, usize)>,
     /// Viscosity of the fluid.
     pub viscosity: f64,
-    /// Terms of the expansion.
+    /// Multipole terms of the particles.
     pub multipoles: Multipoles,
-    /// Whether stresslets are solved for, which makes more of an error than given ones do.
+    /// Whether stresslets are solved for, which amplifies errors more than given ones do.
     pub rigid: bool,
-    /// Whether near pairs of rigid particles feel lubrication besides, which decides most of their motions where they are dense.
+    /// Whether near pairs of rigid particles are lubricated, which dominates their motions in dense suspensions.
     pub lubricated: bool,
     /// Loads that are expected.
     pub loading: Loading,
     /// Relative error asked for.
     pub tolerance: f64,
-    /// Threads in all.
+    /// Threads over all ranks.
     pub threads: usize,
-    /// Ranks.
+    /// Number of ranks.
     pub ranks: usize,
-    /// What parts of an evaluation cost on the machine, over what they cost where the planner was made.
+    /// Costs of the parts of an evaluation on the machine, over those where the planner was calibrated.
     pub costs: Costs,
-    /// What the user fixed.
+    /// Choices that the user fixed.
     pub fixed: Fixed,
 }
 
-/// Loads on the particles, as far as they decide how small the answer may be beside the motions of single spheres.
+/// Kinds of loads, as far as they decide how small the answer may be relative to the motions of single spheres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loading {
     /// Loads that differ from particle to particle.
     Varied,
-    /// A background flow, in which motions relative to it may be small beside its rate of strain.
+    /// A background flow, in which motions relative to it may be small against its rate of strain.
     Flow,
-    /// Weights or other equal forces, which dense suspensions hinder.
+    /// Weights or other equal forces, whose motion is hindered in dense suspensions.
     Uniform,
-    /// The same on particles that may stand in a lattice, whose errors add up.
+    /// Equal forces on particles that may form a lattice, where errors add up.
     UniformOnLattice,
 }
 
 impl Problem {
-    /// The [`Self::shortest_vector`] of a box that does not move: along each combination of the second and the third lattice
-    /// vector, with the multiple of the first that is nearest to it.
+    /// [`Self::shortest_vector`] of a static box: over combinations of the second and third lattice vector, each with
+    /// the nearest multiple of the first.
     pub fn shortest_vector_of(cell: &PeriodicBox) -> f64 {
         let length = |j: i32, k: i32| {
             let across = cell.lattice([0, j, k]);
@@ -123,13 +124,13 @@ impl Problem {
         combinations.map(|(j, k)| length(j, k)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The [`Self::largest_tilts`] of a box that does not move.
+    /// [`Self::largest_tilts`] of a static box.
     pub fn tilts_of(cell: &PeriodicBox) -> [f64; 2] {
         if cell.is_upright() { [0.0; 2] } else { cell.tilts().map(f64::abs) }
     }
 }
 
-/// What a user may fix; the planner chooses the rest.
+/// Choices that a user may fix; the planner makes the others.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Fixed {
     /// Direct or split.
@@ -144,11 +145,11 @@ pub struct Fixed {
     pub cutoff: Option<f64>,
     /// Precision of the grid.
     pub precision: Option<Precision>,
-    /// Relative error left in the stresslets.
+    /// Relative error allowed in the stresslets.
     pub iteration_tolerance: Option<f64>,
 }
 
-/// The name of a [`Method`].
+/// Name of a [`Method`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MethodName {
     /// [`Method::Direct`]

@@ -1,28 +1,28 @@
-//! Points at which the flow of a box that does not repeat along all axes is asked for.
+//! Points at which the flow is evaluated in a box that is not periodic along all axes.
 
 use crate::plan::{Plan, PlanError};
 use crate::problem::Method;
 use domain::{Boundaries, Vector};
 use solver::Grid;
 
-/// Points on straight lines along the axes, at equal distances.
+/// Equally spaced points on a rectangular raster along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Raster {
-    /// The place of the first.
+    /// Position of the first point.
     pub first: Vector,
     /// Distances along each axis.
     pub spacing: Vector,
-    /// Points along x, y and z.
+    /// Number of points along x, y and z.
     pub points: [usize; 3],
 }
 
 impl Raster {
-    /// The place of a point.
+    /// Position of a point.
     pub fn point(&self, at: [usize; 3]) -> Vector {
         self.first + self.spacing * Vector::from_array(at.map(|n| n as f64))
     }
 
-    /// The points of a plane across z, x fastest.
+    /// Points of a plane across z, x fastest.
     pub fn plane(&self, k: usize) -> impl Iterator<Item = Vector> {
         let [nx, ny, _] = self.points;
         (0..ny).flat_map(move |j| (0..nx).map(move |i| self.point([i, j, k])))
@@ -30,8 +30,9 @@ impl Raster {
 }
 
 impl Plan {
-    /// A plan for the flow itself, of a box that has the given strain if it repeats along all axes: then that is on the grid of
-    /// [`Self::on_the_grid_alone`], else at the points of [`Self::raster`] by a plan [`Self::with_points`].
+    /// Plan for the velocity field of the fluid. In a box that is periodic along all axes, which has the given
+    /// strain, the field is on the grid of [`Self::on_the_grid_alone`]; otherwise it is at the points of
+    /// [`Self::raster`] by a plan [`Self::with_points`].
     pub fn of_flow(&self, strain: f64) -> Result<Self, PlanError> {
         match self.boundaries {
             Boundaries::Periodic => self.on_the_grid_alone(strain),
@@ -39,13 +40,13 @@ impl Plan {
         }
     }
 
-    /// Points along x, y and z where such a plan has the flow.
+    /// Number of points along x, y and z at which such a plan has the flow.
     pub fn points_of_flow(&self) -> [usize; 3] {
         if self.boundaries == Boundaries::Periodic { self.grid } else { self.raster(Vector::ZERO).points }
     }
 
-    /// The same way to evaluate on a longer grid, if the box does not repeat along all axes, so that it reaches points of the
-    /// fluid up to walls, and beyond open faces by twice the largest radius. An error where no grid is so long.
+    /// The same evaluation on a longer grid, if the box is not periodic along all axes, such that it reaches points
+    /// of the fluid up to walls, and beyond open faces by twice the largest radius. Fails if no grid is long enough.
     pub fn with_points(&self) -> Result<Self, PlanError> {
         assert!(self.method != Method::Direct, "the direct method is for boxes that repeat along all axes");
         let mut plan = Self { beyond: Some(2.0 * self.extremes().1), ..self.clone() };
@@ -62,10 +63,10 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Points of the fluid in a box whose lowest corner is at `origin`, half of the smallest radius apart where that is between half
-    /// the spacing of the plan's grid and that itself, else by the nearer of these: so there are few where the grid is coarse. From wall
-    /// to wall, both in it, or beyond open faces as far as a plan [`Self::with_points`] reaches; along axes along which the box
-    /// repeats up to where it does.
+    /// Points of the fluid in a box whose lowest corner is at `origin`. Their distance is half the smallest radius,
+    /// clamped to between half the spacing of the plan's grid and that spacing, so a coarse grid gives few points.
+    /// They extend from wall to wall inclusive, or beyond open faces as far as a plan [`Self::with_points`] reaches;
+    /// along periodic axes over one period.
     pub fn raster(&self, origin: Vector) -> Raster {
         let fine = 0.5 * self.extremes().0;
         let mut raster = Raster { first: origin, spacing: Vector::ZERO, points: [0; 3] };

@@ -6,13 +6,13 @@ use domain::{Boundaries, Vector};
 use solver::Grid;
 
 impl Plan {
-    /// Whether the grid is that of the least sheared lattice that has its points: see [`Grid::reduced`].
+    /// Whether the grid is that of the least sheared lattice with the same points: see [`Grid::reduced`].
     pub(crate) fn is_reduced(&self) -> bool {
         self.method != Method::Direct && !self.leans && is_long(self.boundaries, self.contraction, self.edges)
     }
 }
 
-/// Whether a box of constant edges is so long along the flow that the strain of its lattice may be many.
+/// Whether a box of constant edges is so long along the flow that the strain of its lattice may be large.
 fn is_long(boundaries: Boundaries, contraction: f64, edges: Vector) -> bool {
     boundaries == Boundaries::Periodic && contraction >= 1.0 && edges.x >= LONG * edges.y
 }
@@ -23,7 +23,7 @@ fn of_strain(strain: f64) -> f64 {
 }
 
 impl Problem {
-    /// Whether the third lattice vector is not upright.
+    /// Whether the third lattice vector is tilted.
     pub(crate) fn leans(&self) -> bool {
         self.largest_tilts.iter().any(|&tilt| tilt != 0.0)
     }
@@ -33,21 +33,24 @@ impl Problem {
         !self.leans() && is_long(self.boundaries, self.contraction, self.edges)
     }
 
-    /// Lattice vectors over the box's edges: a grid sheared by `s` resolves `sqrt(1 + s^2)` less along y.
+    /// Lengths of the lattice vectors over the box's edges: a grid sheared by `s` resolves `sqrt(1 + s^2)` less along
+    /// y.
     pub(crate) fn lengthened(&self) -> Vector {
         let (s, [t, r]) = (self.largest_strain, self.largest_tilts);
         Vector::new(1.0, of_strain(s), (1.0 + t * t + r * r).sqrt())
     }
 
-    /// The most of these, and of how much farther a sphere reaches along a lattice coordinate: [`domain::PeriodicBox::slant`].
+    /// Largest of these, and of the factor by which a sphere extends farther along a lattice coordinate:
+    /// [`domain::PeriodicBox::slant`].
     pub(crate) fn stretch(&self) -> f64 {
         let (s, [t, r]) = (self.largest_strain, self.largest_tilts);
         let (first, Vector { y, z, .. }) = (t + s * r, self.lengthened());
         (1.0 + s * s + first * first).sqrt().max(y).max(z)
     }
 
-    /// Refinement of a method's grid along each axis. A reduced one is sheared by at most half of `hx/hy`: with `hx` of
-    /// at most the distance `h` that an orthogonal grid needs, `hy = h sqrt(3)/2` is enough for `hy^2 + (hx/2)^2 <= h^2`.
+    /// Refinement of a method's grid along each axis. A reduced one is sheared by at most half of `hx/hy`. If `hx` is
+    /// at most the spacing `h` that an orthogonal grid needs, then `hy = h sqrt(3)/2` is enough for
+    /// `hy^2 + (hx/2)^2 <= h^2`.
     pub(crate) fn lengthened_for(&self, method: MethodName) -> Vector {
         if method == MethodName::Direct || !self.is_reduced() {
             return self.lengthened();
@@ -55,7 +58,7 @@ impl Problem {
         Vector::new(1.0, of_strain(self.largest_strain.min(3f64.sqrt().recip())), 1.0)
     }
 
-    /// Lattice vectors of a method's grid of given spacings over these.
+    /// Lengths of the lattice vectors of a method's grid over its given spacings.
     pub(crate) fn lengthened_on(&self, method: Method, spacing: Vector) -> Vector {
         if method == Method::Direct || !self.is_reduced() {
             return self.lengthened();
@@ -63,7 +66,7 @@ impl Problem {
         Vector::new(1.0, of_strain(self.largest_strain.min(0.5 * spacing.x / spacing.y)), 1.0)
     }
 
-    /// The same as [`Self::stretch`] of the grid of the split method that an orthogonal one with this spacing becomes.
+    /// [`Self::stretch`] for the grid of the split method that replaces an orthogonal one of this spacing.
     pub(crate) fn stretch_at(&self, spacing: f64) -> f64 {
         if !self.is_reduced() {
             return self.stretch();
@@ -74,7 +77,7 @@ impl Problem {
         of_strain(self.largest_strain.min(strain))
     }
 
-    /// The factor by which a given grid of the split method is coarser than an orthogonal one with its largest spacing.
+    /// Factor by which a given grid of the split method is coarser than an orthogonal one with its largest spacing.
     pub(crate) fn coarsening(&self, spacing: Vector) -> f64 {
         if !self.is_reduced() {
             return self.stretch();

@@ -1,4 +1,4 @@
-//! Loads to force density.
+//! Spreading: loads to force density.
 
 use crate::kernel::{Kernel, Load, Slab};
 use crate::stencil::Place;
@@ -6,18 +6,18 @@ use rayon::prelude::*;
 use solver::simd::{Vector as Lanes, Work};
 use solver::{Field, Physical, Real};
 
-/// What is spread: stencils, and for each particle present its class and load.
+/// Sources of the spreading: stencils, and the class and load of each particle present.
 pub(crate) struct Spread<'a, T> {
     pub places: &'a [Place],
     pub classes: &'a [u32],
     pub loads: &'a [Load<T>],
-    /// Planes of the grid.
+    /// Number of planes of the grid.
     pub period: usize,
 }
 
 impl<T: Real> Spread<'_, T> {
-    /// Makes the field the sum of all loads. Each thread writes planes of its own and goes through the particles in the
-    /// same order, so that the sums do not depend on the number of threads.
+    /// Sets the field to the sum of all loads. Each thread writes its own planes and processes the particles in the
+    /// same order, so the sums do not depend on the number of threads.
     pub fn run<K: Kernel<T>>(&self, kernel: &K, field: &mut Field<T, Physical>) {
         let [lines, planes] = field.rows();
         if lines.is_empty() || planes.is_empty() {
@@ -60,8 +60,8 @@ impl<T: Real, K: Kernel<T>> Work<T> for Fill<'_, T, K> {
     }
 }
 
-/// The planes of a slab that still hold old values. They are set to zero when a stencil first needs them, so that they
-/// are in the cache when it does.
+/// Planes of a slab that still hold old values. They are zeroed when a stencil first needs them, so that they are in
+/// the cache then.
 struct Dirty {
     planes: Vec<bool>,
     /// First plane of the last stencil.
@@ -73,7 +73,7 @@ impl Dirty {
         Self { planes: vec![true; planes], last: None }
     }
 
-    /// Clears the planes that a stencil of so many, in a period, touches.
+    /// Zeroes the planes that a stencil of `count` planes touches, wrapped at the period.
     #[inline(always)]
     fn clear_for<T: Real>(&mut self, place: &Place, (count, period): (usize, usize), slab: &mut Slab<&mut [T]>) {
         if self.last == Some(place.first[2]) {

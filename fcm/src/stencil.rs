@@ -1,19 +1,19 @@
-//! Which grid points a particle's envelope touches.
+//! Grid points of the particles' stencils.
 
 use domain::Vector;
 use rayon::prelude::*;
 use solver::Grid;
 
-/// The stencils of all particles. With the direct method those of `lanes` points along x and `support` along y and z
-/// that lie within the reach; with the split method `support` points along each axis, for which there is room for
-/// `lanes` along x.
+/// Size of the stencils of all particles. With the direct method they are the points within the reach, in a box of
+/// `lanes` points along x and `support` along y and z; with the split method `support` points along each axis, padded
+/// to `lanes` along x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
     /// Points along x, a multiple of eight.
     pub lanes: usize,
     /// Points along y and along z.
     pub support: usize,
-    /// Distance from the particle beyond which points are left out, or which the window spans.
+    /// Distance from the particle beyond which points are left out, or half the length of the window.
     pub reach: f64,
 }
 
@@ -24,19 +24,20 @@ impl Support {
     }
 }
 
-/// Where one particle's stencil begins.
+/// First point of one particle's stencil.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     /// Row of the particle among those present.
     pub row: u32,
-    /// First grid point along each axis, wrapped into the box; along x that of the first row, see [`Grid::row_shift`].
+    /// First grid point along each axis, wrapped into the box; along x that of the first row, see
+    /// [`Grid::row_shift`].
     pub first: [u32; 3],
     /// Coordinates of that point relative to the particle in the lattice of [`Grid::strain`].
     pub offset: Vector,
 }
 
-/// The stencils of so many points along each axis of the particles at `positions`, in the order of the blocks where
-/// they begin.
+/// Stencils of `extent` points along each axis for particles at `positions`, sorted by the blocks of their first
+/// points.
 pub(crate) fn places(grid: &Grid, extent: [usize; 3], positions: &[Vector]) -> Vec<Place> {
     let spacing = grid.spacing();
     let points = grid.points().map(|n| n as i32);
@@ -59,15 +60,16 @@ pub(crate) fn places(grid: &Grid, extent: [usize; 3], positions: &[Vector]) -> V
     sort_by_key(unsorted.collect(), key, blocks.count())
 }
 
-/// Blocks of the grid in an order in which neighbours in the list are neighbours in memory: columns of blocks along z,
-/// one after the other, and in each the blocks by layers from below. What the stencils of a layer touch stays in the
-/// second cache, so that each plane comes from afar once a column; what those of a block touch stays in the first.
+/// Order of the grid's blocks in which neighbours in the list are neighbours in memory: columns of blocks along z,
+/// one after the other, and within each the blocks layer by layer. The points that stencils of a layer touch stay in
+/// the second-level cache, so each plane is fetched from main memory once per column; those of a block stay in the
+/// first-level cache.
 struct Blocks {
-    /// Columns along x and y, and layers.
+    /// Number of columns along x and y, and of layers.
     counts: [usize; 3],
 }
 
-/// Points of a block along each axis, and blocks of a layer of a column along x and y.
+/// Points of a block along each axis, and blocks along x and y of a column's layer.
 const BLOCK: [usize; 3] = [16, 4, 4];
 const COLUMN: [usize; 2] = [4, 16];
 
@@ -81,7 +83,7 @@ impl Blocks {
         self.counts.iter().chain(&COLUMN).product()
     }
 
-    /// The place of the block of a point in the order of all.
+    /// Index of the block of a point in the order of all blocks.
     fn place(&self, point: [usize; 3]) -> usize {
         let [x, y, z] = std::array::from_fn(|d| point[d] / BLOCK[d]);
         let column = y / COLUMN[1] * self.counts[0] + x / COLUMN[0];
@@ -90,7 +92,7 @@ impl Blocks {
     }
 }
 
-/// A stable counting sort by keys below `keys`.
+/// Stable counting sort by keys below `keys`.
 fn sort_by_key(places: Vec<Place>, key: impl Fn(&Place) -> usize, keys: usize) -> Vec<Place> {
     if places.len() < keys / 8 {
         let mut places = places;

@@ -4,11 +4,11 @@ use crate::envelope::{Common, Envelope};
 use crate::pair_functions::Difference;
 use solver::Real;
 
-/// The functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and
-/// the second's dipole, `f_2, f_3` the other way round, and `f_2, f_3, f_4` of two dipoles.
+/// Functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the
+/// second's dipole, `f_2, f_3` the other way round, and `f_2, f_3, f_4` of two dipoles.
 pub(crate) type Values = [f64; 9];
 
-/// The four differences between two envelopes and two common ones.
+/// Differences between two envelopes and two common Gaussians, for the four combinations of force and dipole.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PairFunctions {
     forces: Difference,
@@ -18,7 +18,7 @@ pub(crate) struct PairFunctions {
 }
 
 impl PairFunctions {
-    /// Between envelopes `i` and `j`.
+    /// Functions between envelopes `i` and `j`.
     pub fn new(i: Envelope, j: Envelope, common: Common) -> Self {
         Self {
             forces: Difference::new([i.monopole, j.monopole], common),
@@ -28,8 +28,7 @@ impl PairFunctions {
         }
     }
 
-    /// The functions at `r^2 = square`, and their derivatives by `r^2` to the given order:
-    /// `d f_n / d(r^2) = f_(n+1)/2`.
+    /// Derivatives of the functions by `r^2` of the given order at `r^2 = square`: `d f_n / d(r^2) = f_(n+1)/2`.
     fn derivative(&self, square: f64, order: usize) -> Values {
         let [forces, mixed, other, dipoles] =
             [&self.forces, &self.force_dipole, &self.dipole_force, &self.dipoles].map(|d| d.evaluate(square));
@@ -39,7 +38,7 @@ impl PairFunctions {
             .map(|f| f * half)
     }
 
-    /// The functions at `r^2 = square`.
+    /// Functions at `r^2 = square`.
     pub fn exact(&self, square: f64) -> Values {
         self.derivative(square, 0)
     }
@@ -56,7 +55,7 @@ pub(crate) struct Table<T> {
     intervals: Vec<Interval<T>>,
 }
 
-/// The coefficients of an interval, by order: those of the first eight functions, and those of the last.
+/// Coefficients of an interval by order: of the first eight functions, and of the last.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(64))]
 struct Interval<T> {
@@ -65,8 +64,8 @@ struct Interval<T> {
 }
 
 impl<T: Real> Table<T> {
-    /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at contact of point and
-    /// point; none where that takes too many intervals, as for a cutoff of hundreds of radii.
+    /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at distance 0 between
+    /// points; `None` if that takes too many intervals, as for a cutoff of hundreds of radii.
     pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<Self> {
         let count = Self::intervals(functions, cutoff, tolerance)?;
         let width = cutoff * cutoff / count as f64;
@@ -87,7 +86,7 @@ impl<T: Real> Table<T> {
         let first = functions.exact(0.0);
         let bound = functions.derivative(0.0, DEGREE + 1);
         let factorial = 720.0;
-        // Half an interval, from the first neglected term, which is largest at r = 0.
+        // Half-width of an interval from the first neglected term, which is largest at r = 0.
         let half = (0..9)
             .filter(|&f| bound[f] != 0.0)
             .map(|f| (tolerance * factorial * (first[f] / bound[f]).abs()).powf(1.0 / (DEGREE + 1) as f64))
@@ -96,12 +95,12 @@ impl<T: Real> Table<T> {
         (count <= MOST_INTERVALS).then_some(count)
     }
 
-    /// Bytes of the table that [`Self::new`] makes, if it makes one.
+    /// Bytes of the table of [`Self::new`], if it makes one.
     pub fn bytes(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<f64> {
         Self::intervals(functions, cutoff, tolerance).map(|count| (count * size_of::<Interval<T>>()) as f64)
     }
 
-    /// The functions at `r^2 = square`, below the cutoff.
+    /// Functions at `r^2 = square`, below the cutoff.
     #[inline(always)]
     pub fn evaluate(&self, square: f64) -> [T; 9] {
         let place = square * self.per_interval;

@@ -3,13 +3,13 @@
 use solver::simd::Vector as Lanes;
 use solver::{Memory, Real};
 
-/// Sums that are added up at once, filled up with zeros: a multiple of the lanes of any vector.
+/// Number of sums taken at once, padded with zeros: a multiple of the lanes of any vector.
 const SUMS: usize = 16;
 
-/// The sums of one particle, three of velocity and nine of its gradient, lane by lane.
+/// Sums of one particle, three of its velocity and nine of its gradient, lane by lane.
 pub(crate) struct Totals<T> {
     lanes: Memory<T>,
-    /// The same with sums and lanes exchanged.
+    /// The transpose, with sums and lanes exchanged.
     turned: Memory<T>,
 }
 
@@ -20,7 +20,7 @@ impl<T: Real> Default for Totals<T> {
 }
 
 impl<T: Real> Totals<T> {
-    /// Forgets all sums.
+    /// Sets all sums to zero.
     #[inline(always)]
     pub fn clear(&mut self) {
         self.lanes.values_mut().fill(T::default());
@@ -35,7 +35,7 @@ impl<T: Real> Totals<T> {
         }
     }
 
-    /// The sums over the lanes of these alone.
+    /// Sums of these terms alone over their lanes.
     #[inline(always)]
     pub fn of<V: Lanes<T>>(&mut self, terms: &[V; 12]) -> [T; 12] {
         for (sum, term) in self.lanes.values_mut().chunks_exact_mut(V::LANES).zip(terms) {
@@ -45,7 +45,7 @@ impl<T: Real> Totals<T> {
         self.sums::<V>()
     }
 
-    /// The sums over their lanes: always added in the same order, whatever the vectors.
+    /// Sums over the lanes: always added in the same order, whatever the vectors.
     #[inline(always)]
     pub fn take<V: Lanes<T>>(&mut self) -> [T; 12] {
         self.sums::<V>()

@@ -1,79 +1,80 @@
-//! Which wavenumbers of the walls' flow are on the grid, and which are between spheres.
+//! Split of the wavenumbers of the walls' flow between the grid and pairs of spheres.
 //!
-//! The grid has the part `erfc((k - middle)/width) / erfc(-middle/width)` of the wavenumbers `k` along the walls, and images of
-//! spheres in each other have the rest. That is smooth, so that they end in real space as a Gaussian does:
-//! `exp(-(width r/2)^2)` at the distance `r` along the walls. Lengths are in units of the smallest radius here.
+//! The grid carries the fraction `erfc((k - middle)/width) / erfc(-middle/width)` of the wavenumbers `k` along the
+//! walls, and images of spheres in each other carry the rest. The split is smooth, so the images decay in real space
+//! like a Gaussian: `exp(-(width r/2)^2)` at the distance `r` along the walls. Lengths here are in units of the
+//! smallest radius.
 
 use crate::envelope::Envelope;
 use crate::window::Window;
 use std::f64::consts::PI;
 
-/// The cut between the grid's part of the wavenumbers and that of images.
+/// Split between the wavenumbers of the grid and those of images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WallCut {
     middle: f64,
     width: f64,
-    /// Beyond which the grid has nothing.
+    /// Wavenumber beyond which the grid has nothing.
     pub highest: f64,
 }
 
-/// A grid, and what there is besides.
+/// Parameters of a grid at walls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AtWalls {
     /// Distance between points along the walls.
     pub spacing: f64,
-    /// What stands for a Gaussian there.
+    /// Window that stands for the Gaussian on the grid.
     pub window: Window,
-    /// What a sphere's own width adds to it, `1 - own lap` in units of the spacing.
+    /// Coefficient of the correction `1 - own lap` for a sphere's own width, in units of the spacing.
     pub own: f64,
-    /// How far images reach.
+    /// Distance within which spheres have images in each other.
     pub cutoff: f64,
-    /// The distance of the other wall, or infinity.
+    /// Distance between the walls, or infinity for one wall.
     pub height: f64,
-    /// The error that walls may have.
+    /// Error allowed for the walls' flow.
     pub allowed: f64,
 }
 
-/// Highest wavenumbers on a grid, in units of the highest that it has: windows err beyond. That of a sharp cut, and those of smooth ones
-/// that are tried.
+/// Highest wavenumber on the grid over the highest that it represents, above which windows have large errors: of the
+/// sharp split, and of the smooth ones to try.
 const SHARP: f64 = 0.85;
 const SMOOTH: [f64; 4] = [0.69, 0.61, 0.53, 0.45];
 
-/// An error within this of the one that is allowed is enough: what is beyond the wavenumbers of a grid may have its share, and what
-/// folds onto them another.
+/// Factor of the allowed error that is accepted: truncation and aliasing may each have a share.
 pub(crate) const ENOUGH: f64 = std::f64::consts::SQRT_2;
 
-/// Shares of the allowed error for what is beyond the highest wavenumber, and for long waves that are not on the grid.
+/// Shares of the allowed error for wavenumbers beyond the highest, and for long waves that are not on the grid.
 const BEYOND_SHARE: f64 = 0.3;
 const LONG_SHARE: f64 = 0.1;
 
-/// Wavenumbers that are looked at.
+/// Number of wavenumbers sampled.
 const PARTS: usize = 16;
 
-/// The weight of a wavenumber, times the radius, in the flow that a wall sends back to the gradients of spheres on it:
-/// `((1 - x)^2 + x^2) k^2 exp(-2 k)` for one, `x = k - s^2 k^2` with the dipole's width `s` (see [`crate::waves`]), of which the
-/// highest wavenumbers have a small part in spheres at different places.
+/// Weight of a wavenumber, times the radius, in the velocity gradients that a wall reflects to spheres touching it:
+/// `((1 - x)^2 + x^2) k^2 exp(-2 k)` for one sphere, `x = k - s^2 k^2` with the dipole's width `s` (see
+/// [`crate::waves`]). For spheres at different positions the highest wavenumbers contribute only a small part of
+/// that.
 fn weight(wavenumber: f64) -> f64 {
     let x = wavenumber - Envelope::of_sphere(1.0).dipole.powi(2) * wavenumber * wavenumber;
     (1.0 + 0.12 * x * (x - 1.0)) * wavenumber * wavenumber * (-2.0 * wavenumber).exp()
 }
 
-/// The most that any wavenumber has from one on: weights grow to `k = 1`.
+/// Largest weight of any wavenumber from this one on: weights grow up to `k = 1`.
 fn from(wavenumber: f64) -> f64 {
     weight(wavenumber.max(1.0))
 }
 
-/// The same for what spheres send to each other.
+/// The same for the flow that spheres reflect to each other.
 fn of_pairs(wavenumber: f64, height: f64) -> f64 {
     0.5 * at_walls(height) * from(wavenumber)
 }
 
-/// The part of spheres that are at walls: a third, or more between walls that are near each other.
+/// Fraction of the spheres that are near walls: a third, or more if the walls are close to each other.
 fn at_walls(height: f64) -> f64 {
     (3.0 / (height - 0.5)).clamp(0.36, 1.0)
 }
 
-/// Where `erfc(x)/2` has fallen to a value below a half, within a hundredth (Winitzki 2008).
+/// Argument at which `erfc(x)/2` has fallen to a value below a half, to within a hundredth (Winitzki 2008).
 fn falls_to(value: f64) -> f64 {
     let (value, factor) = (value.clamp(1e-15, 0.5), 0.147);
     let log = (4.0 * value * (1.0 - value)).ln();
@@ -81,20 +82,20 @@ fn falls_to(value: f64) -> f64 {
     ((half * half - log / factor).sqrt() - half).max(0.0).sqrt()
 }
 
-/// `erfc(x)/2` within a few percent where it is not small, which is enough for weights of errors: a logistic function.
+/// `erfc(x)/2` as a logistic function, to a few percent where it is not small, which is enough for weights of errors.
 fn share(x: f64) -> f64 {
     1.0 / (1.0 + (x * (2.26 + 0.2 * x * x)).exp())
 }
 
 impl WallCut {
-    /// Nothing is between spheres, on a grid of this spacing.
+    /// No wavenumbers between spheres, on a grid of this spacing.
     pub fn none(spacing: f64) -> Self {
         let highest = SHARP * PI / spacing;
         Self { middle: highest, width: 0.0, highest }
     }
 
-    /// The cut with the fewest images of those that are allowed, or the one that errs least; and by how much it errs. At best it is
-    /// sharp, and spheres have images in themselves alone.
+    /// The split with the fewest images among those that keep the allowed error, or the one with the least error; and
+    /// its error. The cheapest is sharp: spheres have images of themselves alone.
     pub fn choose(at: &AtWalls) -> (Self, f64) {
         let (folded, long) = (Folded::new(at), falls_to(LONG_SHARE * at.allowed));
         let cut = |part: f64| {
@@ -110,7 +111,7 @@ impl WallCut {
             (cut, cut.error(at, &folded))
         };
         let mut best: Option<(Self, f64)> = None;
-        // Between walls that all spheres are near, images in each other are not the smaller ones.
+        // If all spheres are near both walls, images in each other are not smaller than their own.
         let sharp = Some(sharp).filter(|_| at_walls(at.height) < 1.0);
         for found in sharp.into_iter().chain(SMOOTH.into_iter().map(cut)) {
             if found.1 <= ENOUGH * at.allowed {
@@ -123,13 +124,13 @@ impl WallCut {
         best.expect("there are some")
     }
 
-    /// The same in units in which the smallest radius is this.
+    /// The same in units in which the smallest radius is `radius`.
     #[must_use]
     pub fn scaled(self, radius: f64) -> Self {
         Self { middle: self.middle / radius, width: self.width / radius, highest: self.highest / radius }
     }
 
-    /// The part of a wavenumber that is on the grid.
+    /// Fraction of a wavenumber that is on the grid.
     pub fn on_grid(&self, wavenumber: f64) -> f64 {
         if self.is_sharp() {
             return if wavenumber <= self.highest { 1.0 } else { 0.0 };
@@ -137,7 +138,7 @@ impl WallCut {
         libm::erfc((wavenumber - self.middle) / self.width) / libm::erfc(-self.middle / self.width)
     }
 
-    /// The part that is between spheres.
+    /// Fraction of a wavenumber that is between spheres.
     pub fn between_spheres(&self, wavenumber: f64) -> f64 {
         if wavenumber > self.highest { 1.0 } else { 1.0 - self.on_grid(wavenumber) }
     }
@@ -147,8 +148,8 @@ impl WallCut {
         self.width == 0.0
     }
 
-    /// About how far from a wall images fall below a part of the mobility of a sphere: that of the long waves that are left to them,
-    /// `exp(-((middle - k)/width)^2 - 2 k z)` where that is largest.
+    /// Approximate distance from a wall at which images fall below a fraction of a sphere's mobility: that of the
+    /// long waves that images carry, `exp(-((middle - k)/width)^2 - 2 k z)` at its maximum.
     pub fn reach(&self, part: f64) -> f64 {
         let log = (3.0 / part).ln();
         if self.is_sharp() {
@@ -158,9 +159,9 @@ impl WallCut {
         (self.middle - (self.middle * self.middle - square * log).max(0.0).sqrt()) / square
     }
 
-    /// The error of walls: by wavenumbers beyond the highest, by what folds onto the others through a window, by images that are
-    /// farther apart than they reach, and by what one wall sends back to the other. The factors are fits to the errors of 8 to 100
-    /// spheres between walls, at random or most of them at walls, with radii up to 1:3.
+    /// Error of the walls' flow: by wavenumbers beyond the highest, by aliasing through the window, by images beyond
+    /// the cutoff, and by reflections between the two walls. The factors are fits to the errors of 8 to 100 spheres
+    /// between walls, randomly placed or most of them at walls, with ratios of radii up to 3.
     fn error(&self, at: &AtWalls, folded: &Folded) -> f64 {
         let beyond = of_pairs(self.highest, at.height) * self.on_grid(self.highest);
         let farther = if self.is_sharp() {
@@ -183,12 +184,13 @@ impl WallCut {
     }
 }
 
-/// Wavenumbers, and what folds onto each of those of walls through a window.
+/// Wavenumbers of the walls' flow, and the weight that aliases onto each through the window.
 struct Folded([[f64; 2]; PARTS]);
 
 impl Folded {
-    /// Weighed with what derivatives make of it in units of the spacing: one of a dipole, and `1 - own lap`, where the Laplacian of
-    /// the wall's flow is none but that of what folds onto it is. Nothing damps that, as a Gaussian does in the fluid.
+    /// The weight includes the derivatives in units of the spacing: one for a dipole, and `1 - own lap`, which is the
+    /// identity for the walls' flow, since its Laplacian vanishes, but not for its aliases. No Gaussian damps these,
+    /// unlike in the fluid.
     fn new(at: &AtWalls) -> Self {
         let step = SHARP * PI / at.spacing / PARTS as f64;
         Self(std::array::from_fn(|number| {

@@ -1,16 +1,19 @@
-//! The divergence of the mobility near walls: how the motion of a sphere by a force across them changes with its distance.
+//! Divergence of the mobility near walls: the change of a sphere's motion under a force with its distance from the
+//! walls.
 //!
-//! What a force drives at another sphere has no divergence in the place of the force, walls or not: the fluid is incompressible, and
-//! its mobility symmetric. What is left are the images of a sphere in itself, as both it and they move. With the flow
-//! `sum_pq K_pq f_p(z) f_q(z')` of a wavevector `(k_x, k_y)` along the walls, and envelopes of widths `s` and `d` of forces and dipoles,
+//! The flow of a force on one sphere at the position of another has no divergence with respect to the position of the
+//! force, walls or not: the fluid is incompressible and its mobility symmetric. There remain the images of a sphere
+//! in itself, where source and target move together. With the flow `sum_pq K_pq f_p(z) f_q(z')` of a wavevector
+//! `(k_x, k_y)` along the walls, and envelopes of widths `s` and `d` of forces and dipoles,
 //!
 //! ```text
 //! div V   = 1/(mu A) sum_k sum_pq K_pq d/dz [f_p(z; s) f_q(z; s)]
-//! div E_c = 1/(mu A) sum_k e_c sum_pq K_pq d/dz [f_p'(z; d) f_q(z; s)],    e_zz = 1,  e_xx = -k_x^2/k^2,  e_yy = -k_y^2/k^2
+//! div E_c = 1/(mu A) sum_k e_c sum_pq K_pq d/dz [f_p'(z; d) f_q(z; s)]
+//! e_zz = 1,  e_xx = -k_x^2/k^2,  e_yy = -k_y^2/k^2
 //! ```
 //!
-//! over the wavevectors of a box of area `A`. An envelope acts on the functions as `1 + (s^2/2) lap`, so that all are polynomials
-//! in squares of widths: their coefficients are tabulated, and do for any radius.
+//! over the wavevectors of a box of area `A`. An envelope acts on the functions as `1 + (s^2/2) lap`, so all are
+//! polynomials in squared widths: their coefficients are tabulated, and hold for any radius.
 
 use crate::bounded::NEAREST_WALL;
 use crate::envelope::Envelope;
@@ -20,41 +23,44 @@ use rayon::prelude::*;
 use solver::across_walls;
 use std::f64::consts::TAU;
 
-/// Coefficients of `1, s^2, s^4` of the velocity, and of `1, s^2, d^2, s^2 d^2` of the rates of strain along x and y.
+/// Number of coefficients: of `1, s^2, s^4` for the velocity, and of `1, s^2, d^2, s^2 d^2` for the rates of strain
+/// along x and y.
 const OF_VELOCITY: usize = 3;
 const OF_STRAIN: usize = 4;
 type Values = [f64; OF_VELOCITY + 2 * OF_STRAIN];
 
-/// From one distance of the table to the next, in its logarithm: cubics in that are within some 1e-5.
+/// Step of the table in the logarithm of the distance: cubic interpolation is accurate to about 1e-5.
 const STEP: f64 = 0.03;
 
-/// Waves whose image is smaller by `exp(-DECAYED)` do not count, nor do distances from which the longest is.
+/// Exponent from which on an image is negligible, `exp(-DECAYED)`; bounds the wavenumbers, and the distances by the
+/// longest wave.
 const DECAYED: f64 = 34.0;
 
-/// The width of what tells long waves from short ones, in wavenumbers over the shorter edge along the walls: what an integral leaves out
-/// of a sum is `exp(-SMOOTH^2/4)`. That is told in so many widths before and behind.
+/// Width of the transition between long waves, which are summed, and short waves, which are integrated, in units of
+/// the inverse of the shorter edge along the walls: the integral differs from the sum by `exp(-SMOOTH^2/4)`. The
+/// transition spans `SHARP` widths on either side.
 const SMOOTH: f64 = 10.0;
 const SHARP: f64 = 4.0;
 
-/// What moves spheres of a plan's box near its walls.
+/// Divergence of the mobility for the spheres of a plan's box.
 pub(crate) struct WallDrift {
-    /// The logarithm of the least distance from a wall.
+    /// Logarithm of the least distance from a wall.
     first: f64,
-    /// The distance of a second wall.
+    /// Distance between two walls; none with one wall.
     height: Option<f64>,
     inverse_viscosity: f64,
     values: Vec<Values>,
 }
 
 impl WallDrift {
-    /// That of the spheres of a plan with walls.
+    /// For the spheres of a plan with walls.
     pub fn new(plan: &Plan) -> Self {
         let (walls, edges) = (plan.boundaries.walls(), plan.edges);
         let height = (walls == 2).then_some(edges.z);
         let first = NEAREST_WALL * plan.extremes().0;
         let longest = DECAYED * edges.x.max(edges.y) / (2.0 * TAU);
         let farthest = height.map_or(longest, |height| (0.5 * height).min(longest));
-        // Cubics between two distances go through the next two as well.
+        // A cubic between two distances also passes through the next two.
         let count = 4 + ((farthest / first).ln() / STEP).max(0.0) as usize;
         let first = first.ln() - STEP;
         let at = |number: usize| values((walls, edges), (first + STEP * number as f64).exp());
@@ -62,7 +68,7 @@ impl WallDrift {
         Self { first, height, inverse_viscosity: 1.0 / plan.viscosity, values }
     }
 
-    /// The divergence of the mobility from forces to the velocity and the rate of strain of a sphere at this height.
+    /// Divergence of the mobility from forces to the velocity and the rate of strain of a sphere at height `z`.
     pub fn at(&self, z: f64, radius: f64) -> (Vector, Traceless) {
         let is_above = |height: f64| z > 0.5 * height;
         let (distance, sign) = match self.height {
@@ -80,7 +86,7 @@ impl WallDrift {
         (Vector::Z * (sign * velocity * self.inverse_viscosity), strain_rate * self.inverse_viscosity)
     }
 
-    /// By cubics in the logarithm of the distance; nothing beyond the table.
+    /// Cubic interpolation in the logarithm of the distance; zero beyond the table.
     fn interpolated(&self, distance: f64) -> Values {
         let place = (distance.ln() - self.first) / STEP;
         let before = (place as usize).max(1);
@@ -100,18 +106,18 @@ impl WallDrift {
     }
 }
 
-/// The coefficients at a distance from the lower wall, for the viscosity 1.
+/// Coefficients at a distance from the lower wall, for viscosity 1.
 ///
-/// A sum over wavevectors is the integral over them where what is summed is smooth over several: the long waves are summed, and the
-/// short ones, from which these are told apart smoothly, integrated.
+/// A sum over wavevectors equals the integral over them if the summand is smooth over several of them: the long waves
+/// are summed, and the short ones, separated by a smooth transition, integrated.
 fn values((walls, edges): (usize, Vector), z: f64) -> Values {
-    // One wall alone knows of no height.
+    // For one wall the height does not matter.
     let height = if walls == 2 { edges.z } else { 2.0 * z };
     let (width, shortest) = (SMOOTH / edges.x.min(edges.y), 0.5 * DECAYED / z);
     let middle = SHARP * width;
     let summed = |k: f64| 0.5 * libm::erfc((k - middle) / width);
     let mut sum = Values::default();
-    // A wavenumber, with its weight and the parts of its square that are those of the components along x and y.
+    // Adds a wavenumber with its weight, and the fractions of its square in the components along x and y.
     let mut add = |k: f64, weight: f64, parts: [f64; 2]| {
         let (of_velocity, of_strain) = of_wave((walls, height), k, z);
         let (velocity, strains) = sum.split_at_mut(OF_VELOCITY);
@@ -126,7 +132,7 @@ fn values((walls, edges): (usize, Vector), z: f64) -> Values {
         for n in usize::from(m == 0)..=(longest / y) as usize {
             let components = [x * m as f64, y * n as f64];
             let k = components[0].hypot(components[1]);
-            // As many of the four wavevectors with these lengths of components as differ.
+            // Number of distinct wavevectors among the four with these lengths of components.
             let count = [m, n].map(|number| if number == 0 { 1.0 } else { 2.0 });
             let weight = summed(k) * count[0] * count[1] / (edges.x * edges.y);
             add(k, weight, components.map(|component| (component / k).powi(2)));
@@ -140,11 +146,11 @@ fn values((walls, edges): (usize, Vector), z: f64) -> Values {
     sum
 }
 
-/// The coefficients of one wavenumber.
+/// Coefficients of one wavenumber.
 fn of_wave((walls, height): (usize, f64), k: f64, z: f64) -> ([f64; OF_VELOCITY], [f64; OF_STRAIN]) {
     let kernel = across_walls(walls, height, k);
     let (below, above) = ((-k * z).exp(), (-k * (height - z)).exp());
-    // The functions for points, less what the square of a width takes away, with their first and second derivatives.
+    // Functions for points, minus the part proportional to a squared width, with their first and second derivatives.
     let [b, t] = [k * z, k * (height - z)];
     let of_point = [
         [below, b * below, above, t * above],
@@ -174,8 +180,9 @@ fn of_wave((walls, height): (usize, f64), k: f64, z: f64) -> ([f64; OF_VELOCITY]
 mod tests {
     use super::*;
 
-    /// Far from its copies a sphere above a wall has `1/pi [-3/16 z^-1 + s^2/4 z^-3 - 3/16 s^4 z^-5]` besides the mobility of one
-    /// alone, of which these are the derivatives.
+    /// Far from its periodic copies a sphere above a wall has the mobility
+    /// `1/pi [-3/16 z^-1 + s^2/4 z^-3 - 3/16 s^4 z^-5]` in addition to that of an isolated one; these are its
+    /// derivatives.
     #[test]
     fn in_a_large_box_velocities_are_those_in_closed_form() {
         for z in [0.9, 1.3, 3.0, 8.0] {
@@ -184,14 +191,14 @@ mod tests {
             for (found, exact) in found.iter().zip(exact.map(|value| value / std::f64::consts::PI)) {
                 assert!((found / exact - 1.0).abs() < 1e-5, "{found} is not {exact} at {z}");
             }
-            // What is stretched across the wall is not along it, alike on both axes.
+            // Incompressibility: the strain across the wall is balanced equally along both axes in its plane.
             for k in OF_VELOCITY..OF_VELOCITY + OF_STRAIN {
                 assert!((found[k] / found[k + OF_STRAIN] - 1.0).abs() < 1e-5);
             }
         }
     }
 
-    /// Long waves and short ones are told apart wherever: in a box of any size the sum over wavevectors itself is the same.
+    /// In a box of any size the result is the plain sum over wavevectors, wherever the transition lies.
     #[test]
     fn sums_and_integrals_are_one() {
         let (edges, z): (Vector, f64) = (Vector::new(30.0, 18.0, 9.0), 1.2);

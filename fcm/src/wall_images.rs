@@ -1,4 +1,5 @@
-//! Images of spheres in walls, of themselves and of each other, by the wavenumbers that the grid's flow of walls does not have.
+//! Images of spheres in walls, of themselves and of each other, with the wavenumbers of the walls' flow that are not
+//! on the grid.
 
 use crate::bounded::NEAREST_WALL;
 use crate::envelope::Envelope;
@@ -11,7 +12,7 @@ use solver::simd::vectorised;
 use std::f64::consts::PI;
 
 impl Plan {
-    /// About how many images a sphere has in an even suspension of so many.
+    /// Approximate number of images of a sphere in a homogeneous suspension of `particles` spheres.
     pub(crate) fn images(&self, particles: f64) -> f64 {
         match self.boundaries.walls() {
             0 => 0.0,
@@ -19,7 +20,8 @@ impl Plan {
         }
     }
 
-    /// The same of images that end at a distance from a wall: of pairs, whose distances add up to less than twice that.
+    /// The same for images that end at a distance `reach` from a wall: for pairs, whose distances add up to less than
+    /// twice that.
     fn images_within(&self, reach: f64, particles: f64) -> f64 {
         let (smallest, largest) = self.extremes();
         let (beyond, between) = ((reach - smallest).max(0.0), (self.edges.z - 2.0 * smallest).max(largest));
@@ -31,16 +33,17 @@ impl Plan {
 }
 
 impl WallImages {
-    /// Bytes of those of an even suspension of so many spheres on all ranks, a part of which this rank has.
+    /// Bytes of the images in a homogeneous suspension of `particles` spheres over all ranks, of which this rank owns
+    /// `owned`.
     pub fn bytes(plan: &Plan, owned: f64, particles: f64) -> f64 {
         let images = Self::new(plan).map_or(0.0, |images| plan.images_within(images.classes[0].reach, particles));
-        // Each block is of two spheres.
+        // Each block serves two spheres.
         owned * images * (size_of::<Pair>() as f64 + 0.5 * size_of::<Block>() as f64)
     }
 }
 
-/// Images of spheres in one wall or two. In the flow of two walls what is between spheres is the sum of those of each alone, but for
-/// what one wall sends back to the other.
+/// Images of spheres in one wall or two. Between two walls the flow between spheres is the sum of those of each wall
+/// alone, up to reflections between the walls.
 pub(crate) struct WallImages {
     walls: usize,
     waves: Waves,
@@ -49,12 +52,13 @@ pub(crate) struct WallImages {
     inverse_viscosity: f64,
     classes: Vec<OfClass>,
     point: OfClass,
-    /// For each sphere that is near a wall, those that it is an image of.
+    /// For each sphere, the spheres whose images act on it.
     lists: Vec<Vec<Pair>>,
     blocks: Vec<Block>,
 }
 
-/// A sphere at a row, the place of what it sends to another one at `x` from it, and whether that is of these two in this order.
+/// A sphere that acts on another one by its image: its row, the index of their block, whether the block is for these
+/// two in this order, and `x` from it to the other.
 #[derive(Clone, Copy)]
 struct Pair {
     row: u32,
@@ -63,8 +67,9 @@ struct Pair {
     x: Vector,
 }
 
-/// A sphere or a point of the fluid, and how far from a wall it has an image in one like it. One that has sunk in has those of one
-/// that touches: more would take more mobility away than there is.
+/// A class of spheres or the points of the fluid: contact distance, squared widths, and the distance from a wall
+/// within which it has an image in one of the same class. A sphere that overlaps the wall has the image of one that
+/// touches it: a stronger image would make the mobility negative.
 struct OfClass {
     contact: f64,
     squares: [f64; 2],
@@ -72,7 +77,7 @@ struct OfClass {
 }
 
 impl WallImages {
-    /// Those of the spheres of a plan; none without walls.
+    /// Images of the spheres of a plan; `None` without walls.
     pub fn new(plan: &Plan) -> Option<Self> {
         let (walls, cutoff) = (plan.boundaries.walls(), plan.method.cutoff());
         if walls == 0 {
@@ -107,9 +112,9 @@ impl WallImages {
         })
     }
 
-    /// Fixes the positions of the particles present, of which those that have neighbours are moved.
+    /// Sets the positions of the particles present; those with neighbour lists receive the images' flows.
     ///
-    /// What two spheres send each other is found once, for the one of both that is ahead of the other.
+    /// The block of two spheres is computed once, for the one whose position is lexicographically larger.
     pub fn arrange(&mut self, present: &Loaded, neighbours: &Neighbours, owned: usize) {
         let mut blocks = std::mem::take(&mut self.blocks);
         let images = &*self;
@@ -132,7 +137,7 @@ impl WallImages {
             near
         };
         let mut lists: Vec<Vec<Pair>> = (0..owned).into_par_iter().map(near).collect();
-        // Pairs have their blocks where the one is that is ahead, or that this rank owns.
+        // A pair has its block at the sphere that is ahead, or at the one that this rank owns.
         let is_first = |pair: &Pair| pair.is_ahead || pair.row as usize >= owned;
         let mut first = Vec::new();
         for (row, list) in lists.iter_mut().enumerate() {
@@ -170,7 +175,7 @@ impl WallImages {
         &self.classes[class as usize]
     }
 
-    /// Whether a sphere may be the image of another.
+    /// Whether a sphere may have an image in another one.
     fn is_near_wall(&self, cell: &PeriodicBox, (of, z): (&OfClass, f64)) -> bool {
         let farthest = |of: &OfClass| of.reach - of.contact;
         let reach = of.reach + self.classes.iter().map(farthest).fold(0.0, f64::max);
@@ -178,7 +183,8 @@ impl WallImages {
         below < reach || (self.walls == 2 && cell.edges().z - below < reach)
     }
 
-    /// Two spheres, each of a class and at a height, as the wall below or that above sees them; none if it is too far away.
+    /// Two spheres, each of a class and at a height, as seen from the lower wall or from the upper one; `None` if
+    /// that is too far away.
     fn seen_by(&self, cell: &PeriodicBox, above: bool, spheres: [(&OfClass, f64); 2]) -> Option<[Seen; 2]> {
         let seen = spheres.map(|(&OfClass { contact, squares, .. }, z)| {
             let below = z - cell.origin().z;
@@ -194,7 +200,7 @@ impl WallImages {
         [false, true].into_iter().any(|above| self.seen_by(cell, above, spheres).is_some())
     }
 
-    /// What a sphere sends to another one at `x` from it by the walls near which both are.
+    /// Flow from one sphere to another at `x` from it, by the walls near which both are.
     fn between(&self, cell: &PeriodicBox, x: Vector, spheres: [(&OfClass, f64); 2]) -> Option<Block> {
         let of_wall = |above: bool| self.seen_by(cell, above, spheres).map(|seen| self.waves.block(x, seen));
         match (of_wall(false), of_wall(true).map(Block::reflected)) {
@@ -206,7 +212,7 @@ impl WallImages {
         }
     }
 
-    /// The velocity at a height, at `x` from a sphere of a class at another height, by its force and dipole.
+    /// Velocity at height `z`, at `x` from a sphere of a class, by the images of its force and dipole.
     pub fn velocity_at(
         &self,
         cell: &PeriodicBox,
@@ -218,7 +224,7 @@ impl WallImages {
         block.map_or(Vector::ZERO, |block| block.motion(force, dipole).0 * self.inverse_viscosity)
     }
 
-    /// Adds the images' flows to the velocities and, if they are asked for, the gradients of the spheres that come first.
+    /// Adds the images' flows to the velocities and, if requested, the gradients of the particles in `motions`.
     pub fn add(&self, present: &Loaded, gradients: bool, motions: &mut [(Vector, Tensor)]) {
         motions.par_iter_mut().zip(&self.lists).for_each(|(motion, list)| {
             vectorised(
@@ -273,7 +279,7 @@ mod tests {
         Plan::choose(&problem).unwrap()
     }
 
-    /// What a sphere of the second radius at a height has of its images.
+    /// Motion of a sphere of the second radius at a height by its own images.
     fn motion(images: &mut WallImages, cell: &PeriodicBox, z: f64, force: Vector, dipole: Tensor) -> (Vector, Tensor) {
         let present = Loaded {
             cell,
@@ -300,7 +306,8 @@ mod tests {
         assert_eq!(at(9.0 - 1.53), (Vector::ZERO, Tensor::ZERO), "there is no wall above");
     }
 
-    /// Where images end they are less than a third of the tolerance, in units of what the sphere has alone, but not by far.
+    /// At the distance where images end they are below a third of the tolerance, in units of the sphere's mobility,
+    /// but not far below.
     #[test]
     fn what_is_left_out_is_small() {
         for tolerance in [1e-2, 1e-5] {
@@ -328,7 +335,7 @@ mod tests {
         let above = motion(&mut images, &cell, 9.0 - 1.6, mirror * force, mirror * dipole * mirror);
         let [velocity, gradient] = [below.0.length(), below.1.z_axis.length()];
         assert!(velocity > 1e-8 && gradient > 1e-8, "{below:?}");
-        // Of the distance from the wall above, times twice the wavenumber.
+        // Round-off of the distance from the upper wall, times twice the wavenumber.
         let round_off = 1e-12;
         assert!((mirror * above.0 - below.0).length() < round_off * velocity);
         let difference = mirror * above.1 * mirror - below.1;

@@ -1,16 +1,18 @@
-//! What a wall sends back from one sphere to another, or to itself, by wavenumbers that the grid does not have.
+//! Flow that a wall reflects from one sphere to another, or to itself, in the wavenumbers that are not on the grid.
 //!
-//! For a wavevector of length `k` along the wall at `z = 0`, with the direction `n` and `t = e_z x n`, the flow of a wall
-//! (Blake 1971) is that of three waves, each as strong as the source is in it:
+//! For a wavevector of length `k` along the wall at `z = 0`, with the direction `n` and `t = e_z x n`, the flow of a
+//! wall (Blake 1971) is that of three waves, each with the amplitude of the source in it:
 //!
 //! ```text
 //! -(phi_1 phi_1'^H + phi_2 phi_2'^H) / 4k - phi_3 phi_3'^H / 2k
-//! phi_1 = (n (1 - x) - i e_z x) w,   phi_2 = (n x + i e_z (1 + x)) w,   phi_3 = t w,   x = k z,   w = exp(i k n.r - k z)
+//! phi_1 = (n (1 - x) - i e_z x) w,   phi_2 = (n x + i e_z (1 + x)) w,   phi_3 = t w
+//! x = k z,   w = exp(i k n.r - k z)
 //! ```
 //!
-//! and `w` and `x w` are biharmonic, so that an envelope of width `s` acts on them exactly as `1 + (s^2/2) lap`: `x` becomes
-//! `k z - k^2 s^2`. Over all directions of `n` the phase of two places that are `r` apart along the wall, under an angle `psi`
-//! to `n`, is `J_0(kr) + 2 sum_m i^m J_m(kr) cos(m psi)`, of which motions and loads of forces and dipoles see four terms.
+//! and `w` and `x w` are biharmonic, so that an envelope of width `s` acts on them exactly as `1 + (s^2/2) lap`: `x`
+//! becomes `k z - k^2 s^2`. Averaged over all directions `n`, the phase between two positions at a distance `r` along
+//! the wall, under an angle `psi` to `n`, is `J_0(kr) + 2 sum_m i^m J_m(kr) cos(m psi)`; motions and loads of forces
+//! and dipoles involve the terms up to `m = 4`.
 
 use crate::bessel::{LANES, ORDERS, bessel};
 use crate::wall_cut::WallCut;
@@ -18,34 +20,35 @@ use domain::{Tensor, Vector};
 use solver::simd::vectorised;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-/// A velocity and its gradient, or a force and a dipole: columns `d_j u` and `G_j` one after the other.
+/// Number of entries of a velocity and its gradient, or of a force and a dipole: columns `d_j u` and `G_j` one after
+/// the other.
 const ENTRIES: usize = 12;
 
 /// The same in the frame of a wavevector: `u_n, d_n u_z, d_z u_n, u_z, d_n u_n = -d_z u_z, u_t, d_z u_t, d_n u_t`.
 const LOCAL: usize = 8;
 
-/// Which of these are imaginary.
+/// Whether each of these is imaginary.
 const IMAGINARY: [bool; LOCAL] = [false, false, false, true, true, false, false, true];
 
-/// Half as many directions as tell the angles of Bessel functions apart.
+/// Half the number of directions that resolve the angular dependence of the Bessel functions.
 const DIRECTIONS: usize = 5;
 
-/// Sums over wavenumbers of what waves at one sphere make of those at another: those of even Bessel functions or of odd ones.
+/// Sums over wavenumbers of the products of the waves at two spheres: with even Bessel functions, or with odd ones.
 type Sums = [[[f64; LOCAL]; LOCAL]; TERMS];
 const TERMS: usize = 3;
 
-/// A sphere as its wall sees it: its distance, and the squares of the widths of its envelopes of force and dipole.
+/// A sphere as seen from its wall: its distance, and the squared widths of its envelopes of force and dipole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Seen {
     pub distance: f64,
     pub squares: [f64; 2],
 }
 
-/// From the force and dipole of one sphere to the velocity and its gradient of another, for the viscosity 1.
+/// Matrix from the force and dipole of one sphere to the velocity and its gradient of another, for viscosity 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Block([[f64; ENTRIES]; ENTRIES]);
 
-/// Wavenumbers in equal steps with their weights, and half of the directions along the wall.
+/// Equally spaced wavenumbers with their weights, and half of the directions along the wall.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Waves {
     first: f64,
@@ -54,7 +57,7 @@ pub(crate) struct Waves {
     directions: [[f64; 2]; DIRECTIONS],
 }
 
-/// More wavenumbers than any cut has.
+/// Bound of the number of wavenumbers, beyond any split.
 const MOST: i32 = 1_000_000;
 
 impl Waves {
@@ -69,13 +72,13 @@ impl Waves {
         Self { first, step, weights: weights.chunks(LANES).map(of_lanes).collect(), directions }
     }
 
-    /// Those that a cut leaves to spheres within a cutoff, whose distances from the wall add up to at least `closest`, to an error
-    /// relative to the mobility of a sphere of radius 1.
+    /// Wavenumbers that a split leaves to spheres within a cutoff, whose distances from the wall add up to at least
+    /// `closest`, to an error relative to the mobility of a sphere of radius 1.
     ///
-    /// Sums over wavenumbers in equal steps are integrals but for what is a multiple of `2 pi` over the step farther away: that
-    /// is beyond the cutoff. Where the grid ends a step does.
+    /// A sum over equally spaced wavenumbers is the integral up to periodic copies at multiples of `2 pi` over the
+    /// step: these are beyond the cutoff. The highest wavenumber of the grid is the end of a step.
     pub fn new(cut: &WallCut, cutoff: f64, closest: f64, error: f64) -> Self {
-        // A sharp cut leaves no more than images of spheres in themselves, but those begin with a jump.
+        // A sharp split leaves only images of spheres in themselves, but their weights begin with a jump.
         let finer = if cut.is_sharp() { 4.0 } else { 1.0 };
         let step = cut.highest / (finer * cut.highest * cutoff / PI).ceil();
         let wavenumber = |number: i32| step * (f64::from(number) + 0.5);
@@ -89,7 +92,7 @@ impl Waves {
         Self::with(wavenumber(begins), step, &(begins..ends).map(weight).collect::<Vec<_>>())
     }
 
-    /// What the second sphere sends the first, which is at `x` from it, by a wall below both.
+    /// Flow from the second sphere to the first, which is at `x` from it, by a wall below both.
     pub fn block(&self, x: Vector, spheres: [Seen; 2]) -> Block {
         let distance = x.x.hypot(x.y);
         let mut sums = [[[0.0; LOCAL]; LOCAL]; TERMS];
@@ -119,7 +122,7 @@ impl Waves {
     }
 }
 
-/// The three waves at a sphere, in their frame, less `exp(-k z)`.
+/// The three waves at a sphere, in their frame, without the factor `exp(-k z)`.
 #[inline(always)]
 fn waves(k: f64, Seen { distance, squares }: Seen) -> [[f64; LOCAL]; 3] {
     let [x, y] = squares.map(|square| k * distance - k * k * square);
@@ -130,11 +133,11 @@ fn waves(k: f64, Seen { distance, squares }: Seen) -> [[f64; LOCAL]; 3] {
     ]
 }
 
-/// Adds what waves of a wavenumber at one sphere make of those at another, times each Bessel function.
+/// Adds the products of the waves of one wavenumber at two spheres, times each Bessel function.
 #[inline(always)]
 fn add_wavenumber(k: f64, factors: [f64; ORDERS], [first, second]: &[Seen; 2], sums: &mut Sums) {
     let (to, from) = (waves(k, *first), waves(k, *second));
-    // Even orders where both or none are imaginary, odd ones elsewhere.
+    // Even orders where both or neither are imaginary, odd ones elsewhere.
     let factor = |term: usize, odd: bool| {
         if odd { factors.get(2 * term + 1).copied().unwrap_or(0.0) } else { factors[2 * term] }
     };
@@ -161,14 +164,14 @@ fn add_wavenumber(k: f64, factors: [f64; ORDERS], [first, second]: &[Seen; 2], s
     }
 }
 
-/// Adds a direction's part of the mean over all, whose opposite has the complex conjugate, by the cosine of its angle to where the
-/// first sphere is from the second.
+/// Adds a direction's part of the mean over all, whose opposite has the complex conjugate, by the cosine of its angle
+/// to the vector from the second sphere to the first.
 #[inline(always)]
 fn add_direction(n: [f64; 2], cosine: f64, sums: &Sums, block: &mut [[f64; ENTRIES]; ENTRIES]) {
     let double = 2.0 * cosine * cosine - 1.0;
     let (first, second) = (2.0 * cosine, 2.0 * double);
     let (third, fourth) = (first * (second - 1.0), second * second - 2.0);
-    // From the loads to the frame, then from there to motions.
+    // From the loads to the frame of the wavevector, and from there to motions.
     let mut rows = [[0.0; ENTRIES]; LOCAL];
     for i in 0..LOCAL {
         let mut row = [0.0; LOCAL];
@@ -183,7 +186,8 @@ fn add_direction(n: [f64; 2], cosine: f64, sums: &Sums, block: &mut [[f64; ENTRI
         rows[i] = in_space(n, row);
     }
     for load in 0..ENTRIES {
-        // The flow is against the load; a dipole's is that of the derivative by the place of the source, which has its sign too.
+        // The image flow opposes the load. For a dipole it is the derivative with respect to the position of the
+        // source, which adds another sign.
         let sign = if load < 3 { -1.0 } else { 1.0 } / DIRECTIONS as f64;
         let mut column = [0.0; LOCAL];
         for i in 0..LOCAL {
@@ -196,7 +200,7 @@ fn add_direction(n: [f64; 2], cosine: f64, sums: &Sums, block: &mut [[f64; ENTRI
     }
 }
 
-/// From the frame of a wavevector's direction to that of space.
+/// From the frame of a wavevector's direction to Cartesian components.
 #[inline(always)]
 fn in_space([c, s]: [f64; 2], [un, zn, nz, uz, nn, ut, tz, tn]: [f64; LOCAL]) -> [f64; ENTRIES] {
     let turned = |n: f64, t: f64| [c * n - s * t, s * n + c * t];
@@ -204,14 +208,14 @@ fn in_space([c, s]: [f64; 2], [un, zn, nz, uz, nn, ut, tz, tn]: [f64; LOCAL]) ->
     [ux, uy, uz, c * dx, c * dy, c * zn, s * dx, s * dy, s * zn, xz, yz, -nn]
 }
 
-/// Components that a mirror in the plane of the walls turns around.
+/// Whether a reflection in a plane parallel to the walls changes the sign of a component.
 fn is_turned(entry: usize) -> bool {
     let (along_z, derivative_z) = (entry % 3 == 2, entry >= 9);
     along_z != derivative_z
 }
 
 impl Block {
-    /// The same by a wall above both.
+    /// The same for a wall above both.
     #[must_use]
     pub fn reflected(mut self) -> Self {
         for (i, row) in self.0.iter_mut().enumerate() {
@@ -224,7 +228,7 @@ impl Block {
         self
     }
 
-    /// The velocity and the gradient `D_ij = d_j u_i` by a force and a dipole.
+    /// Velocity and gradient `D_ij = d_j u_i` by a force and a dipole.
     #[inline(always)]
     pub fn motion(&self, force: Vector, dipole: &Tensor) -> (Vector, Tensor) {
         let mut motion = [0.0; ENTRIES];
@@ -237,8 +241,8 @@ impl Block {
         (Vector::new(x, y, z), Tensor::from_cols_array(&gradient))
     }
 
-    /// The same of what the first of the two spheres sends the second: motions of gradients go with loads of dipoles of the other
-    /// sign.
+    /// The same for the flow from the first of the two spheres to the second: gradients and loads of dipoles have the
+    /// opposite sign.
     #[inline(always)]
     pub fn motion_of_second(&self, force: Vector, dipole: &Tensor) -> (Vector, Tensor) {
         let mut motion = [0.0; ENTRIES];
@@ -251,14 +255,14 @@ impl Block {
         (Vector::new(x, y, z), -Tensor::from_cols_array(&gradient))
     }
 
-    /// The largest part of the mobility of a sphere of this radius alone that it may be, about.
+    /// Approximate upper bound of the block, as a fraction of the mobility of an isolated sphere of this radius.
     pub fn share(&self, radius: f64) -> f64 {
         let most = |entries: std::ops::Range<usize>| entries.map(|i| self.0[i][i].abs()).fold(0.0, f64::max);
         (most(0..3) * 3.0 * TAU * radius).max(most(3..ENTRIES) * 4.0 * TAU * radius.powi(3))
     }
 }
 
-/// A force and a dipole in a list.
+/// A force and a dipole as a list of entries.
 #[inline(always)]
 fn load(force: Vector, dipole: &Tensor) -> [f64; ENTRIES] {
     let mut load = [0.0; ENTRIES];
@@ -290,12 +294,12 @@ mod tests {
         Seen { distance, squares: [monopole * monopole, dipole * dipole] }
     }
 
-    /// All wavenumbers from nearly none on, in steps that are exact for spheres within 30 radii.
+    /// All wavenumbers from nearly zero on, in steps that are exact for spheres within 30 radii.
     fn all() -> Waves {
         Waves::with(0.0025, 0.005, &vec![0.005 / TAU; 4000])
     }
 
-    /// The waves of a wavevector at the height `z`, without envelopes.
+    /// Waves of a wavevector at the height `z`, without envelopes.
     fn at_height(k: f64, angle: f64, z: f64) -> [Wave; 3] {
         let (n, e, x) = ([angle.cos(), angle.sin()], (-k * z).exp(), k * z);
         let wave = |along: f64, across: f64, up: f64| {
@@ -305,7 +309,8 @@ mod tests {
         [wave(1.0 - x, 0.0, -x), wave(x, 0.0, 1.0 + x), wave(0.0, 1.0, 0.0)]
     }
 
-    /// Velocity and gradient, by columns, of a wave with its envelopes: derivatives along z by differences.
+    /// Velocity and gradient, by columns, of the waves with a sphere's envelopes: derivatives along z by finite
+    /// differences.
     fn of_sphere(k: f64, angle: f64, Seen { distance, squares: [s, d] }: Seen) -> [[Complex<f64>; ENTRIES]; 3] {
         let h = 4e-3;
         let values = [-3, -2, -1, 0, 1, 2, 3].map(|step: i32| at_height(k, angle, distance + f64::from(step) * h));
@@ -330,8 +335,8 @@ mod tests {
         })
     }
 
-    /// By waves in many directions, with derivatives by differences of sixth order, of the third one of fourth: about 1e-7 of waves
-    /// whose lengths are a hundred times that of a difference.
+    /// By waves in many directions, with derivatives by differences of sixth order, the third one of fourth: accurate
+    /// to about 1e-7 for waves a hundred times longer than the step of the differences.
     #[test]
     fn blocks_are_sums_over_plane_waves() {
         let nodes = [(1.3, 0.7), (2.1, 0.4), (2.9, 0.9)];
@@ -366,7 +371,7 @@ mod tests {
         }
     }
 
-    /// Blake's image of a force at a place, of spheres without a width: across the wall, and along it.
+    /// Blake's image of a point force, for spheres of zero width: across the wall, and along it.
     #[test]
     fn all_wavenumbers_make_the_image_of_a_point() {
         let point = |distance: f64| Seen { distance, squares: [0.0; 2] };
@@ -386,7 +391,8 @@ mod tests {
         }
     }
 
-    /// What the first sends to the second is what the second sends to the first, and no load is given power by its own image.
+    /// The flow from the first to the second is that from the second to the first, and no load gains power from its
+    /// own image.
     #[test]
     fn blocks_are_symmetric_and_take_mobility_away() {
         let (x, spheres) = (Vector::new(1.2, 0.9, 0.0), [seen(1.1, 1.0), seen(1.4, 1.3)]);

@@ -1,8 +1,8 @@
-//! What an evaluation did and how long each part took.
+//! Work done by evaluations, and the time of each part.
 
 use std::time::Instant;
 
-/// Counts of work done since the start, and the seconds that went into it.
+/// Counts of the work since the start, and its time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Work {
     /// Evaluations of the mobility.
@@ -13,11 +13,11 @@ pub struct Work {
     pub dipole_spreads: u64,
     /// Evaluations that interpolated velocity gradients.
     pub dipole_interpolations: u64,
-    /// Grid solves: a transform forth and back each.
+    /// Grid solves, each with a forward and a backward transform.
     pub transforms: u64,
     /// Neighbours visited in the near field.
     pub neighbours: u64,
-    /// Searches for neighbours.
+    /// Neighbour searches.
     pub searches: u64,
     /// Seconds by part.
     pub seconds: Seconds,
@@ -26,13 +26,13 @@ pub struct Work {
 /// Seconds spent in the parts of evaluations.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Seconds {
-    /// Sorting the particles, and loads to the grid.
+    /// Sorting of the particles, and spreading of loads to the grid.
     pub spread: f64,
-    /// Transform forth, Stokes solve and transform back, which are one pass over the grid.
+    /// Forward transform, Stokes solve and backward transform, in one pass over the grid.
     pub fft: f64,
-    /// Grid to motions.
+    /// Interpolation from the grid to motions.
     pub interpolate: f64,
-    /// Finding pairs, and what they add.
+    /// Neighbour search and pair correction.
     pub near: f64,
     /// Exchanging positions, loads and motions with other ranks.
     pub exchange: f64,
@@ -52,7 +52,7 @@ impl std::ops::Sub for Seconds {
     }
 }
 
-/// A stopwatch for one part after the other.
+/// Stopwatch for consecutive parts.
 pub(crate) struct Clock(Instant);
 
 impl Clock {
@@ -60,7 +60,7 @@ impl Clock {
         Self(Instant::now())
     }
 
-    /// Forgets the time since the last stop.
+    /// Discards the time since the last stop.
     pub fn restart(&mut self) {
         self.0 = Instant::now();
     }

@@ -1,4 +1,4 @@
-//! Tests of evaluations, in one program: each file here is a module of it, or it is not run.
+//! Tests of evaluations in one program: each file here has to be a module of it to run.
 
 mod at_walls;
 mod common;

@@ -1,4 +1,4 @@
-//! Spheres at walls, closer to them than a grid resolves.
+//! Spheres at walls, in gaps that no grid resolves.
 
 use crate::common::{Suspension, error, errors, rigid_errors, solved, vectors, worst};
 use domain::{Boundaries, PeriodicBox, Random, Traceless, Vector};
@@ -9,8 +9,8 @@ fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
     PeriodicBox::new(Vector::from_array(edges)).unwrap().with_boundaries(boundaries).unwrap()
 }
 
-/// Twelve spheres of radii 1 and `ratio` in turn, eight of which are at walls, with a gap of so many of their radii, and four at
-/// random between them.
+/// Twelve spheres of radii 1 and `ratio` alternately: eight at walls, with a gap of `gap` radii, and four at random
+/// positions in between.
 fn at_walls(boundaries: Boundaries, ratio: f64, gap: f64, name: u64) -> Suspension {
     let cell = cell([12.0, 12.0, 11.0], boundaries);
     let (edges, mut random) = (cell.edges(), Random::new(77, name));
@@ -38,8 +38,8 @@ fn at_walls(boundaries: Boundaries, ratio: f64, gap: f64, name: u64) -> Suspensi
     suspension
 }
 
-/// Spheres in layers on the walls, closer to them than any grid resolves, with images in themselves and in each other besides what the
-/// grid has: up to two and a half times the tolerance.
+/// Spheres in layers on the walls, in gaps that no grid resolves, with images in themselves and in each other: errors
+/// up to two and a half times the tolerance.
 #[test]
 fn spheres_in_layers_on_walls_are_within_two_and_a_half_tolerances() {
     for (name, ratio) in [1.0, 1.5, 2.0].into_iter().enumerate() {
@@ -61,9 +61,10 @@ fn spheres_in_layers_on_walls_are_within_two_and_a_half_tolerances() {
     }
 }
 
-/// One sphere at a wall against its mobility in closed form: integrals of Blake's image in Fourier space with Gaussian
-/// envelopes, the squares of whose widths are `s` of forces and `d` of torques and stresslets (see `WallBlocks::of_method` of the
-/// lubrication). In a box of 60 radii its copies add 2e-4 to what it has along the wall.
+/// One sphere at a wall against its mobility in closed form: integrals of Blake's image in Fourier space with
+/// Gaussian envelopes, whose squared widths are `s` for forces and `d` for torques and stresslets (see
+/// `WallBlocks::of_method` of `lubrication`). In a box of 60 radii periodic copies add 2e-4 to the mobility along the
+/// wall.
 #[test]
 fn a_sphere_at_a_wall_has_the_mobility_in_closed_form() {
     let (s, d) = (1.0 / PI, (6.0 * PI.sqrt()).powf(-2.0 / 3.0));
@@ -118,8 +119,8 @@ fn a_sphere_at_a_wall_has_the_mobility_in_closed_form() {
     }
 }
 
-/// A sphere that nearly fills a slit has an image in each wall, and those of the images are beyond what the grid leaves out. Its
-/// mobility is so small that errors are twice as large beside it.
+/// A sphere that nearly fills a slit has an image in each wall; the multiple reflections are beyond the truncation of
+/// the grid. Its mobility is so small that relative errors are twice as large.
 #[test]
 fn a_sphere_that_fills_a_slit_keeps_its_tolerance() {
     let one = Suspension {
@@ -138,7 +139,7 @@ fn a_sphere_that_fills_a_slit_keeps_its_tolerance() {
     }
 }
 
-/// Images of the smallest sphere need wavenumbers that a grid for the largest is far too coarse for.
+/// Images of the smallest sphere need wavenumbers for which a grid for the largest is far too coarse.
 #[test]
 fn radii_of_extreme_ratios_are_refused() {
     for ratio in [1e4, 1e6, 1e9] {
@@ -154,7 +155,7 @@ fn radii_of_extreme_ratios_are_refused() {
     }
 }
 
-/// Equal spheres that touch the wall, and nearly each other, in a hexagonal layer.
+/// Equal spheres that touch the wall, and almost each other, in a hexagonal layer.
 fn close_packed() -> Suspension {
     let (step, height) = (2.02, 2.02 * 3.0_f64.sqrt());
     let rows = (0..2).flat_map(|row| (0..4).map(move |column| (row, column)));
@@ -167,7 +168,7 @@ fn close_packed() -> Suspension {
     Suspension { cell, viscosity: 1.0, radii: vec![1.0; positions.len()], positions }
 }
 
-/// Of spheres in layers, also such as have sunk in, as far as they may.
+/// For spheres in layers, also overlapping the walls as far as is allowed.
 #[test]
 fn the_mobility_is_symmetric_and_positive_definite() {
     let layers = [(Boundaries::Wall, -0.15), (Boundaries::Walls, -0.15), (Boundaries::Walls, 0.0)];
@@ -188,13 +189,14 @@ fn the_mobility_is_symmetric_and_positive_definite() {
             assert!(asymmetry < 1e-12, "{asymmetry:e}");
             let least = least_pivot(&mut matrix);
             println!("{:?} {tolerance:e}: least pivot {least:.3}", suspension.cell.boundaries());
-            // Of mobilities over those of spheres alone.
+            // Mobilities relative to those of isolated spheres.
             assert!(least > 0.02, "{least} at {tolerance:e}: {suspension:?}");
         }
     }
 }
 
-/// Loads one by one, over the root of the mobility of the sphere alone: components of its force, its torque, its stresslet.
+/// Unit loads, scaled by the square root of the mobility of an isolated sphere: components of its force, its torque,
+/// its stresslet.
 trait UnitLoad {
     fn unit_load(&self, number: usize) -> Loads;
 }
@@ -213,7 +215,7 @@ impl UnitLoad for Suspension {
             0..3 => Loads { forces: one(component, size(6.0 * a)), ..Loads::default() },
             3..6 => Loads { torques: one(component - 3, size(8.0 * a.powi(3))), ..Loads::default() },
             _ => {
-                // Of length 1 and at right angles to each other.
+                // An orthonormal basis.
                 let (half, third) = (0.5_f64.sqrt(), 1.0 / 6.0_f64.sqrt());
                 let basis = [
                     [third, 0.0, 0.0, third, 0.0],
@@ -230,7 +232,7 @@ impl UnitLoad for Suspension {
     }
 }
 
-/// The least pivot of a symmetric matrix as it is eliminated: positive if it is positive definite.
+/// Least pivot in the elimination of a symmetric matrix: positive if the matrix is positive definite.
 fn least_pivot(matrix: &mut [Vec<f64>]) -> f64 {
     let mut least = f64::INFINITY;
     for n in 0..matrix.len() {
@@ -244,8 +246,8 @@ fn least_pivot(matrix: &mut [Vec<f64>]) -> f64 {
     least
 }
 
-/// Spheres near both walls of a thin slit, or far apart in a layer: copies of the grid along z are as near as spheres are. Forces alone
-/// have no pairs, but Gaussians that overlap all the same.
+/// Spheres near both walls of a thin slit, or far apart in a layer: periodic copies of the grid along z are as near
+/// as spheres are. With forces alone there are no pairs within a cutoff, but the Gaussians overlap all the same.
 #[test]
 fn forces_alone_are_no_nearer_to_copies_than_with_dipoles() {
     let centres = [

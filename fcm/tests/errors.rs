@@ -1,4 +1,4 @@
-//! What can't be done is refused with a message that says why, on all ranks.
+//! Impossible requests are refused with a message that says why, on all ranks.
 
 use crate::common::{Suspension, on_ranks};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
@@ -98,7 +98,7 @@ fn fixed_choices_that_are_none() {
     }
 }
 
-/// What a user fixes is what is done.
+/// Choices fixed by the user are kept.
 #[test]
 fn fixed_choices_are_kept() {
     let fixed = Fixed {
@@ -117,7 +117,7 @@ fn fixed_choices_are_kept() {
     assert!((plan.iteration_tolerance - 1e-5).abs() < 1e-20);
 }
 
-/// The error that is expected is that of what is done, also where a user fixed it.
+/// The expected error is that of the final choice, including the parameters that a user fixed.
 #[test]
 fn fixed_choices_change_what_is_expected() {
     let expected = |fixed| Plan::choose(&Problem { fixed, ..problem() }).unwrap().predicted_error;
@@ -132,7 +132,7 @@ fn fixed_choices_change_what_is_expected() {
     }
 }
 
-/// Each rank's answer, from four ranks of which some own nothing.
+/// The outcome on each of four ranks, of which some own nothing.
 fn on_four_ranks(suspension: &Suspension, plan: &Plan, loads: &Loads) -> Vec<Result<(), SolveError>> {
     let outcomes = Mutex::new(Vec::new());
     on_ranks(suspension, (plan, [2, 2]), loads, |partition, particles, loads| {
@@ -145,7 +145,7 @@ fn on_four_ranks(suspension: &Suspension, plan: &Plan, loads: &Loads) -> Vec<Res
     outcomes.into_inner().unwrap()
 }
 
-/// Sixty spheres in one another: nearly the same flow moves them all, so that the system has hardly an inverse.
+/// Sixty overlapping spheres: nearly the same flow moves them all, so the system is almost singular.
 #[test]
 fn a_solve_that_does_not_converge_is_an_error_on_all_ranks() {
     let cell = PeriodicBox::new(Vector::splat(4.0)).unwrap();
@@ -184,7 +184,7 @@ fn loads_that_are_not_numbers_are_an_error_on_all_ranks() {
     assert_eq!(SolveError::NotFinite.to_string(), expected);
 }
 
-/// Two particles at one point move alike; that is no error, for envelopes may overlap.
+/// Two particles at one point move alike; that is no error, since envelopes may overlap.
 #[test]
 fn particles_at_one_point_have_a_motion() {
     let cell = PeriodicBox::new(Vector::splat(7.0)).unwrap();

@@ -1,4 +1,4 @@
-//! The velocity of the fluid at points of boxes that do not repeat along all axes.
+//! Velocity of the fluid at points of boxes that are not periodic along all axes.
 
 use crate::common::{self, Suspension};
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Traceless, Vector};
@@ -26,7 +26,7 @@ fn plan(suspension: &Suspension, tolerance: f64) -> Plan {
     Plan::choose(&suspension.problem(tolerance)).unwrap().with_points().unwrap()
 }
 
-/// The flow at all points of a raster, by so many ranks, and the motions of the spheres by the first.
+/// Flow at all points of a raster on `ranks` ranks.
 fn flow(suspension: &Suspension, plan: &Plan, loads: &Loads, ranks: usize) -> (Raster, Vec<Vector>) {
     let raster = plan.raster(suspension.cell.origin());
     let all = Comm::threads(ranks, |comm| {
@@ -57,7 +57,7 @@ fn largest(velocities: impl IntoIterator<Item = Vector>) -> f64 {
     velocities.into_iter().map(Vector::length).fold(0.0, f64::max)
 }
 
-/// `u = (A I + B xx) F` of a Gaussian of a width, for the viscosity 1 (Maxey & Patel 2001).
+/// `u = (A I + B xx) F` of a Gaussian of width `sigma`, for viscosity 1 (Maxey & Patel 2001).
 fn stokeslet(x: Vector, force: Vector, sigma: f64) -> Vector {
     let r = x.length() / sigma;
     if r < 1e-2 {
@@ -68,14 +68,15 @@ fn stokeslet(x: Vector, force: Vector, sigma: f64) -> Vector {
     (force * a + x * (b * x.dot(force) / x.length_squared())) / (8.0 * PI * sigma * r)
 }
 
-/// The flow of a force and a dipole `G d/dx`, the symmetric part of which is the stresslet, and the torque the other.
+/// Flow of a force and a dipole `G d/dx`, whose symmetric part is the stresslet and whose antisymmetric part is the
+/// torque.
 fn of_one(x: Vector, radius: f64, (force, torque, stresslet): (Vector, Vector, Traceless)) -> Vector {
     let Envelope { monopole, dipole } = Envelope::of_sphere(radius);
     let mut u = stokeslet(x, force, monopole);
     let (h, s) = (1e-3, stresslet.tensor());
     for axis in 0..3 {
         let step = Vector::AXES[axis] * h;
-        // Of the torque the half of the curl of its envelope.
+        // The torque contributes half the curl of its envelope.
         let column = s.col(axis) + 0.5 * Vector::AXES[axis].cross(torque);
         let by = |x: Vector| stokeslet(x, column, dipole);
         u += (8.0 * (by(x + step) - by(x - step)) - (by(x + 2.0 * step) - by(x - 2.0 * step))) / (12.0 * h);
@@ -83,7 +84,7 @@ fn of_one(x: Vector, radius: f64, (force, torque, stresslet): (Vector, Vector, T
     u
 }
 
-/// In unbounded fluid the flow is the sum of closed forms, inside of spheres too.
+/// In unbounded fluid the flow is the sum of closed forms, also inside of spheres.
 #[test]
 fn flow_in_open_space_is_that_of_closed_forms() {
     let suspension = some(Boundaries::Open);
@@ -105,11 +106,11 @@ fn flow_in_open_space_is_that_of_closed_forms() {
     }
 }
 
-/// A sphere's velocity is the mean of the flow over its envelope, whatever bounds the fluid.
+/// A sphere's velocity is the mean of the flow over its envelope, with any boundaries.
 #[test]
 fn spheres_move_with_the_flow_in_their_envelopes() {
     for boundaries in ALL {
-        // Away from faces: the envelope lies in the raster.
+        // Away from faces, so the envelope lies within the raster.
         let suspension = some(boundaries);
         let passive = [Vector::new(4.4, 4.3, 5.0), Vector::new(0.1, 7.9, 4.6)];
         let mut with_passive = suspension.clone();
@@ -137,7 +138,7 @@ fn spheres_move_with_the_flow_in_their_envelopes() {
             mean *= raster.spacing.element_product() / (2.0 * PI * sigma * sigma).powf(1.5);
             let off = (mean - *expected).length() / largest(found.iter().copied());
             println!("{boundaries:?}: {off:.1e}");
-            // The lower of the two has less than 1e-3 of its envelope in open fluid beyond the raster.
+            // The lower sphere has less than 1e-3 of its envelope in open fluid beyond the raster.
             let is_whole = boundaries != Boundaries::Open || *place == passive[0];
             assert!(!is_whole || off < tolerance, "{boundaries:?}: {off:e}");
         }
@@ -170,8 +171,8 @@ fn fluid_rests_at_walls() {
     }
 }
 
-/// A force above a wall, across it, far from where it repeats: Blake's (1971) flow of a point force, with what an envelope
-/// makes of it.
+/// A force normal to a wall, far from its periodic copies: Blake's (1971) flow of a point force, corrected for the
+/// envelope.
 #[test]
 fn a_force_above_a_wall_drives_blake_s_flow() {
     let height = 4.0;
@@ -187,7 +188,7 @@ fn a_force_above_a_wall_drives_blake_s_flow() {
     let (raster, found) = flow(&suspension, &plan(&suspension, 1e-4), &loads, 1);
     let sigma = Envelope::of_sphere(1.0).monopole;
     let size = force.length() / (6.0 * PI);
-    // The image of a point force F across the wall at a height h: -F, a force dipole 2 h and a source doublet h^2.
+    // The image of a point force F normal to the wall at a height h: -F, a force dipole 2 h and a source doublet h^2.
     let image = |x: Vector, h: f64| {
         let y = Vector::new(x.x, x.y, x.z + h);
         let r = y.length();
@@ -208,7 +209,7 @@ fn a_force_above_a_wall_drives_blake_s_flow() {
         if x.truncate().length() > 9.0 {
             continue;
         }
-        // 1 + sigma^2/2 lap by where the force is.
+        // 1 + sigma^2/2 lap with respect to the position of the force.
         let s = 1e-2;
         let around = [Vector::X, Vector::Y].iter().flat_map(|e| [image(x + *e * s, height), image(x - *e * s, height)]);
         let up = [image(x, height + s), image(x, height - s)];
@@ -218,11 +219,11 @@ fn a_force_above_a_wall_drives_blake_s_flow() {
         worst = worst.max((*u - exact).length());
     }
     println!("{:.1e}", worst / size);
-    // The next images are 60 away, where the flow of each is a thousandth of this.
+    // The nearest periodic copies are 60 away, where the flow of each is a thousandth of this.
     assert!(worst < 1e-3 * size, "{:e}", worst / size);
 }
 
-/// On any ranks the same but for round-off.
+/// The same on any number of ranks, up to round-off.
 #[test]
 fn flow_is_the_same_on_any_ranks() {
     for boundaries in ALL {
@@ -237,7 +238,7 @@ fn flow_is_the_same_on_any_ranks() {
     }
 }
 
-/// Longer grids change nothing for spheres.
+/// A longer grid changes nothing for spheres.
 #[test]
 fn spheres_move_alike_on_a_grid_with_points() {
     for boundaries in ALL {

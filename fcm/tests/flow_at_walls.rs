@@ -1,4 +1,4 @@
-//! Rigid spheres in a shear flow along walls, whose motions beside it are small.
+//! Rigid spheres in a shear flow along walls, with small motions relative to it.
 
 use crate::common::{Suspension, tensors, vectors};
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Tensor, Traceless, Vector};
@@ -19,7 +19,7 @@ fn plan(suspension: &Suspension, loading: Loading, tolerance: f64) -> Plan {
     Plan::choose(&problem(suspension, loading, tolerance)).unwrap()
 }
 
-/// The motion in the flow `u = z` along x, relative to it.
+/// Motion relative to the flow `u = z` along x.
 fn sheared(suspension: &Suspension, plan: &Plan) -> Solved {
     let gradient = Tensor::from_cols(Vector::ZERO, Vector::ZERO, RATE * Vector::X);
     let mut hydrodynamics = Hydrodynamics::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
@@ -27,7 +27,8 @@ fn sheared(suspension: &Suspension, plan: &Plan) -> Solved {
     hydrodynamics.solve(&suspension.cell, &particles, &loads, Traceless::part_of(&gradient), &[]).unwrap()
 }
 
-/// Errors of velocities, angular velocities and stresslets by their norms, each at least a tenth of that of single spheres in the flow.
+/// Errors of velocities, angular velocities and stresslets relative to their norms, each norm at least a tenth of
+/// that of isolated spheres in the flow.
 fn relative_errors(suspension: &Suspension, found: &Solved, exact: &Solved) -> [f64; 3] {
     let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
     let single = |of_radius: &dyn Fn(f64) -> f64| {
@@ -47,7 +48,7 @@ fn relative_errors(suspension: &Suspension, found: &Solved, exact: &Solved) -> [
     ]
 }
 
-/// Two slits of little more than two diameters, in which most spheres are at a wall: edges and centres.
+/// Two slits slightly wider than two diameters, in which most spheres are at a wall: edges and centres.
 const THIN: [([f64; 3], [[f64; 3]; 8]); 2] = [
     (
         [18.0, 19.0, 4.5],
@@ -77,7 +78,8 @@ const THIN: [([f64; 3], [[f64; 3]; 8]); 2] = [
     ),
 ];
 
-/// Without lubrication velocities of spheres at a wall are the small difference of those of the flow and of their images.
+/// Without lubrication the velocity of a sphere at a wall is the small difference between the flow's and that by its
+/// images.
 #[test]
 fn few_spheres_keep_the_tolerance() {
     let thin = THIN.map(|(edges, centres)| Suspension {
@@ -101,7 +103,7 @@ fn few_spheres_keep_the_tolerance() {
     }
 }
 
-/// One sphere off the middle, whose angular velocity vanishes there, and one near a wall.
+/// One sphere off the midplane, where the angular velocity vanishes, and one near a wall.
 #[test]
 fn one_sphere_keeps_the_tolerance_at_any_height() {
     for (radius, height) in [(2.0, 9.9), (2.0, 6.811), (1.0, 4.749), (1.0, 1.05)] {
@@ -120,7 +122,8 @@ fn one_sphere_keeps_the_tolerance_at_any_height() {
     }
 }
 
-/// Lubrication makes all motions of a suspension large enough beside the flow, and errors of many spheres average out.
+/// Lubrication makes all relative motions of a suspension comparable with the flow, and the errors of many spheres
+/// average out.
 #[test]
 fn many_lubricated_spheres_have_the_plan_of_other_loads() {
     let suspension = Suspension::random(200, 1.0, slit([18.0, 18.0, 16.0]), 1);

@@ -1,10 +1,10 @@
-//! Grids of any even number of points keep the tolerance against a sum that has no grid.
+//! Grids of any even number of points keep the tolerance, against a sum without a grid.
 
 use crate::common::{Suspension, on_ranks, worst};
 use domain::{PeriodicBox, Vector};
 use fcm::{Evaluation, Fixed, Loads, MethodName, Mobility, Plan, Precision};
 
-/// Points along each axis, with factors 11, 13, 23 and 53, and a tolerance that they are enough for.
+/// Points along each axis, with factors 11, 13, 23 and 53, and a tolerance for which they suffice.
 const GRIDS: [(usize, f64); 4] = [(22, 1e-2), (26, 1e-3), (46, 1e-6), (106, 1e-10)];
 
 fn suspension() -> Suspension {
@@ -47,7 +47,7 @@ fn single_precision_keeps_the_tolerance() {
     }
 }
 
-/// Sums run in another order, so the last digits differ.
+/// Sums are taken in a different order, so the last digits differ.
 #[test]
 fn ranks_agree_on_any_even_grid() {
     let suspension = suspension();

@@ -5,25 +5,26 @@ use domain::{Comm, Partition, Traceless, Vector};
 use fcm::{Fixed, Hydrodynamics, Loads, MethodName, Motion, Multipoles, Plan, Problem};
 use std::f64::consts::PI;
 
-/// Hasimoto (1959), eq. (31), to more digits: the constant of the simple cubic lattice.
+/// Constant of the simple cubic lattice: Hasimoto (1959), eq. (31), to more digits.
 const HASIMOTO: f64 = 2.837_297_479_480_62;
-/// Half of the library's tightest tolerance, 1e-12; the sum over wavevectors leaves out 2e-15 and rounds.
+/// Half of the library's tightest tolerance, 1e-12; the sum over wavevectors has a truncation error of 2e-15 and
+/// round-off.
 const EXACT: f64 = 5e-13;
 
-/// Loads of a direction that no axis of the lattice has.
+/// A direction that is not along any axis of the lattice.
 fn direction() -> Vector {
     Vector::new(0.48, -0.6, 0.64)
 }
 
-/// Each method of the library, and the sum.
+/// Motions by each method of the library, and by the sum over wavevectors.
 fn answers(edge: f64, loads: &Loads) -> Vec<Motion> {
     let single = Suspension::single(edge);
     let by = |method| single.evaluate(&single.plan(1e-12, Fixed { method: Some(method), ..Fixed::default() }), loads);
     vec![by(MethodName::Direct), by(MethodName::Split), single.motion(loads)]
 }
 
-/// `6 pi mu a V / F = 1 - 2.837 a/L + 4 (a/L)^3`: the images' envelopes add to that where they overlap, `exp(-pi
-/// (L/2a)^2)` of it, 3e-14 at `L = 6.3 a`.
+/// `6 pi mu a V / F = 1 - 2.837 a/L + 4 (a/L)^3`; overlapping envelopes of the images add a relative
+/// `exp(-pi (L/2a)^2)`, 3e-14 at `L = 6.3 a`.
 #[test]
 fn drag_follows_hasimoto() {
     for edge in [6.5, 9.0, 13.0] {
@@ -32,7 +33,7 @@ fn drag_follows_hasimoto() {
         for motion in answers(edge, &loads) {
             let error = (motion.velocities[0] - exact).length() / exact.length();
             assert!(error < EXACT, "L = {edge} a: error {error:e}");
-            // A force turns and strains nothing, by symmetry.
+            // By symmetry a force causes neither rotation nor strain.
             assert!(motion.angular_velocities[0].length() < EXACT);
         }
     }
@@ -53,7 +54,7 @@ fn torque_loses_the_volume_fraction() {
     }
 }
 
-/// A rate of strain along the axes and one between them.
+/// Rates of strain along the axes and at 45 degrees to them.
 const STRAINS: [Traceless; 2] = [Traceless([1.0, 0.0, 0.0, -1.0, 0.0]), Traceless([0.0, 0.6, 0.0, 0.0, -0.8])];
 
 /// The stresslet over `20/3 pi mu a^3 E` of a rigid sphere.
@@ -71,10 +72,10 @@ fn stresslets(edge: f64) -> [f64; 2] {
     })
 }
 
-/// `c` of the expansion below: what the far fields `u = -3/(8 pi mu) x (x.S.x) / r^5` of the stresslets at all other
-/// points of a simple cubic lattice of edge 1 add to the rate of strain at one of them, `(c - 1) phi` of `-S / (20/3 pi
-/// mu a^3)`, of which the 1 is the uniform back flow. The sum converges conditionally: it ends in a smooth sphere,
-/// whose radius changes the seventh digit.
+/// Coefficient `c` of the expansion below: the far fields `u = -3/(8 pi mu) x (x.S.x) / r^5` of the stresslets at all
+/// other points of a simple cubic lattice of edge 1 add to the rate of strain at one of them `(c - 1) phi` times
+/// `-S / (20/3 pi mu a^3)`, where the 1 is the uniform back flow. The sum converges conditionally: it ends in a
+/// smooth sphere, whose radius changes the seventh digit.
 fn lattice_sum(strain: Traceless) -> f64 {
     let (tensor, mut sum) = (strain.tensor(), 0.0);
     for index in 0..27_i32.pow(3) {
@@ -89,8 +90,8 @@ fn lattice_sum(strain: Traceless) -> f64 {
     1.0 - 15.0 / (8.0 * PI) * sum / strain.contract(strain)
 }
 
-/// In a simple cubic lattice of spheres the stresslet is `20/3 pi mu a^3 E / (1 - c phi + O(phi^(5/3)))`, with another
-/// `c` for rates of strain along the axes than for those between them (Zuzovsky, Adler & Brenner 1983).
+/// In a simple cubic lattice of spheres the stresslet is `20/3 pi mu a^3 E / (1 - c phi + O(phi^(5/3)))`, with
+/// different `c` for rates of strain along the axes and at 45 degrees to them (Zuzovsky, Adler & Brenner 1983).
 #[test]
 fn stresslets_in_a_lattice_see_their_far_fields() {
     let edges = [8.0, 16.0, 32.0];
@@ -98,7 +99,7 @@ fn stresslets_in_a_lattice_see_their_far_fields() {
     for (kind, strain) in STRAINS.into_iter().enumerate() {
         let fraction = |edge: f64| 4.0 / 3.0 * PI / edge.powi(3);
         let slope: [f64; 3] = std::array::from_fn(|i| (1.0 - 1.0 / found[i][kind]) / fraction(edges[i]));
-        // Slopes come near c like (a/L)^2, and the extrapolation is exact. Errors of 1e-10 are 1e-6 of phi = 1.3e-4.
+        // Slopes approach c like (a/L)^2, which the extrapolation removes. Errors of 1e-10 are 1e-6 of phi = 1.3e-4.
         let (limit, c) = ((4.0 * slope[2] - slope[1]) / 3.0, lattice_sum(strain));
         assert!((limit - c).abs() < 5e-6, "slope {limit}, not {c}; from {slope:?}");
         let order = ((slope[1] - slope[0]) / (slope[2] - slope[1])).log2();
@@ -109,7 +110,7 @@ fn stresslets_in_a_lattice_see_their_far_fields() {
     }
 }
 
-/// Far from its images a sphere with a monopole alone has Stokes' drag: the deviation is of order one in `a/L`.
+/// Far from its images a sphere with a monopole alone has Stokes' drag, to first order in `a/L`.
 #[test]
 fn drag_comes_near_stokes_with_the_first_order() {
     let deviation = [20.0, 40.0].map(|edge| {

@@ -1,4 +1,4 @@
-//! Boxes of other lattices than upright ones.
+//! Boxes with tilted or rotated lattices.
 
 use crate::common::{Suspension, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
@@ -16,7 +16,7 @@ fn fixed(method: MethodName) -> Fixed {
     Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() }
 }
 
-/// A box that is turned with all that is in it has the same motions, turned, to round-off.
+/// If a box is rotated with its particles, the motions are rotated likewise, to round-off.
 #[test]
 fn a_turned_box_has_turned_motions() {
     let cell = PeriodicBox::sheared(Vector::new(8.0, 7.0, 9.0), 0.3).unwrap();
@@ -50,7 +50,7 @@ fn a_turned_box_has_turned_motions() {
     }
 }
 
-/// Which vectors name a lattice does not matter: within the tolerance, motions are the same.
+/// Any basis of a lattice gives the same motions, to the tolerance.
 #[test]
 fn other_vectors_of_a_lattice_have_the_same_motions() {
     let tolerance = 1e-4;
@@ -70,7 +70,7 @@ fn other_vectors_of_a_lattice_have_the_same_motions() {
     }
 }
 
-/// The same of forces alone, and down to small tolerances, where the grid is in `f64`.
+/// The same with forces alone, and down to small tolerances, for which the grid is in `f64`.
 #[test]
 fn a_leaning_lattice_keeps_any_tolerance() {
     let suspension = Suspension::random(10, 1.3, PeriodicBox::new(Vector::splat(7.5)).unwrap(), 8);
@@ -95,7 +95,7 @@ fn a_leaning_lattice_keeps_any_tolerance() {
     }
 }
 
-/// The direct method has stencils for upright boxes alone.
+/// The direct method has stencils only for boxes with an orthogonal third lattice vector.
 #[test]
 fn envelopes_on_a_leaning_grid_are_refused() {
     let vectors = [Vector::X * 9.0, Vector::Y * 9.0, Vector::new(2.0, 0.0, 9.0)];

@@ -1,10 +1,11 @@
-//! Sheared boxes that are long along the flow, flat or slender: their strain is up to half the ratio of the edges.
+//! Sheared boxes that are long along the flow, flat or slender: their strain is up to half the aspect ratio.
 
 use crate::common::{Suspension, on_ranks, worst};
 use domain::{PeriodicBox, Random, Vector};
 use fcm::{Evaluation, Fixed, Mobility, Plan, Precision};
 
-/// A few particles of radii 1 and up to 2 in a box four to a hundred times as long as it is wide, at any strain of its range.
+/// A few particles of radii from 1 to at most 2 in a box four to a hundred times as long as it is wide, at any strain
+/// of its range.
 fn random_case(name: u64) -> Suspension {
     let mut random = Random::new(23, name);
     let ratio = if name.is_multiple_of(2) { 1.0 } else { 1.0 + random.uniform() };
@@ -18,7 +19,7 @@ fn random_case(name: u64) -> Suspension {
     Suspension::random(count, ratio, PeriodicBox::sheared(edges, strain).unwrap(), name)
 }
 
-/// The error of a tolerance and its plan, for any strain of the box.
+/// Error and plan at a tolerance, for any strain of the box.
 fn error(suspension: &Suspension, seed: u64, tolerance: f64) -> (f64, Plan) {
     let (loads, edges) = (suspension.loads(seed), suspension.cell.edges());
     let problem = fcm::Problem { largest_strain: 0.5 * edges.x / edges.y, ..suspension.problem(tolerance) };
@@ -26,7 +27,7 @@ fn error(suspension: &Suspension, seed: u64, tolerance: f64) -> (f64, Plan) {
     (worst(&suspension.evaluate(&plan, &loads), &suspension.motion(&loads)), plan)
 }
 
-/// Points at which the Gaussian along the lattice is no number by itself.
+/// With grid points at which the Gaussian factor along the lattice underflows by itself.
 #[test]
 fn equal_spheres_move_in_boxes_up_to_sixty_times_as_long_as_wide() {
     for (aspect, part) in [(16.0, 0.49), (20.0, 0.3), (20.0, -0.5), (40.0, 0.2), (60.0, 0.1)] {
@@ -53,8 +54,9 @@ fn errors_are_below_the_tolerance_in_long_boxes() {
     }
 }
 
-/// Just before and just after the box is turned back its rows are shifted by as many points as can be, to the right and to the
-/// left: the lattices differ by 1e-9, and so do the motions but for the tolerance, on any number of ranks the same.
+/// Just before and just after the box is remapped, its rows are shifted by the largest possible number of points, to
+/// the right and to the left. The lattices differ by 1e-9, so the motions agree to the tolerance, and are the same on
+/// any number of ranks.
 #[test]
 fn turning_a_long_box_back_changes_the_motion_by_less_than_the_tolerance() {
     let (edges, half) = (Vector::new(90.0, 4.0, 5.0), 11.25);
@@ -74,7 +76,7 @@ fn turning_a_long_box_back_changes_the_motion_by_less_than_the_tolerance() {
                 mobility.arrange(&before.cell, particles);
                 (mobility.apply(loads, Evaluation::All), Vec::new())
             });
-            // Sums run in another order.
+            // Sums are taken in a different order.
             let room = if plan.precision == Precision::Single { 1e-6 } else { 1e-12 };
             assert!(worst(&shared.0, &motion) < room, "{tolerance:e} on {table:?}");
         }

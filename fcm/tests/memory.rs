@@ -1,4 +1,4 @@
-//! What is predicted to be allocated against what is.
+//! Predicted against measured allocations.
 
 mod common;
 #[path = "../../domain/tests/heap/mod.rs"]
@@ -16,7 +16,7 @@ fn near(share: f64, predicted: f64, found: f64) {
     assert!((predicted / found - 1.0).abs() < share, "{predicted:.3e} predicted, {found:.3e} found");
 }
 
-/// One test: what others allocate would count.
+/// A single test function, since the allocations of concurrent tests would be counted.
 #[test]
 fn predictions_are_what_is_allocated() {
     let cell = PeriodicBox::new(Vector::splat(47.0)).unwrap();
@@ -52,7 +52,7 @@ fn predictions_are_what_is_allocated() {
     flow_at_points();
 }
 
-/// Between walls, where the flow is found plane by plane.
+/// Between walls, where the flow is computed plane by plane.
 fn flow_at_points() {
     let walls = PeriodicBox::new(Vector::new(47.0, 40.0, 30.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
     let between = PeriodicBox::new(Vector::new(47.0, 40.0, 28.0)).unwrap();
@@ -74,7 +74,7 @@ fn flow_at_points() {
         let raster = plan.raster(Vector::ZERO);
         let ((), found) = measured(|| {
             let mut flow = mobility.flow(&loads);
-            // The planes are found one by one: two are near walls, and one is not.
+            // Planes are computed one at a time: two near walls, and one that is not.
             for k in [0, raster.points[2] / 2, raster.points[2] - 1] {
                 assert_eq!(flow.plane(&raster, k).len(), raster.points[0] * raster.points[1]);
             }
@@ -83,7 +83,7 @@ fn flow_at_points() {
     }
 }
 
-/// A lattice that leans, on a grid so flat that the tables of the modes in its plane are as large as the field.
+/// A tilted lattice, on a grid so flat that the tables of the modes in its plane are as large as the field.
 fn boxes_that_lean() {
     let vectors = [Vector::X * 60.0, Vector::new(9.0, 60.0, 0.0), Vector::new(1.1, -0.7, 5.0)];
     let cell = PeriodicBox::of_lattice(vectors).unwrap();

@@ -1,10 +1,11 @@
-//! Random motions of spheres that overlap as in no suspension: on the grid alone they have a root, near the split's they may not.
+//! Random motions of heavily overlapping spheres: on the grid alone the mobility has a square root, but the near
+//! field of the split method may not.
 
 use crate::common::Suspension;
 use domain::{Comm, Partition, PeriodicBox, Random, Traceless, Vector};
 use fcm::{Drawn, Envelope, Evaluation, Fixed, Loads, MethodName, Mobility, Motion, Multipoles, Plan, Problem, Stream};
 
-/// 40 spheres at places that know nothing of each other, half of them of another radius: equal ones in a cube of edge 4 are
+/// 40 spheres at independent random positions, half of them of another radius: equal ones in a cube of edge 4 have
 /// 2.6 times its volume, those of radii 1 and 2 in one of edge 6 more than 3 times.
 fn random(ratio: f64, edge: f64) -> Suspension {
     let mut random = Random::new(3, 0);
@@ -29,8 +30,8 @@ fn draw(mobility: &mut Mobility, number: u64) -> (Motion, Drawn) {
     mobility.noise(&(0..40).collect::<Vec<_>>(), 1e-3, Stream::new(7, number))
 }
 
-/// Nothing is left out, and along loads of any kind the variance is that of the mobility: within 4.5 errors of 1500 draws, for
-/// all loads at once and for those of one sphere, with forces alone and with dipoles.
+/// Nothing is clipped, and along loads of any kind the variance is that of the mobility: within 4.5 standard errors
+/// of 1500 draws, for all loads at once and for those of one sphere, with forces alone and with dipoles.
 #[test]
 fn on_the_grid_alone_draws_of_overlapping_spheres_have_the_covariance_of_the_mobility() {
     for ((ratio, edge), multipoles) in
@@ -69,8 +70,8 @@ fn on_the_grid_alone_draws_of_overlapping_spheres_have_the_covariance_of_the_mob
     }
 }
 
-/// The split method, with a common Gaussian as wide as the widest envelope, leaves out what the near field has negative
-/// eigenvalues for, and says so.
+/// The split method, with a common Gaussian as wide as the widest envelope, clips the negative eigenvalues of the
+/// near field, and reports it.
 #[test]
 fn the_split_method_says_what_it_leaves_out() {
     for (ratio, edge) in CASES {

@@ -1,10 +1,10 @@
-//! What holds for any mobility, whatever its error.
+//! Properties of any mobility, whatever its error.
 
 use crate::common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Loads, MethodName, Mobility, Motion, Precision};
 
-/// Orthonormal in the full contraction.
+/// Basis of traceless tensors, orthonormal in the full contraction.
 fn strains() -> [Traceless; 5] {
     let (half, third) = (0.5_f64.sqrt(), (1.0 / 6.0_f64).sqrt());
     [
@@ -16,7 +16,7 @@ fn strains() -> [Traceless; 5] {
     ]
 }
 
-/// The matrix from `(F, T, -S)` to `(V, Omega, E)`: three, three and five rows a particle.
+/// Matrix from `(F, T, -S)` to `(V, Omega, E)`: three, three and five rows per particle.
 fn matrix(suspension: &Suspension, mobility: &mut Mobility) -> Vec<Vec<f64>> {
     let count = suspension.radii.len();
     let column = |c: usize| {
@@ -38,7 +38,7 @@ fn matrix(suspension: &Suspension, mobility: &mut Mobility) -> Vec<Vec<f64>> {
     (0..11 * count).map(column).collect()
 }
 
-/// The largest element that a transposition changes, in units of the largest element.
+/// Largest difference between the matrix and its transpose, over its largest element.
 fn asymmetry(matrix: &[Vec<f64>]) -> f64 {
     let size = matrix.len();
     let pairs = || (0..size).flat_map(|i| (0..i).map(move |j| (i, j)));
@@ -46,7 +46,7 @@ fn asymmetry(matrix: &[Vec<f64>]) -> f64 {
     pairs().map(|(i, j)| (matrix[i][j] - matrix[j][i]).abs()).fold(0.0, f64::max) / scale
 }
 
-/// Whether Cholesky's factorisation of the symmetric part exists.
+/// Whether the symmetric part has a Cholesky factorisation.
 fn is_positive_definite(matrix: &[Vec<f64>]) -> bool {
     let size = matrix.len();
     let mut lower = vec![vec![0.0; size]; size];
@@ -69,8 +69,8 @@ fn fixed(method: MethodName) -> Fixed {
 
 const METHODS: [MethodName; 2] = [MethodName::Direct, MethodName::Split];
 
-/// Spread and interpolation are adjoint and the near field is a function of pairs: symmetry is a matter of round-off at
-/// any tolerance, not of the error.
+/// Spreading and interpolation are adjoint and the pair correction is symmetric in the pair, so the mobility is
+/// symmetric to round-off at any tolerance.
 #[test]
 fn the_mobility_is_symmetric_and_positive_definite() {
     for (count, ratio, edges, strain) in [(4, 1.0, [6.0; 3], 0.0), (5, 2.0, [9.0, 8.0, 7.0], 0.35)] {
@@ -108,13 +108,14 @@ fn the_mobility_is_symmetric_to_round_off_in_f32() {
         let single = Fixed { precision: Some(Precision::Single), ..fixed(method) };
         let matrix = matrix(&suspension, &mut suspension.mobility(&suspension.plan(1e-2, single)));
         let asymmetry = asymmetry(&matrix);
-        // Sums of a thousand terms of 6e-8 round-off each.
+        // Sums of a thousand terms with round-off of 6e-8 each.
         assert!(asymmetry < 2e-6, "{method:?}: asymmetry {asymmetry:e}");
         assert!(is_positive_definite(&matrix));
     }
 }
 
-/// A displacement by any fraction of a cell changes the motion by less than the tolerance, by whole cells by nothing.
+/// A displacement by any fraction of a grid cell changes the motion by less than the tolerance, one by whole cells
+/// not at all.
 #[test]
 fn the_grid_has_no_preferred_place() {
     let cell = PeriodicBox::sheared(Vector::new(9.0, 7.0, 8.0), 0.2).unwrap();
@@ -135,7 +136,7 @@ fn the_grid_has_no_preferred_place() {
     }
 }
 
-/// A quarter of a turn about z, then about x, of everything.
+/// A quarter rotation of everything about z, then about x.
 #[test]
 fn a_cubic_box_has_no_preferred_axis() {
     let suspension = Suspension::random(10, 1.6, PeriodicBox::new(Vector::splat(8.0)).unwrap(), 8);
@@ -166,7 +167,7 @@ fn a_cubic_box_has_no_preferred_axis() {
     }
 }
 
-/// A net force is balanced by a uniform pressure gradient, not by a mean flow; and the flow has no sources.
+/// A net force is balanced by a uniform pressure gradient, not by a mean flow; and the flow is divergence-free.
 #[test]
 fn a_net_force_leaves_no_mean_flow() {
     let suspension = Suspension::random(6, 1.3, PeriodicBox::sheared(Vector::new(7.0, 6.0, 8.0), -0.3).unwrap(), 9);
@@ -182,12 +183,12 @@ fn a_net_force_leaves_no_mean_flow() {
             let mean = component.iter().sum::<f64>() / points as f64;
             assert!(mean.abs() < 1e-14 * size * (points as f64).sqrt(), "{method:?}: mean {mean:e} of {size:e}");
         }
-        // Roundings: not nothing.
+        // Round-off, but not exactly zero.
         assert!(mobility.divergence() > 0.0 && mobility.divergence() < 1e-11);
     }
 }
 
-/// Strains a period apart are one lattice, and so are `1/2` and `-1/2` of a period.
+/// Strains that differ by a period give the same lattice, and so do `1/2` and `-1/2` of a period.
 #[test]
 fn strains_a_period_apart_give_the_same_motion() {
     let edges = Vector::new(9.0, 6.0, 7.0);
@@ -206,8 +207,8 @@ fn strains_a_period_apart_give_the_same_motion() {
     }
 }
 
-/// Just before and just after the box is turned back its grids differ by as much as they can, and the lattices by
-/// 1e-9: the motion changes by less than the tolerance.
+/// Just before and just after the box is remapped its grids differ as much as they can, and the lattices by 1e-9: the
+/// motion changes by less than the tolerance.
 #[test]
 fn turning_the_box_back_changes_the_motion_by_less_than_the_tolerance() {
     let edges = Vector::new(8.0, 8.0, 7.0);

@@ -1,10 +1,10 @@
-//! However many ranks and threads there are, the answer is the same.
+//! The answer is the same on any number of ranks and threads.
 
 use crate::common::{Suspension, error, on_ranks, tensors, vectors, worst};
 use domain::{PeriodicBox, Traceless, Vector};
 use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Mobility, Motion, Plan, Precision};
 
-/// Ranks that own slabs, pencils, and nothing.
+/// Tables in which ranks own slabs, pencils, or nothing.
 const TABLES: [[usize; 2]; 12] =
     [[1, 1], [1, 2], [2, 1], [3, 1], [1, 4], [2, 2], [4, 1], [1, 7], [7, 1], [1, 13], [4, 4], [8, 8]];
 const BACKGROUND: Traceless = Traceless([0.3, -0.1, 0.2, 0.4, -0.5]);
@@ -35,7 +35,8 @@ fn fixed(method: MethodName) -> Fixed {
     Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() }
 }
 
-/// Sums run in another order, so the last digits differ: 1e-12 leaves room for that, not for a lost image.
+/// Sums are taken in a different order, so the last digits differ: 1e-12 leaves room for that, but not for a missing
+/// image.
 #[test]
 fn any_table_of_ranks_agrees_with_one_rank() {
     let suspension = suspension();
@@ -65,7 +66,7 @@ fn rigid_spheres_agree_on_any_table_of_ranks() {
     }
 }
 
-/// A grid of 4 x 4 lines for up to 64 ranks, most of which own no particle, and some no line.
+/// A grid with 4 x 4 rows on up to 64 ranks, most of which own no particle, and some no row.
 #[test]
 fn more_ranks_than_lines_and_ranks_without_particles() {
     let cell = PeriodicBox::new(Vector::new(8.0, 4.0, 4.0)).unwrap();
@@ -100,7 +101,7 @@ fn kinds_of_load_are_known_to_all_ranks() {
         let plan = suspension.plan(1e-2, fixed(*method));
         let alone = suspension.evaluate(&plan, loads);
         let four = mobility(&suspension, &plan, [2, 2], loads);
-        // What is zero by symmetry is round-off, so all are held to the size of the largest.
+        // Values that vanish by symmetry are round-off, so all are compared to the size of the largest.
         let [v, w, e] = [vectors(&four.velocities), vectors(&four.angular_velocities), tensors(&four.strain_rates)];
         let [p, q, r] = [vectors(&alone.velocities), vectors(&alone.angular_velocities), tensors(&alone.strain_rates)];
         let error = error(&[v, w, e].concat(), &[p, q, r].concat());
@@ -108,7 +109,7 @@ fn kinds_of_load_are_known_to_all_ranks() {
     }
 }
 
-/// Bit for bit, in both precisions, with stencils that reach around the box and such that do not.
+/// Bit for bit, in both precisions, with stencils that wrap around the box and with others.
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let cell = PeriodicBox::sheared(Vector::new(14.0, 12.0, 16.0), -0.2).unwrap();

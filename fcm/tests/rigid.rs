@@ -1,4 +1,4 @@
-//! Rigid spheres against a dense solve of the sums over wavevectors.
+//! Rigid spheres against a dense solve with sums over wavevectors.
 
 use crate::common::{Suspension, at_surfaces, difference, error, tensors};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
@@ -22,9 +22,10 @@ fn suspension(edges: [f64; 3], strain: f64, ratio: f64) -> Suspension {
     Suspension::random(6, ratio, PeriodicBox::sheared(Vector::from_array(edges), strain).unwrap(), 3)
 }
 
-/// Stresslets below the tolerance; motions below it against the motion at the surfaces as a whole, rate of strain
-/// included. A spin or, without forces, a velocity is what little is left of that when the self mobility has been taken
-/// out: against itself alone its error has no bound, and is larger than the tolerance in one of a hundred draws.
+/// The error of the stresslets is below the tolerance, and so is that of the motions relative to the whole motion at
+/// the surfaces, rate of strain included. An angular velocity or, without forces, a velocity is a small remainder
+/// without the self mobility: relative to itself its error is unbounded, and exceeds the tolerance in one of a
+/// hundred draws.
 fn keeps_tolerances(suspension: &Suspension, loads: &Loads) {
     let (stresslets, motion) = suspension.rigid(loads, BACKGROUND);
     let scale = at_surfaces(suspension, &motion).iter().map(|m| m * m).sum::<f64>().sqrt();
@@ -56,14 +57,14 @@ fn driven_by_forces_and_torques_in_a_long_sheared_box() {
     keeps_tolerances(&suspension, &suspension.loads(2));
 }
 
-/// Nothing but the background flow: the velocities come from the stresslets alone.
+/// The background flow alone: the velocities come from the stresslets.
 #[test]
 fn driven_by_the_background_in_a_sheared_box() {
     keeps_tolerances(&suspension([6.5; 3], -0.3, 1.6), &Loads::default());
 }
 
-/// Stresslets are forces of constraint: they take from the power of forces and torques, so that rigid spheres, at no
-/// background flow, move less along their loads than spheres of fluid would.
+/// Stresslets are forces of constraint and reduce the power of forces and torques: without a background flow rigid
+/// spheres move less along their loads than spheres of fluid would.
 #[test]
 fn rigidity_slows() {
     let suspension = suspension([7.0; 3], 0.2, 1.5);
@@ -88,7 +89,7 @@ fn the_solution_as_a_guess_needs_no_iteration() {
     let warm = solve(&suspension, &plan, &loads, &cold.stresslets).unwrap();
     assert!(cold.iterations > 2);
     assert_eq!((warm.iterations, &warm.stresslets), (0, &cold.stresslets));
-    // A guess that is off by a thousandth takes fewer iterations than none.
+    // A guess with an error of a thousandth takes fewer iterations than none.
     let near: Vec<Traceless> = cold.stresslets.iter().map(|&s| s * 1.001).collect();
     let short = solve(&suspension, &plan, &loads, &near).unwrap();
     assert!(0 < short.iterations && short.iterations < cold.iterations);

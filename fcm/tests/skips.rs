@@ -1,4 +1,4 @@
-//! What a scene does not need is not done: counters of work, not timings.
+//! Work that a scene does not need is skipped: checks counters of work, not timings.
 
 use crate::common::{self, Suspension};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
@@ -18,7 +18,7 @@ fn mobility(suspension: &Suspension, method: MethodName) -> Mobility {
     suspension.mobility(&suspension.plan(1e-2, fixed(method)))
 }
 
-/// What one evaluation does.
+/// Work of one evaluation.
 fn work(mobility: &mut Mobility, loads: &Loads, wanted: Evaluation) -> Work {
     let before = mobility.work();
     mobility.apply(loads, wanted);
@@ -61,7 +61,7 @@ fn monopoles_alone_never_touch_a_dipole() {
         let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
         let particles = suspension.particles();
         let background = Traceless([0.1; 5]);
-        // Torques and stresslets are there, but monopoles do not feel them, nor the background.
+        // Torques, stresslets and the background are given, but monopoles do not respond to them.
         let solved = hydrodynamics.solve(&suspension.cell, &particles, &loads, background, &[]).unwrap();
         let done = hydrodynamics.work();
         assert_eq!((done.evaluations, done.transforms, done.particles_spread), (1, 1, COUNT as u64));
@@ -82,14 +82,14 @@ fn particles_without_loads_are_not_spread() {
             loads.torques[n] = Vector::ZERO;
             loads.stresslets[n] = Traceless::ZERO;
         }
-        // One that has a torque left is spread.
+        // A particle with only a torque left is spread.
         loads.torques[3] = Vector::X;
         assert_eq!(work(&mut mobility, &loads, Evaluation::All).particles_spread, COUNT as u64 - 3);
         assert_eq!(work(&mut mobility, &Loads::default(), Evaluation::All).particles_spread, 0);
     }
 }
 
-/// Leaving them out changes nothing: the bits are those of loads that list their zeros.
+/// Leaving out zeros changes nothing: the bits are those of loads that list their zeros.
 #[test]
 fn lists_of_zeros_and_no_lists_are_the_same_loads() {
     let suspension = suspension();
@@ -123,7 +123,7 @@ fn velocities_alone_need_no_gradient_and_torque_free_particles_no_dipole() {
     }
 }
 
-/// What is asked for alone is what it is among all.
+/// Outputs evaluated alone have the same values as among all.
 #[test]
 fn parts_of_an_evaluation_agree_with_the_whole() {
     let suspension = suspension();
@@ -159,7 +159,7 @@ fn neighbours_are_searched_once_for_any_number_of_evaluations() {
     assert_eq!(mobility.work().searches, 1);
 }
 
-/// Steps that are small beside the cutoff share a search, after the first two: the first has no skin.
+/// Steps that are small against the cutoff share a search, after the first two: the first search has no skin.
 #[test]
 fn neighbours_are_not_searched_for_while_nobody_has_moved_far() {
     let suspension = suspension();
@@ -182,7 +182,8 @@ fn a_cutoff_below_the_nearest_pair_visits_none() {
     assert_eq!(work(&mut mobility, &suspension.loads(1), Evaluation::All).neighbours, 0);
 }
 
-/// A pair is visited from both its ends, and what is beyond the cutoff is not visited at all: as many as a plain count.
+/// Each pair is visited from both its particles, and pairs beyond the cutoff are not visited: the number is that of a
+/// plain count.
 #[test]
 fn neighbours_are_those_within_the_cutoff() {
     let suspension = suspension();
@@ -201,7 +202,7 @@ fn neighbours_are_those_within_the_cutoff() {
     assert_eq!(work(&mut mobility, &suspension.loads(1), Evaluation::All).neighbours, count);
 }
 
-/// Each iteration is one evaluation and one pass over the grid, beside the first for forces and torques.
+/// Each iteration is one evaluation and one pass over the grid, in addition to the first for forces and torques.
 #[test]
 fn an_iteration_costs_one_evaluation() {
     let suspension = suspension();

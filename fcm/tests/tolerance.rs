@@ -1,24 +1,24 @@
-//! The error is below the tolerance, and not far below it, against a sum that has no grid.
+//! The error is below the tolerance, and not far below it, against a sum without a grid.
 
 use crate::common::{self, Suspension, at_surfaces, difference, errors, worst};
 use domain::{PeriodicBox, Random, Vector};
 use fcm::{Fixed, Loads, MethodName, Multipoles, Plan, Precision, Problem};
 use std::f64::consts::PI;
 
-/// A random suspension of 8 to 48 particles of radii 1 and up to 4, at volume fractions of 1% to 40%, in a box of edges
-/// 1:1:1 to 1:1:4, sheared by anything in its range or not.
+/// Random suspension of 8 to 48 particles of radii from 1 to at most 4, at volume fractions of 1% to 40%, in a box
+/// with edges 1:1:1 to 1:1:4, with any strain of its range or none.
 fn random_case(name: u64, sheared: bool) -> Suspension {
     random_case_to(4.0, name, sheared)
 }
 
-/// The same with radii of 1 and up to `largest`.
+/// The same with radii from 1 to at most `largest`.
 fn random_case_to(largest: f64, name: u64, sheared: bool) -> Suspension {
     let mut random = Random::new(5, name);
     let ratio = 1.0 + (largest - 1.0) * random.uniform().powi(2);
     let fraction = 0.01 + 0.39 * random.uniform();
     let aspect = 1.0 + 3.0 * random.uniform().powi(2);
     let pair = 4.0 / 3.0 * PI * (1.0 + ratio.powi(3));
-    // As many as a sum over wavevectors bears, whose work goes like the volume.
+    // As many as a sum over wavevectors permits, whose cost grows like the volume.
     let most = (8_000.0 * fraction / pair).clamp(4.0, 24.0);
     let count = 2 * (4.0 + (most - 4.0) * random.uniform()) as usize;
     let side = (count as f64 * 0.5 * pair / fraction / aspect).cbrt().max(2.2 * ratio);
@@ -29,10 +29,11 @@ fn random_case_to(largest: f64, name: u64, sheared: bool) -> Suspension {
     Suspension::random(count, ratio, PeriodicBox::sheared(edges, strain).unwrap(), name)
 }
 
-/// Tolerance over error that is waste in any case, and in a typical one of any tolerance and of all.
+/// Tolerance over error that is wasteful in any case, in a typical case of any one tolerance, and in a typical case
+/// of all.
 const WASTE: [f64; 3] = [60.0, 20.0, 10.0];
 
-/// What suspensions are made of and what acts on them.
+/// Kind of suspension and loads.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
     largest: f64,
@@ -40,7 +41,7 @@ struct Kind {
 }
 
 impl Kind {
-    /// The exact motion under some loads of a suspension, and what it takes to find its error.
+    /// Error and plan by tolerance for a suspension under random loads, against the exact motion.
     fn errors(self, suspension: &Suspension, seed: u64) -> impl Fn(f64) -> (f64, Plan) {
         let mut loads = suspension.loads(seed);
         let forces_alone = self.multipoles == Multipoles::Monopole;
@@ -61,7 +62,8 @@ impl Kind {
     }
 }
 
-/// Tolerance over error of suspensions with one of these names at ten tolerances each: all larger than one, none a waste.
+/// Checks the ratio of tolerance to error of suspensions with these names at ten tolerances each: all above one, none
+/// wasteful.
 fn keeps_tolerances(kind: Kind, names: std::ops::Range<u64>, sheared: impl Fn(u64) -> bool) {
     let mut ratios = vec![Vec::new(); 11];
     for name in names {
@@ -88,7 +90,7 @@ fn keeps_tolerances(kind: Kind, names: std::ops::Range<u64>, sheared: impl Fn(u6
     assert!(typical < WASTE[2], "of all {typical}");
 }
 
-/// The least, the median and the most.
+/// Least, median and largest value.
 fn quantiles(values: &mut [f64]) -> (f64, f64, f64) {
     values.sort_by(f64::total_cmp);
     (values[0], values[values.len() / 2], values[values.len() - 1])
@@ -123,7 +125,7 @@ fn errors_are_below_the_tolerance_of_forces_alone_on_equal_spheres() {
     keeps_tolerances(kind, 200..230, |name| name % 2 == 1);
 }
 
-/// A box that is sheared far: the grid's wavevectors reach farther than its spacing says.
+/// A box at large strain: the grid's wavevectors are longer than its spacing suggests.
 #[test]
 fn errors_are_below_the_tolerance_in_a_box_three_times_as_long_and_sheared_by_more_than_one() {
     let suspension = random_case(201, true);
@@ -135,7 +137,7 @@ fn errors_are_below_the_tolerance_in_a_box_three_times_as_long_and_sheared_by_mo
     }
 }
 
-/// Either method and precision, where the user asks for it. `f32` has round-off of 6e-8 and is offered from 1e-6.
+/// Each method and precision that the user may fix. `f32` has round-off of 6e-8 and is offered from 1e-6.
 #[test]
 fn errors_are_below_the_tolerance_by_either_method_in_either_precision() {
     for (name, sheared) in [(1, false), (2, true), (3, false), (6, true)] {
@@ -156,8 +158,8 @@ fn errors_are_below_the_tolerance_by_either_method_in_either_precision() {
     }
 }
 
-/// With one kind of load only, the motions that a lone particle has not, such as the spin by a stresslet, can be as
-/// small as one likes in a dilute suspension. Errors are below the tolerance against the motion as a whole.
+/// With one kind of load alone, motions that an isolated particle does not have, such as the rotation by a stresslet,
+/// become arbitrarily small in a dilute suspension. Errors are below the tolerance relative to the motion as a whole.
 #[test]
 fn each_kind_of_load_alone_keeps_the_tolerance() {
     for name in 1..5 {
@@ -177,7 +179,7 @@ fn each_kind_of_load_alone_keeps_the_tolerance() {
                 let tolerance = 10f64.powi(-digits);
                 let plan = suspension.plan(tolerance, Fixed { method: Some(*method), ..Fixed::default() });
                 let found = suspension.evaluate(&plan, loads);
-                // The answer to a kind of load by the motion of the same kind is held to its own size.
+                // The motion conjugate to the kind of load is compared to its own size.
                 let own = errors(&found, &exact)[kind];
                 assert!(own < tolerance, "case {name}, kind {kind} at {tolerance:e}: {own:e} by {plan:?}");
                 for part in at_surfaces(&suspension, &difference(&found, &exact)) {
@@ -188,7 +190,7 @@ fn each_kind_of_load_alone_keeps_the_tolerance() {
     }
 }
 
-/// Plans for monopoles alone may take a coarser grid than those with dipoles, whose Gaussians are narrower.
+/// Plans for monopoles alone may use a coarser grid than those with dipoles, whose Gaussians are narrower.
 #[test]
 fn monopoles_alone_keep_the_tolerance_on_a_coarser_grid() {
     for name in 1..5 {
@@ -216,7 +218,7 @@ fn monopoles_alone_keep_the_tolerance_on_a_coarser_grid() {
     }
 }
 
-/// A wide ratio of radii and few lubricated spheres take an iteration that ends below what a grid in `f32` rounds off.
+/// A large ratio of radii and few lubricated spheres need an iteration to below the round-off of a grid in `f32`.
 #[test]
 fn iterations_below_the_round_off_of_f32_have_a_grid_in_f64() {
     let precision = |largest: f64, lubricated: bool, tolerance: f64| {

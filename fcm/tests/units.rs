@@ -1,4 +1,4 @@
-//! The same particles in other units have the same answers.
+//! The same particles have the same answers in other units.
 
 use crate::common::{Suspension, error, tensors, vectors};
 use domain::{Comm, Number, Partition, PeriodicBox, Traceless, Vector};
@@ -6,7 +6,7 @@ use fcm::{
     Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Motion, Multipoles, Plan, PlanError, Precision, Problem,
 };
 
-/// Units of length, viscosity and force in numbers of others.
+/// Units of length, viscosity and force as numbers in other units.
 #[derive(Debug, Clone, Copy)]
 struct Scales {
     length: f64,
@@ -41,7 +41,7 @@ impl Scales {
         }
     }
 
-    /// A motion in these units, brought back.
+    /// Converts a motion in these units back.
     fn back(self, motion: &Motion) -> Motion {
         let (velocity, rate) = (1.0 / self.velocity(), 1.0 / self.rate());
         Motion {
@@ -64,7 +64,7 @@ fn systems() -> Vec<Scales> {
         .collect()
 }
 
-/// Systems that differ by powers of two.
+/// Systems of units that differ by powers of two.
 fn powers() -> Vec<Scales> {
     let two = |k: i32| 2_f64.powi(k);
     [[100, 0, 0], [-99, 0, 0], [0, 91, 0], [0, 0, -77], [-17, -10, -40], [97, -98, 99], [-3, 1, 2]]
@@ -72,7 +72,7 @@ fn powers() -> Vec<Scales> {
         .to_vec()
 }
 
-/// A kind of evaluation.
+/// Kind of evaluation.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
     multipoles: Multipoles,
@@ -97,7 +97,7 @@ fn kinds() -> Vec<Kind> {
 
 const BACKGROUND: Traceless = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]);
 
-/// The motion, and the stresslets that were found.
+/// Plan, motion, and stresslets of the solution.
 fn motion(kind: Kind, one: &Suspension, scales: Scales) -> (Plan, Motion, Vec<Traceless>) {
     let suspension = scales.suspension(one);
     let fixed = Fixed { method: Some(kind.method), precision: Some(kind.precision), ..Fixed::default() };
@@ -128,7 +128,8 @@ fn spheres(strain: f64) -> Suspension {
     Suspension::random(8, 1.6, PeriodicBox::sheared(Vector::new(9.0, 10.0, 8.0), strain).unwrap(), 3)
 }
 
-/// Eight spheres in thirty systems of units: 1e-6 where the grid is in `f32`, whose digits end there, and 1e-12 in `f64`.
+/// Eight spheres in thirty systems of units: equal to 1e-6 with the grid in `f32`, the limit of its precision, and to
+/// 1e-12 in `f64`.
 #[test]
 fn answers_have_the_same_digits_in_any_units() {
     for kind in kinds() {
@@ -184,8 +185,9 @@ fn any_kind_of_load_sets_the_unit_of_force() {
     }
 }
 
-/// Two spheres a million radii apart, on a grid that is coarse for them, move each other as points do: Stokes' drag, and
-/// `F / (8 pi mu r) (I + r r / r^2)` less what images and the counterflow of the box take, the same for both.
+/// Two spheres four radii apart in a box of a billion radii, on a grid that is coarse for them, move as in unbounded
+/// fluid: by Stokes' drag, and along the line of centres by `2 F / (8 pi mu r) (1 - 2 a^2 / 3 r^2)`. Periodic images
+/// and the counterflow of the box are negligible.
 #[test]
 fn a_box_of_a_billion_radii_is_computed() {
     let edge = 1e9;
@@ -203,8 +205,8 @@ fn a_box_of_a_billion_radii_is_computed() {
     }
 }
 
-/// Radii up to 1:1000 and beyond, boxes up to a billion radii and fixed grids of any size are planned or refused, which a
-/// search through all of them would not end with.
+/// Radii up to 1:1000 and beyond, boxes up to a billion radii and fixed grids of any size are planned or refused; an
+/// exhaustive search would not end.
 #[test]
 fn anything_is_planned_or_refused() {
     let problem = |radii: &[f64], edges: [f64; 3], fixed: Fixed| {
@@ -238,7 +240,7 @@ fn anything_is_planned_or_refused() {
     assert!(matches!(Plan::choose(&problem(&[1.0], [10.0; 3], huge)), Err(PlanError::Grid(_))));
 }
 
-/// What makes a plan hopeless is named.
+/// The cause of an infeasible plan is named.
 #[test]
 fn hopeless_plans_say_what_makes_them_so() {
     let burden = |radii: &[(f64, usize)], edge: f64, method: Option<MethodName>| {

@@ -1,4 +1,4 @@
-//! Random motions and the divergence of the mobility in boxes that do not repeat along all axes.
+//! Random motions and the divergence of the mobility in boxes that are not periodic along all axes.
 
 use crate::common::Suspension;
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Random, Traceless, Vector};
@@ -8,7 +8,7 @@ fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
     PeriodicBox::new(Vector::from_array(edges)).unwrap().with_boundaries(boundaries).unwrap()
 }
 
-/// Spheres of radii 1 and 1.4 at heights that no other has in a box, as many as fit.
+/// Up to `count` spheres of radii 1 and 1.4, all at different heights.
 fn spheres(boundaries: Boundaries, count: usize) -> Suspension {
     let cell = cell([9.0, 11.0, 8.0], boundaries);
     let (edges, mut random) = (cell.edges(), Random::new(5, 1));
@@ -38,7 +38,7 @@ fn mobility(suspension: &Suspension, multipoles: Multipoles, tolerance: f64) -> 
     mobility
 }
 
-/// Along loads of any kind the variance of draws is that of the mobility: within 4.5 errors of 300 draws.
+/// Along loads of any kind the variance of draws is that of the mobility: within 4.5 standard errors of 300 draws.
 #[test]
 fn draws_have_the_covariance_of_the_mobility() {
     let cases = [
@@ -84,8 +84,8 @@ fn draws_have_the_covariance_of_the_mobility() {
     }
 }
 
-/// The motion of a sphere by unit forces along each axis in turn, moved along that axis, by central differences: the divergence of the
-/// whole mobility, of which only that sphere's own part is left in the sum over all spheres.
+/// Divergence of the whole mobility by central differences: the motion of each sphere under unit forces along each
+/// axis, displaced along that axis. Only a sphere's own part remains in the sum over all spheres.
 fn by_differences(suspension: &Suspension, tolerance: f64) -> Vec<[f64; 11]> {
     const STEP: f64 = 0.005;
     let mut mobility = mobility(suspension, Multipoles::Dipole, tolerance);
@@ -119,8 +119,8 @@ fn components(motion: &Motion) -> Vec<[f64; 11]> {
     (0..motion.velocities.len()).map(of_row).collect()
 }
 
-/// Of spheres between walls and above one, in a box whose edges differ: within a thousandth of the largest, which is that by which
-/// differences are off.
+/// For spheres between walls and above one, in a box with different edges: within a thousandth of the largest value,
+/// the accuracy of the differences.
 #[test]
 fn the_divergence_is_that_by_differences() {
     for boundaries in [Boundaries::Walls, Boundaries::Wall] {
@@ -142,7 +142,7 @@ fn the_divergence_is_that_by_differences() {
     }
 }
 
-/// There is none without walls, where nothing depends on where a sphere is.
+/// Without walls there is no divergence, since nothing depends on the position of a single sphere.
 #[test]
 fn without_walls_there_is_no_divergence() {
     for boundaries in [Boundaries::OpenAlongZ, Boundaries::Open, Boundaries::Periodic] {

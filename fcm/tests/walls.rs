@@ -13,7 +13,7 @@ fn slit() -> Reference {
     Reference::read(include_str!("../../validation/data/slit-8.csv"), cell([14.0, 14.0, 12.0], Boundaries::Walls))
 }
 
-/// Errors of all spheres, of which some may be at walls.
+/// Checks the errors of all spheres, of which some may be at walls.
 fn keeps_tolerances(reference: &Reference) {
     let suspension = &reference.suspension;
     for tolerance in [1e-2, 1e-3, 1e-4] {
@@ -43,7 +43,8 @@ fn random_in_open_space(name: u64) -> Suspension {
     Suspension { cell: cell([edge; 3], Boundaries::Open), ..suspension }
 }
 
-/// Against the same to 1e-7, under forces and torques of any direction: stresslets, which these induce, are the worst.
+/// Against the same computation at 1e-7, under forces and torques of any direction: the induced stresslets have the
+/// largest errors.
 #[test]
 fn random_rigid_spheres_in_open_space_keep_tolerances() {
     let mut worst = [0.0_f64; 3];
@@ -59,7 +60,7 @@ fn random_rigid_spheres_in_open_space_keep_tolerances() {
         }
     }
     println!("errors over tolerances of 1e-2, 1e-3 and 1e-4 at worst: {worst:.2?}");
-    // Nor is the largest far below what was allowed.
+    // The largest error is not far below the tolerance either.
     assert!(worst.iter().all(|worst| *worst > 0.2), "{worst:?}");
 }
 
@@ -69,7 +70,8 @@ fn rigid_spheres_in_open_space_keep_tolerances() {
     keeps_tolerances(&Reference::read(text, cell([12.0; 3], Boundaries::Open)));
 }
 
-/// Random loads on all sides of spheres at random places: the mobility is symmetric and takes no energy from loads.
+/// Random loads of all kinds on spheres at random positions: the mobility is symmetric and the power of loads
+/// positive.
 fn is_symmetric(suspension: &Suspension, tolerance: f64) {
     let plan = suspension.plan(tolerance, Fixed { precision: Some(Precision::Double), ..Fixed::default() });
     let mut mobility = suspension.mobility(&plan);
@@ -83,7 +85,7 @@ fn is_symmetric(suspension: &Suspension, tolerance: f64) {
     let (one_way, other_way) = (power(&first, &of_second), power(&second, &of_first));
     let size = (power(&first, &of_first) * power(&second, &of_second)).sqrt();
     assert!(size > 0.0, "no loads take energy");
-    // What pairs find in tables, to a hundredth of the tolerance, is the same both ways.
+    // Pair functions come from tables accurate to a hundredth of the tolerance, but are the same both ways.
     assert!((one_way - other_way).abs() < 1e-12 * size, "{one_way} {other_way}");
 }
 
@@ -100,7 +102,7 @@ fn mobility_of(suspension: &Suspension, tolerance: f64, loads: &Loads) -> Motion
     suspension.evaluate(&suspension.plan(tolerance, Fixed::default()), loads)
 }
 
-/// A second wall that is far away does not matter, but for the Couette flow that it makes of the mean force.
+/// A second wall far away has no effect but the Couette flow of the mean force.
 #[test]
 fn a_far_wall_is_not_there() {
     let near = slit().suspension;
@@ -123,7 +125,7 @@ fn a_far_wall_is_not_there() {
     }
 }
 
-/// The spheres of the table, none nearer than a tenth of its radius to a wall.
+/// The spheres of the table, none nearer to a wall than a tenth of its radius.
 fn apart() -> Suspension {
     let mut suspension = slit().suspension;
     suspension.positions[0].z = 1.2;
@@ -151,7 +153,7 @@ fn reflection_changes_nothing() {
         angular_velocities: back.angular_velocities.iter().map(turn).collect(),
         strain_rates: back.strain_rates.iter().map(strain).collect(),
     };
-    // Twice the tolerance: of each of the two.
+    // Twice the tolerance: both motions have an error.
     assert!(worst(&found, &expected) < 2e-3, "{:?}", errors(&found, &expected));
 }
 
@@ -161,7 +163,7 @@ fn a_displacement_along_the_walls_changes_nothing() {
     let loads = suspension.loads(6);
     let displaced = suspension.displaced(Vector::new(3.21, -4.56, 0.0));
     let [found, expected] = [&displaced, &suspension].map(|s| mobility_of(s, 1e-3, &loads));
-    // Twice the tolerance: of each of the two.
+    // Twice the tolerance: both motions have an error.
     assert!(worst(&found, &expected) < 2e-3, "{:?}", errors(&found, &expected));
 }
 
@@ -181,7 +183,7 @@ fn ranks_and_units_change_nothing() {
             let (found, _) = on_ranks(&suspension, (&plan, table), &loads, answer);
             assert!(worst(&found, &alone) < 1e-13, "{table:?}: {:?}", errors(&found, &alone));
         }
-        // Powers of two round nothing.
+        // Scaling by powers of two has no round-off.
         let large = Suspension {
             cell: suspension.cell.scaled(1024.0),
             positions: suspension.positions.iter().map(|&x| x * 1024.0).collect(),
@@ -198,7 +200,7 @@ fn ranks_and_units_change_nothing() {
 #[test]
 fn one_sphere_near_a_wall() {
     let z = 1.543_080_6;
-    // Of a box so wide that its copies add less than a percent.
+    // A box so wide that its periodic copies add less than a percent.
     let single = Suspension {
         cell: cell([60.0, 60.0, 8.0], Boundaries::Wall),
         viscosity: 1.0,
@@ -213,7 +215,7 @@ fn one_sphere_near_a_wall() {
         solved.motion.velocities[0].dot(force) * 6.0 * PI
     };
     let (normal, parallel) = (mobility(Vector::Z), mobility(Vector::X));
-    // Free to turn, the parallel resistance is YA - YB^2/YC, with YB = -0.03 less than the third digit.
+    // For free rotation the parallel resistance is YA - YB^2/YC, where YB = -0.03 changes less than the third digit.
     assert!((1.0 / normal / 3.035_994 - 0.967).abs() < 0.002, "{normal}");
     assert!((1.0 / parallel / 1.567_447 - 0.994).abs() < 0.004, "{parallel}");
 }

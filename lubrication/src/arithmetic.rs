@@ -1,15 +1,15 @@
-//! Numbers of one pair or of several.
+//! Numbers for one pair or for several at once.
 
 use std::ops::{Add, Mul, Sub};
 
-/// Numbers that the resistance of pairs is computed in: one at a time, or as many as a vector of the machine has.
+/// Number type of the pair resistances: a single number, or as many as a vector register holds.
 ///
-/// What computes with them is inlined, to be compiled for the vectors of its caller.
+/// Generic code is inlined, so that it is compiled for the instruction set of its caller.
 pub trait Arithmetic: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// Numbers in it.
+    /// Count of numbers in it.
     const WIDTH: usize;
 
-    /// The same number throughout.
+    /// The same value in all lanes.
     fn constant(value: f64) -> Self;
 
     /// `self + factor * term`, rounded once.
@@ -20,10 +20,10 @@ pub trait Arithmetic: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Outpu
     #[must_use]
     fn over(self, divisor: Self) -> Self;
 
-    /// The first numbers of some.
+    /// Reads the first numbers of a slice.
     fn read(from: &[f64]) -> Self;
 
-    /// Writes itself to the first places of some.
+    /// Writes to the first numbers of a slice.
     fn write(self, to: &mut [f64]);
 }
 

@@ -7,15 +7,15 @@ use thiserror::Error;
 /// Repulsion between two spheres, Dance, Climent & Maxey (2004), and eq. (13) of Abbas et al. (2006), for any two
 /// radii.
 ///
-/// With `r` the distance of the centres, `c = a_i + a_j` their distance at contact and
-/// `R = c + range (a_i + a_j)/2` the distance where the barrier starts, the force on sphere `i` is
+/// With `r` the distance of the centres, `c = a_i + a_j` their distance at contact and `R = c + range (a_i + a_j)/2`
+/// the distance where the barrier starts, the force on sphere `i` is
 ///
 /// ```text
 /// F_i = -(F_ref / c) [(R² - r²) / (R² - c²)]² (x_j - x_i)     for r < R,     0 beyond,
 /// ```
 ///
-/// and sphere `j` feels the opposite. Its magnitude is `F_ref` at contact; the formula continues
-/// into overlap, where the force grows further until `r = R/√5`.
+/// and opposite on sphere `j`. Its magnitude is `F_ref` at contact; the formula continues into overlap, where the
+/// force grows further until `r = R/√5`.
 ///
 /// `F_ref` is `strength` for every pair, or grows with a power of the harmonic mean radius:
 ///
@@ -23,10 +23,10 @@ use thiserror::Error;
 /// F_ref = strength [2 a_i a_j / (a_i + a_j)]^n
 /// ```
 ///
-/// At a wall, the limit of a sphere that is large and flat, with the radius of the other in the place of the mean, the force
-/// on a sphere at a gap `h` is `F_ref [1 - h/(range a)]²`, with a harmonic mean radius of `2 a`.
+/// A wall is the limit of a large second sphere, with the sphere's own radius in place of the mean: the force on a
+/// sphere at a gap `h` is `F_ref [1 - h/(range a)]²`, with a harmonic mean radius of `2 a`.
 ///
-/// Surface forces have `n = 1` (Derjaguin); those with which shear presses a pair together grow with `n = 2`.
+/// Surface forces have `n = 1` (Derjaguin); the force with which shear presses a pair together grows with `n = 2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Barrier {
     strength: f64,
@@ -34,7 +34,7 @@ pub struct Barrier {
     radius_power: u8,
 }
 
-/// A parameter of the barrier that makes no sense.
+/// An invalid parameter of the barrier.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum BarrierError {
     /// The force at contact is negative or not finite.
@@ -46,12 +46,12 @@ pub enum BarrierError {
 }
 
 impl Barrier {
-    /// Activation gap over the mean radius where nothing but the barrier keeps spheres apart.
+    /// Activation gap over the mean radius if only the barrier keeps spheres apart.
     pub const RANGE_ALONE: f64 = 0.1;
-    /// Activation gap over the mean radius where lubrication helps.
+    /// Activation gap over the mean radius together with lubrication.
     pub const RANGE_WITH_LUBRICATION: f64 = 0.025;
 
-    /// A barrier with force `strength` at contact, for every pair, that starts at a gap of `range` mean radii.
+    /// Barrier with the force `strength` at contact, for every pair, that starts at a gap of `range` mean radii.
     pub fn new(strength: f64, range: f64) -> Result<Self, BarrierError> {
         if !(strength.is_finite() && strength >= 0.0) {
             return Err(BarrierError::Strength(strength));
@@ -62,8 +62,8 @@ impl Barrier {
         Ok(Self { strength, range, radius_power: 0 })
     }
 
-    /// The same with a force at contact that grows with a power of the harmonic mean radius; `strength` is that at a mean
-    /// of 1.
+    /// The same with a force at contact that grows with a power of the harmonic mean radius; `strength` is the force
+    /// at a mean of 1.
     #[must_use]
     pub fn growing(self, radius_power: u8) -> Self {
         Self { radius_power, ..self }
@@ -79,13 +79,13 @@ impl Barrier {
         self.range
     }
 
-    /// Distance of the centres, or of the centre from a wall, where the barrier starts, `R_ref`.
+    /// Distance of the centres, or of the centre from a wall, at which the barrier starts.
     pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
         between.into().at_gap(self.range)
     }
 
-    /// How fast the force falls with the gap, `-dF/dr`: zero beyond the range, and deep in an overlap, where it falls the
-    /// other way.
+    /// Decrease of the force with the gap, `-dF/dr`: zero beyond the range, and negative deep in an overlap, where
+    /// the force decreases with it.
     pub fn stiffness(&self, gap: f64, between: impl Into<Surfaces>) -> f64 {
         let radii = match between.into() {
             Surfaces::Spheres(radii) => radii,
@@ -102,13 +102,13 @@ impl Barrier {
         self.strength(radii) / contact * depth * (4.0 * distance * distance / width - depth).max(0.0)
     }
 
-    /// How far a sphere is in the barrier of a wall, over its range.
+    /// Depth of a sphere in the barrier of a wall, over the range.
     fn depth_at_wall(&self, gap: f64, radius: f64) -> f64 {
         (1.0 - gap / (self.range * radius)).max(0.0)
     }
 
-    /// Force on the first sphere; `separation` is `x_j - x_i`, or from the sphere's centre to the nearest point of a wall. The
-    /// second sphere feels the opposite.
+    /// Force on the first sphere; `separation` is `x_j - x_i`, or points from the sphere's centre to the nearest
+    /// point of a wall. The force on the second sphere is opposite.
     pub fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
         let radii = match between.into() {
             Surfaces::Spheres(radii) => radii,
@@ -183,7 +183,7 @@ mod tests {
         assert!(nowhere.iter().all(|&k| k == 0.0), "beyond its reach, and deep in an overlap: {nowhere:?}");
     }
 
-    /// Spheres of growing size, with the barrier's range that they count in their growing mean radius, lead to the wall.
+    /// Spheres of growing radius, with the range scaled to the growing mean radius, converge to the wall.
     #[test]
     fn a_wall_is_a_large_sphere() {
         let (large, range) = (1e7, 0.1);
@@ -195,7 +195,7 @@ mod tests {
                     wall.force(Vector::Z * (1.0 + gap), Surfaces::Wall(1.0)),
                     sphere.force(Vector::Z * (1.0 + large + gap), [1.0, large]),
                 ];
-                // The ratio of the radii, and digits of the large distance.
+                // Error of the ratio of the radii, and round-off of the large distance.
                 assert!((at_wall - at_sphere).length() < 1e-5, "gap {gap}: {at_wall}, not {at_sphere}");
                 let stiffness = [wall.stiffness(gap, Surfaces::Wall(1.0)), sphere.stiffness(gap, [1.0, large])];
                 assert!((stiffness[0] - stiffness[1]).abs() < 1e-4, "gap {gap}: {stiffness:?}");

@@ -1,4 +1,4 @@
-//! The 22 x 22 resistance of a pair, taken apart by azimuthal order about the line of centres.
+//! The 22 x 22 resistance matrix of a pair, in blocks by azimuthal order about the line of centres.
 
 use std::f64::consts::PI;
 
@@ -7,24 +7,24 @@ use crate::two_sphere::{Function, ResistanceFunctions};
 
 /// Resistance of a pair over viscosity: loads of both spheres on the fluid against their motions.
 ///
-/// With `d = e_z` from sphere 1 to sphere 2, the motions are, by block: `(U_z, e)`, `Omega_z`,
-/// `(U_x, Omega_y, e)` and `e`, each for sphere 1 then sphere 2, and loads are their conjugates. Rates of strain are
-/// components along unit tensors, `sqrt(3/2) (dd - 1/3)`, `(dx + xd)/sqrt 2` and `(xx - yy)/sqrt 2`,
-/// so that power is the plain product of loads and motions and every block is symmetric.
+/// With `d = e_z` from sphere 1 to sphere 2, the motions are, by block: `(U_z, e)`, `Omega_z`, `(U_x, Omega_y, e)`
+/// and `e`, each for sphere 1 then sphere 2, and loads are their conjugates. Rates of strain are components along
+/// unit tensors, `sqrt(3/2) (dd - 1/3)`, `(dx + xd)/sqrt 2` and `(xx - yy)/sqrt 2`, so that power is the plain
+/// product of loads and motions and every block is symmetric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blocks {
     /// `(U1, U2, e1, e2)` along the line of centres.
     pub axial: Square<4>,
     /// `(Omega1, Omega2)` along the line of centres.
     pub spin: Square<2>,
-    /// `(U1, U2, Omega1, Omega2, e1, e2)` across; twice, for `x` and for `y`.
+    /// `(U1, U2, Omega1, Omega2, e1, e2)` normal to the line of centres; twice, for `x` and for `y`.
     pub transverse: Square<6>,
     /// `(e1, e2)` in the normal plane; twice.
     pub planar: Square<2>,
 }
 
 impl Blocks {
-    /// The exact resistance, from its scalar functions.
+    /// Exact resistance from its scalar functions.
     pub fn exact(functions: &ResistanceFunctions, radii: [f64; 2]) -> Self {
         let part = |function: Function, power: i32, factor: f64| -> Square<2> {
             let value =
@@ -46,7 +46,7 @@ impl Blocks {
     }
 }
 
-/// Puts a 2 x 2 part, and its transpose across the diagonal, into a symmetric block.
+/// Writes a 2 x 2 part, and its transpose across the diagonal, into a symmetric block.
 pub fn place<const N: usize>(block: &mut Square<N>, (row, column): (usize, usize), part: Square<2>) {
     for i in 0..2 {
         for j in 0..2 {
@@ -61,10 +61,11 @@ pub fn part<const N: usize>(block: &Square<N>, (row, column): (usize, usize)) ->
     [0, 1].map(|i| [0, 1].map(|j| block[row + i][column + j]))
 }
 
-/// Axial motions `(U1, U2, e1, e2)` from `(c, w, e1, e2)`: `c = (a1 U1 + a2 U2)/(a1 + a2)` is the mean velocity and
-/// `-w` the speed at which the facing surfaces approach, `w = U2 - U1 - sqrt(2/3) (a1 e1 + a2 e2)`.
+/// Transformation to the axial motions `(U1, U2, e1, e2)` from `(c, w, e1, e2)`: `c = (a1 U1 + a2 U2)/(a1 + a2)` is
+/// the mean velocity and `-w` the approach velocity of the facing surfaces,
+/// `w = U2 - U1 - sqrt(2/3) (a1 e1 + a2 e2)`.
 ///
-/// In these coordinates only the entry of `w` grows like one over the gap, and nothing cancels.
+/// In these coordinates only the entry of `w` diverges with the inverse gap, and nothing cancels.
 pub fn from_gap_coordinates(radii: [f64; 2]) -> Square<4> {
     let [first, second] = radii.map(|a| a / (radii[0] + radii[1]));
     let [p, q] = radii.map(|a| a * (2.0_f64 / 3.0).sqrt());
@@ -76,13 +77,13 @@ pub fn from_gap_coordinates(radii: [f64; 2]) -> Square<4> {
     ]
 }
 
-/// Axial motions `(U, e)` of a sphere of radius 1 at a wall at rest from `(w, e)`: `w = -U - sqrt(2/3) e` is the speed at which
-/// the facing surfaces part, as in [`from_gap_coordinates`].
+/// Transformation to the axial motions `(U, e)` of a sphere of radius 1 at a fixed wall from `(w, e)`:
+/// `w = -U - sqrt(2/3) e` is the separation velocity of the facing surfaces, as in [`from_gap_coordinates`].
 pub fn from_pole_coordinates() -> Square<2> {
     [[-1.0, -(2.0_f64 / 3.0).sqrt()], [0.0, 1.0]]
 }
 
-/// A resistance in other coordinates, `T^T R T` where the motions are `T` times the new ones.
+/// Resistance in other coordinates, `T^T R T` if the motions are `T` times the new ones.
 pub fn change<const N: usize>(block: &Square<N>, from: &Square<N>) -> Square<N> {
     product(&transpose(from), &product(block, from))
 }
@@ -103,7 +104,7 @@ mod tests {
                 let smallest = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
                 let axial = smallest(&eigen(axial).0).min(smallest(&eigen(exact.spin).0));
                 let other = smallest(&eigen(exact.transverse).0).min(smallest(&eigen(exact.planar).0));
-                // The smallest drag is that of the small sphere alone, 6 pi or more, but for collective motions.
+                // Apart from collective motions, the smallest drag is that of the small sphere alone, at least 6 pi.
                 assert!(axial > 1.0 && other > 1.0, "ratio {ratio} gap {gap}: {axial} {other}");
             }
         }

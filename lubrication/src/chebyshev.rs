@@ -16,12 +16,12 @@ pub struct Chebyshev<const LANES: usize, const NODES: usize> {
 }
 
 impl<const LANES: usize, const NODES: usize> Chebyshev<LANES, NODES> {
-    /// Points where `through` needs the functions.
+    /// Nodes at which `through` needs the functions.
     pub fn nodes(from: f64, to: f64) -> [f64; NODES] {
         std::array::from_fn(|j| 0.5 * (from + to) + 0.5 * (to - from) * angle(j, NODES).cos())
     }
 
-    /// The interpolant through values at `nodes(from, to)`.
+    /// Interpolant through values at `nodes(from, to)`.
     pub fn through(from: f64, to: f64, values: &Samples<LANES, NODES>) -> Self {
         let coefficient = |k: usize| {
             let scale = if k == 0 { 1.0 } else { 2.0 } / NODES as f64;
@@ -57,8 +57,8 @@ fn angle(j: usize, nodes: usize) -> f64 {
     PI * (j as f64 + 0.5) / nodes as f64
 }
 
-/// The same functions as sums of powers of the distance from the middle over the half, for few nodes: terms grow by
-/// `2.4^NODES` against the sum. Numbers of any width compute them.
+/// The same functions as power series in the distance from the middle over half the interval, for few nodes: terms
+/// may be `2.4^NODES` times larger than the sum. Evaluated with numbers of any width.
 #[derive(Debug, Clone)]
 pub struct Powers<const LANES: usize, const NODES: usize> {
     middle: f64,
@@ -67,8 +67,8 @@ pub struct Powers<const LANES: usize, const NODES: usize> {
 }
 
 impl<const LANES: usize, const NODES: usize> Powers<LANES, NODES> {
-    /// Writes the values at `x`, by Horner's rule, so many sums at once: the number of functions is a multiple of this many
-    /// numbers.
+    /// Writes the values at `x`, by Horner's rule for `TOGETHER` vectors of functions at once; the number of
+    /// functions is a multiple of their total width.
     #[inline(always)]
     pub fn write<X: Arithmetic, const TOGETHER: usize>(&self, x: f64, values: &mut [f64; LANES]) {
         const { assert!(LANES.is_multiple_of(TOGETHER * X::WIDTH)) };
@@ -92,7 +92,7 @@ impl<const LANES: usize, const NODES: usize> Powers<LANES, NODES> {
 impl<const LANES: usize, const NODES: usize> From<&Chebyshev<LANES, NODES>> for Powers<LANES, NODES> {
     fn from(series: &Chebyshev<LANES, NODES>) -> Self {
         let mut coefficients = Box::new([[0.0; LANES]; NODES]);
-        // The polynomials of two degrees one after the other, by powers: T_0, and T_1 that goes with T_-1.
+        // Polynomials of two consecutive degrees, by powers: T_0, with T_-1 = T_1.
         let (mut last, mut now) = ([0.0; NODES], [0.0; NODES]);
         (last[1], now[0]) = (1.0, 1.0);
         for line in series.coefficients.iter() {

@@ -1,4 +1,4 @@
-//! A pair's lubrication resistance as coefficients of tensors of its axis.
+//! Lubrication resistance of a pair as coefficients of tensors of its axis.
 
 use std::f64::consts::PI;
 
@@ -6,11 +6,12 @@ use crate::arithmetic::Arithmetic;
 use crate::pair_factor::LEVER;
 use crate::root::LANES;
 
-/// Numbers of a pair that its coefficients are computed from: those of its table, and its sizes.
+/// Numbers of a pair from which its coefficients are computed: the lanes of its table, and its sizes.
 pub const RECORD: usize = LANES + 6;
 
-/// Where a record has, after the lanes of the table, by what the resistance is larger than that of radii 1 and `ratio`;
-/// the smaller radius, the ratio, the roots of the ratio and of the ratio plus 1, and the inverse of the latter's square.
+/// Positions in a record, after the lanes of the table: the factor of the resistance over that for radii 1 and
+/// `ratio`, the smaller radius, the ratio, the square roots of the ratio and of the ratio plus 1, and the inverse of
+/// the ratio plus 1.
 const FACTOR: usize = LANES;
 const RADIUS: usize = LANES + 1;
 const RATIO: usize = LANES + 2;
@@ -18,7 +19,7 @@ const ROOT: usize = LANES + 3;
 const ROOT_OF_SUM: usize = LANES + 4;
 const SHARE: usize = LANES + 5;
 
-/// The sizes of a record for radii 1 and a ratio, but for the first two: the last four of them.
+/// Sizes of a record for radii 1 and `ratio`: the last four, without the factor and the radius.
 pub fn sizes(ratio: f64) -> [f64; 4] {
     [ratio, ratio.sqrt(), (1.0 + ratio).sqrt(), 1.0 / (1.0 + ratio)]
 }
@@ -26,10 +27,10 @@ pub fn sizes(ratio: f64) -> [f64; 4] {
 /// Values by sphere, the smaller one first.
 type Each<X> = [X; 2];
 
-/// Values by the sphere that feels something and the one that moves, the smaller one first.
+/// Values by the sphere with the load and the sphere that moves, the smaller one first.
 type Both<X> = [[X; 2]; 2];
 
-/// The resistance of a pair with the unit vector `z` from the smaller sphere to the larger. The loads of one sphere on
+/// Resistance of a pair with the unit vector `z` from the smaller sphere to the larger. The loads of one sphere on
 /// the fluid by the motion of one, relative to the ambient flow, are
 ///
 /// ```text
@@ -38,47 +39,57 @@ type Both<X> = [[X; 2]; 2];
 /// M = pull (z.U) (3 zz - 1) + z s + s z,        s = drag (U - (z.U) z) + turn Omega x z
 /// ```
 ///
-/// with `coupling'` that of the motion of the one on the other. A rate of strain `E` of both relative to the ambient
-/// flow, with `t = E z - (z.E z) z`, adds
+/// with `coupling'` the coefficient for the two spheres exchanged. A rate of strain `E` of both relative to the
+/// ambient flow, with `t = E z - (z.E z) z`, adds
 ///
 /// ```text
 /// F = push (z.E z) z + slide t,        L = twist z x t
 /// M = E' + stretch (z.E z) (3 zz - 1) + bend (z t + t z),        E' = bulk E
 /// ```
+///
+/// In the notation of Jeffrey & Onishi (1984) and Jeffrey (1992), up to constant factors and powers of the radii, the
+/// coefficients are
+///
+/// ```text
+/// along X^A,   across Y^A,   coupling Y^B,   spin X^C,   roll Y^C,   pull X^G,   drag Y^G,   turn Y^H
+/// ```
+///
+/// and, with a sum over the sphere that strains, `push X^G`, `slide Y^G`, `twist Y^H`, `bulk Z^M`, `bend Y^M - Z^M`
+/// and `stretch (X^M - Z^M)/2`.
 #[derive(Debug, Clone, Copy)]
 pub struct Coefficients<X> {
-    /// Force by velocity along the axis.
+    /// `X^A`: force by velocity along the axis.
     pub along: Both<X>,
-    /// Force by velocity across the axis.
+    /// `Y^A`: force by velocity normal to the axis.
     pub across: Both<X>,
-    /// Torque by angular velocity along the axis.
+    /// `X^C`: torque by angular velocity along the axis.
     pub spin: Both<X>,
-    /// Torque by angular velocity across the axis.
+    /// `Y^C`: torque by angular velocity normal to the axis.
     pub roll: Both<X>,
-    /// Force by angular velocity.
+    /// `Y^B`: force by angular velocity.
     pub coupling: Both<X>,
-    /// First moment by velocity along the axis.
+    /// `X^G`: first moment by velocity along the axis.
     pub pull: Both<X>,
-    /// First moment by velocity across the axis.
+    /// `Y^G`: first moment by velocity normal to the axis.
     pub drag: Both<X>,
-    /// First moment by angular velocity.
+    /// `Y^H`: first moment by angular velocity.
     pub turn: Both<X>,
-    /// Force along the axis by strain.
+    /// `X^G`: force along the axis by strain.
     pub push: Each<X>,
-    /// Force across the axis by strain.
+    /// `Y^G`: force normal to the axis by strain.
     pub slide: Each<X>,
-    /// Torque by strain.
+    /// `Y^H`: torque by strain.
     pub twist: Each<X>,
-    /// First moment along the axis by strain, besides `bulk`.
+    /// `(X^M - Z^M)/2`: first moment by strain along the axis, in addition to `bulk`.
     pub stretch: Each<X>,
-    /// First moment across the axis by strain, besides `bulk`.
+    /// `Y^M - Z^M`: first moment by shear between the axis and its normal plane, in addition to `bulk`.
     pub bend: Each<X>,
-    /// First moment by strain in any direction.
+    /// `Z^M`: first moment by any strain.
     pub bulk: Each<X>,
 }
 
 impl<X: Arithmetic> Coefficients<X> {
-    /// From a record.
+    /// Coefficients from a record.
     #[inline(always)]
     pub fn of(record: &[X; RECORD]) -> Self {
         let zero = X::constant(0.0);
@@ -106,7 +117,7 @@ impl<X: Arithmetic> Coefficients<X> {
         all
     }
 
-    /// Of the blocks in the normal plane: `M` alone.
+    /// Sets coefficients from the blocks in the normal plane: `M` alone.
     #[inline(always)]
     fn set_bulk(&mut self, record: &[X; RECORD], scales: &Scales<X>) {
         let moments = scales.moments([record[34], record[35], record[36]]);
@@ -115,8 +126,8 @@ impl<X: Arithmetic> Coefficients<X> {
         }
     }
 
-    /// Of the axial block, in gap coordinates `w`, the rate at which the gap opens, less what strain does to the poles,
-    /// and `c`, a mean velocity.
+    /// Sets coefficients from the axial block, in gap coordinates: `w`, the rate at which the gap opens minus the
+    /// effect of strain on the poles, and `c`, a mean velocity.
     #[inline(always)]
     fn set_along(&mut self, record: &[X; RECORD], scales: &Scales<X>) {
         let single = X::constant((6.0 * PI).sqrt());
@@ -166,7 +177,7 @@ impl<X: Arithmetic> Coefficients<X> {
         }
     }
 
-    /// Of the transverse block, in `U1, U2` and the radius times `Omega1, Omega2`.
+    /// Sets coefficients from the transverse block, in `U1, U2` and the radius times `Omega1, Omega2`.
     #[inline(always)]
     fn set_across(&mut self, record: &[X; RECORD], scales: &Scales<X>) {
         let mut root = [[record[0]; 4]; 4];
@@ -216,13 +227,14 @@ impl<X: Arithmetic> Coefficients<X> {
     }
 }
 
-/// Nothing, for as many pairs as `like` has.
+/// Zero for as many pairs as `like` holds.
 #[inline(always)]
 fn zero<X: Arithmetic>(_like: X) -> X {
     X::constant(0.0)
 }
 
-/// Roots of the resistance of single spheres, which make the table dimensionless, and what has the dimensions.
+/// Square roots of the resistances of single spheres, by which the table is made dimensionless, and the dimensional
+/// factors.
 struct Scales<X> {
     factor: X,
     radius: X,
@@ -247,7 +259,7 @@ impl<X: Arithmetic> Scales<X> {
         }
     }
 
-    /// The symmetric matrix of moments by strains from its lower triangle.
+    /// Symmetric matrix from strains to moments, from its lower triangle.
     #[inline(always)]
     fn moments(&self, lower: [X; 3]) -> [[X; 2]; 2] {
         let [first, both, second] = lower;

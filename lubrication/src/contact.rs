@@ -3,62 +3,63 @@
 use crate::surfaces::Surfaces;
 use domain::{ParameterError, Vector};
 
-/// How the force of a contact grows with its overlap.
+/// Dependence of the contact force on the overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Elasticity {
-    /// In proportion.
+    /// Proportional to the overlap.
     #[default]
     Linear,
-    /// With the power 3/2.
+    /// Proportional to its power 3/2.
     Hertz,
 }
 
-/// The law of contacts between rough elastic spheres, or a sphere and a wall (see [`Surfaces`]), of radii `a_i` and `a_j`, mean radius `a = (a_i + a_j) / 2` and
-/// gap `h` of their smooth surfaces (Cundall & Strack, Geotechnique 29, 47, 1979; Gallier et al., J. Fluid Mech. 757, 514,
-/// 2014). They touch where the overlap of their asperities is positive,
+/// Contact law between rough elastic spheres, or a sphere and a wall (see [`Surfaces`]), of radii `a_i` and `a_j`,
+/// mean radius `a = (a_i + a_j) / 2` and gap `h` of their smooth surfaces (Cundall & Strack, Geotechnique 29, 47,
+/// 1979; Gallier et al., J. Fluid Mech. 757, 514, 2014). They touch if the overlap of their asperities is positive,
 ///
 /// ```text
 /// d = roughness a - h > 0
 /// ```
 ///
-/// and push each other apart with the force
+/// and repel each other with the force
 ///
 /// ```text
 /// F_n = k a d                              linear
 /// F_n = k (2 a_i a_j / (a_i + a_j))^1/2 d^3/2      Hertz
 /// ```
 ///
-/// with `k` the stiffness, a force over the square of a length. Across the line of centres the contact is a spring that
-/// keeps the surfaces from slipping: its force grows with the slip by `tangential_ratio dF_n/dd`, and is cut where it
-/// exceeds `friction (F_n - critical_load)`: the contact slides. Rolling is resisted likewise, up to `rolling_friction F_n`.
+/// with `k` the stiffness, a force over the square of a length. Tangentially the contact is a spring that resists
+/// slip: its force grows with the slip by `tangential_ratio dF_n/dd` and is limited to
+/// `friction (F_n - critical_load)`, at which the contact slides. Rolling is resisted likewise, up to
+/// `rolling_friction F_n`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// The coefficient of friction.
+    /// Coefficient of friction.
     pub friction: f64,
-    /// Height of the asperities of two spheres together, over the mean radius.
+    /// Height of the asperities of both spheres together, over the mean radius.
     pub roughness: f64,
     /// `k`
     pub stiffness: f64,
-    /// Stiffness against slip over that against overlap.
+    /// Tangential over normal stiffness.
     pub tangential_ratio: f64,
-    /// The largest force of rolling resistance over the normal force; 0 for none.
+    /// Largest force of rolling resistance over the normal force; 0 for none.
     pub rolling_friction: f64,
     /// Normal force up to which there is no friction.
     pub critical_load: f64,
-    /// How the force grows.
+    /// Dependence of the normal force on the overlap.
     pub elasticity: Elasticity,
 }
 
-/// The smallest and the largest roughness, over the mean radius.
+/// Smallest and largest roughness, over the mean radius.
 const ROUGHNESS: [f64; 2] = [1e-5, 0.1];
 
 impl Contact {
-    /// Roughness of spheres of which nothing else is known, over the mean radius.
+    /// Default roughness, over the mean radius.
     pub const ROUGHNESS: f64 = 0.005;
-    /// Stiffness against slip over that against overlap, usually.
+    /// Default of the tangential over the normal stiffness.
     pub const TANGENTIAL_RATIO: f64 = 0.4;
 
-    /// Refuses what is no contact law; keys are those of a scene.
+    /// Checks the parameters; error messages name the keys of a scene.
     pub fn check(&self) -> Result<(), ParameterError> {
         let least_zero = |key: &str, value: f64, what: &str| {
             let message = format!("is {}; {what} needs to be 0 or more, and finite", domain::Number(value));
@@ -72,17 +73,17 @@ impl Contact {
         ParameterError::unless_positive("contacts.stiffness", self.stiffness).map(drop)
     }
 
-    /// Distance of the centres up to which spheres touch, or of the centre from a wall.
+    /// Distance of the centres, or of the centre from a wall, below which spheres touch.
     pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
         between.into().at_gap(self.roughness)
     }
 
-    /// Overlap of the asperities of spheres at a distance of their centres; negative for those apart.
+    /// Overlap of the asperities of spheres at a distance of their centres; negative if they are apart.
     pub fn overlap(&self, distance: f64, between: impl Into<Surfaces>) -> f64 {
         self.reach(between) - distance
     }
 
-    /// The normal force of an overlap; none where that is negative.
+    /// Normal force of an overlap; zero if that is negative.
     pub fn force(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
         let depth = overlap.max(0.0);
         match self.elasticity {
@@ -91,7 +92,7 @@ impl Contact {
         }
     }
 
-    /// How fast the normal force grows with the overlap.
+    /// Normal stiffness: derivative of the normal force by the overlap.
     pub fn normal_stiffness(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
         let depth = overlap.max(0.0);
         match self.elasticity {
@@ -100,17 +101,17 @@ impl Contact {
         }
     }
 
-    /// How fast the force across the line of centres grows with slip.
+    /// Tangential stiffness: derivative of the tangential force by the slip.
     pub fn tangential_stiffness(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
         self.tangential_ratio * self.normal_stiffness(overlap, between)
     }
 
-    /// The largest force across the line of centres under a normal force: beyond, the contact slides.
+    /// Coulomb limit of the tangential force under a normal force, beyond which the contact slides.
     pub fn cone(&self, normal_force: f64) -> f64 {
         self.friction * (normal_force - self.critical_load).max(0.0)
     }
 
-    /// The elastic energy of an overlap and of the forces across the line of centres.
+    /// Elastic energy of an overlap and of tangential forces.
     pub fn energy(&self, overlap: f64, between: impl Into<Surfaces>, across: [Vector; 2]) -> f64 {
         let between = between.into();
         let power = match self.elasticity {

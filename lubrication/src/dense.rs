@@ -1,9 +1,9 @@
-//! Small dense matrices, by rows.
+//! Small dense matrices, row by row.
 
 /// A square matrix.
 pub type Square<const N: usize> = [[f64; N]; N];
 
-/// Solution of `matrix x = right` for several right-hand sides, by elimination with pivots.
+/// Solution of `matrix x = right` for several right-hand sides, by elimination with pivoting.
 pub fn solve<const N: usize, const M: usize>(mut matrix: Square<N>, mut right: [[f64; M]; N]) -> [[f64; M]; N] {
     for n in 0..N {
         let pivot = (n..N).max_by(|&i, &j| matrix[i][n].abs().total_cmp(&matrix[j][n].abs())).unwrap_or(n);
@@ -35,12 +35,12 @@ pub fn transpose<const M: usize, const N: usize>(a: &[[f64; N]; M]) -> [[f64; M]
     std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
-/// Eigenvalues of a symmetric matrix, in no order.
+/// Eigenvalues of a symmetric matrix, unsorted.
 pub fn eigenvalues<const N: usize>(matrix: [[f64; N]; N]) -> [f64; N] {
     eigen(matrix).0
 }
 
-/// Eigenvalues of a symmetric matrix, and its eigenvectors as columns, by Jacobi's rotations.
+/// Eigenvalues of a symmetric matrix, and its eigenvectors as columns, by Jacobi rotations.
 pub fn eigen<const N: usize>(mut matrix: Square<N>) -> ([f64; N], Square<N>) {
     let mut vectors = identity();
     for _ in 0..60 {
@@ -58,7 +58,7 @@ pub fn eigen<const N: usize>(mut matrix: Square<N>) -> ([f64; N], Square<N>) {
     (std::array::from_fn(|i| matrix[i][i]), vectors)
 }
 
-/// One rotation that makes `matrix[p][q]` zero.
+/// Rotation that makes `matrix[p][q]` zero.
 fn rotate<const N: usize>(matrix: &mut Square<N>, vectors: &mut Square<N>, p: usize, q: usize) {
     if matrix[p][q] == 0.0 {
         return;

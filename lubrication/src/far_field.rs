@@ -1,4 +1,4 @@
-//! What the force-coupling method already knows of a pair: its own two-sphere resistance in free space.
+//! Resistance of a pair in the force-coupling method itself: two spheres in free space.
 
 use std::f64::consts::PI;
 
@@ -6,8 +6,8 @@ use crate::blocks::{Blocks, place};
 use crate::dense::{Square, inverse};
 use crate::gaussian::{radial_derivatives, widths};
 
-/// Resistance over viscosity of two spheres in free space as the method sees them: forces, torques and stresslets with
-/// Gaussian envelopes, each block the inverse of its mobility.
+/// Resistance over viscosity of two spheres in free space by the force-coupling method: forces, torques and
+/// stresslets with Gaussian envelopes, each block the inverse of its mobility.
 ///
 /// The diagonal of the mobility is that of single spheres, which the envelopes reproduce exactly.
 pub fn resistance(radii: [f64; 2], distance: f64) -> Blocks {
@@ -37,7 +37,7 @@ fn axial(r: f64, f: &Derivatives, velocity: [f64; 2], strain: [f64; 2]) -> Squar
     let mut mobility = [[0.0; 4]; 4];
     place(&mut mobility, (0, 0), symmetric(velocity, -2.0 * f[0][0][0]));
     place(&mut mobility, (2, 2), symmetric(strain, 3.0 * (f[1][1][1] + r * r * f[1][1][2])));
-    // Strain of sphere 1 from the force on sphere 2 has the opposite sign of the reverse.
+    // The strain of sphere 1 by the force on sphere 2 has the opposite sign of the reverse.
     let rate = |f: &[f64; 4]| -2.0 * r * f[1] * 1.5_f64.sqrt();
     place(&mut mobility, (2, 0), [[0.0, -rate(&f[1][0])], [rate(&f[0][1]), 0.0]]);
     inverse(mobility)
@@ -70,8 +70,8 @@ fn symmetric(own: [f64; 2], mutual: f64) -> Square<2> {
 mod tests {
     use super::*;
 
-    /// Far apart the envelopes are points: a torque along the line of centres turns the fluid at a distance `r` at
-    /// `1 / (8 pi r^3)` times it.
+    /// Far apart the envelopes are points: a torque along the line of centres causes an angular velocity of
+    /// `1 / (8 pi r^3)` times it at a distance `r`.
     #[test]
     fn spheres_far_apart_turn_each_other_as_points_do() {
         let distance = 20.0;

@@ -1,4 +1,4 @@
-//! Two spheres in free space: the method plus lubrication against the exact answer.
+//! Two spheres in free space: FCM with lubrication against the exact answer.
 
 use domain::{Traceless, Vector};
 
@@ -17,7 +17,7 @@ fn strain(axial: bool) -> Traceless {
     Traceless(if axial { [-third, 0.0, 0.0, -third, 0.0] } else { [0.0, 0.0, 0.5_f64.sqrt(), 0.0, 0.0] })
 }
 
-/// Blocks of the lubrication resistance, spheres on the z axis, from loads on unit motions.
+/// Blocks of the lubrication resistance for spheres on the z axis, from loads by unit motions.
 fn lubrication(force: &PairForce, distance: f64) -> Pair {
     let motion = |kind: usize, sphere: usize, axial: bool| {
         let mut motion = PairMotion::default();
@@ -51,7 +51,7 @@ fn answers<const N: usize, const M: usize>(block: &Square<N>) -> Vec<f64> {
     forced.chain(moved.iter().map(|line| line[0])).chain([stresslet(M), stresslet(M + 1)]).collect()
 }
 
-/// Answers of the method with lubrication, and exact ones, by block.
+/// Answers of FCM with lubrication, and exact ones, by block.
 fn compared(ratio: f64, gap: f64, force: &PairForce) -> [(Vec<f64>, Vec<f64>); 2] {
     let exact = Blocks::exact(&TwoSphere::with_ratio(ratio).unwrap().at(gap), [1.0, ratio]);
     let far = far_field::resistance([1.0, ratio], 1.0 + ratio + gap);
@@ -64,14 +64,14 @@ fn compared(ratio: f64, gap: f64, force: &PairForce) -> [(Vec<f64>, Vec<f64>); 2
     ]
 }
 
-/// Up to 4 radii; `slack` is an absolute error that the slight motions of far pairs may have as well.
+/// Compares at gaps up to 4 radii; `slack` is an absolute error allowed for the small motions of distant pairs.
 fn check(ratios: &[f64], range: Range, slack: f64) {
     for &ratio in ratios {
         let force = PairForce::new(&[1.0, ratio], 1.0, range).unwrap();
         for gap in [1e-4, 1e-3, 0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0] {
             let blocks = compared(ratio, gap, &force);
             for (block, (found, wanted)) in blocks.iter().enumerate() {
-                // Translations in strain only matter relative to each other, below.
+                // Only relative translations in strain matter, see below.
                 for (k, (f, w)) in found.iter().zip(wanted).enumerate().filter(|(k, _)| !matches!(k, 4 | 5)) {
                     let allowed = 0.01 * w.abs() + slack;
                     assert!(
@@ -99,8 +99,8 @@ fn every_motion_is_within_a_percent_of_exact_if_lubrication_reaches_far() {
 
 #[test]
 fn the_default_range_is_within_a_percent_of_the_motion_of_a_sphere() {
-    // Unit strain rates move far pairs across their line by less than a hundredth of a radius, which the method has to
-    // a few percent; so does a unit force turn a sphere ten times as large.
+    // Unit strain rates move distant pairs across their line by less than a hundredth of a radius, which FCM has to a
+    // few percent; so does a unit force rotate a sphere ten times as large.
     check(&[1.0, 2.0], Range::default(), 2e-4);
     check(&[1.0, 2.0, 4.0, 10.0], Range::default(), 1e-3);
 }

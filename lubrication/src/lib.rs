@@ -1,7 +1,7 @@
 //! The near field of particles in Stokes flow: exact two-sphere functions, lubrication, repulsion.
 //!
-//! The drag of two equal spheres that approach each other at a gap of a hundredth of their radius, over that of one
-//! alone: `X11 - X12`, which lubrication makes as large as `1 / (4 gap)`.
+//! The drag of two equal spheres that approach each other at a gap of a hundredth of their radius, over that of an
+//! isolated one, is `X^A_11 - X^A_12`; by lubrication it grows like `1 / (2 gap)`.
 //! ```
 //! use lubrication::two_sphere::{Function, TwoSphere};
 //!

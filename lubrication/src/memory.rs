@@ -1,4 +1,4 @@
-//! What tables of lubrication take.
+//! Memory of the tables of lubrication.
 
 use domain::Bytes;
 
@@ -6,7 +6,7 @@ use crate::pair_force::PairForce;
 use crate::root_table::RootTable;
 
 impl PairForce {
-    /// The tables of every two of some radii.
+    /// Bytes of the tables for all pairs of the given radii.
     pub fn bytes(radii: &[f64]) -> Bytes {
         let ratios = radii.iter().enumerate().flat_map(|(i, a)| radii[i..].iter().map(move |b| a.max(*b) / a.min(*b)));
         Bytes::keep(ratios.map(RootTable::bytes).sum())

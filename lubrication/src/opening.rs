@@ -1,4 +1,4 @@
-//! How a near pair gives way to forces along its line of centres.
+//! Relative mobility of a near pair along its line of centres.
 
 use crate::blocks::{Blocks, part};
 use crate::dense::inverse;
@@ -6,21 +6,21 @@ use crate::far_field;
 use crate::two_sphere::{TwoSphere, TwoSphereError};
 use domain::power_of_two;
 
-/// How much is known of the flow around a near pair.
+/// Model of the hydrodynamics of a near pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
-    /// Forces alone: spheres that need not be rigid.
+    /// Monopoles alone: spheres need not be rigid.
     Forces,
     /// The force-coupling method with its stresslets.
     Rigid,
-    /// Exactly, as with lubrication.
+    /// The exact solution, as with lubrication.
     Exact,
 }
 
-/// The velocity at which two spheres in unbounded fluid part under opposite unit forces along their line of centres,
+/// Velocity at which two spheres in unbounded fluid separate under opposite unit forces along their line of centres,
 /// times the viscosity: `x_11 + x_22 - 2 x_12` of the axial mobilities.
 pub fn opening_mobility(radii: [f64; 2], gap: f64, detail: Detail) -> Result<f64, TwoSphereError> {
-    // In units of length in which the radii are about 1; a mobility over viscosity is one over a length.
+    // In units of length in which the radii are about 1; a mobility times viscosity is an inverse length.
     let unit = power_of_two(radii[0].min(radii[1]));
     let (radii, gap) = (radii.map(|radius| radius / unit), gap / unit);
     let distance = radii[0] + radii[1] + gap;
@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn exact_spheres_near_contact_give_way_in_proportion_to_the_gap() {
-        // A force of 3/2 pi a^2 V / h for equal spheres that part with the velocity V.
+        // A force of 3/2 pi a^2 V / h for equal spheres that separate with the velocity V.
         let found = opening_mobility([2.0; 2], 2e-5, Detail::Exact).unwrap();
         assert!((found / (2e-5 / (1.5 * PI * 4.0)) - 1.0).abs() < 1e-3, "{found}");
     }

@@ -1,4 +1,4 @@
-//! One pair's lubrication resistance in the frame of the laboratory.
+//! Lubrication resistance of one pair in the laboratory frame.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -10,13 +10,13 @@ use crate::root::{Part, Roots};
 /// Velocity of a sphere's pole per radius and unit axial strain, `sqrt(2/3)`.
 pub(crate) const LEVER: f64 = 0.816496580927726;
 
-/// The lubrication resistance of one near pair. What resists the spheres' motions is `B B^T`, with 12 modes of which
-/// the first is the approach of the surfaces; what couples motions and rates of strain comes besides.
+/// Lubrication resistance of one near pair. The resistance to the spheres' motions is `B B^T`, with 12 modes, the
+/// first of which is the approach of the surfaces; the coupling of motions and rates of strain is stored separately.
 #[derive(Debug, Clone, Copy)]
 pub struct PairFactor {
     /// Columns `x`, `y`, and the unit vector `z` from the smaller sphere to the larger one.
     frame: Tensor,
-    /// Position in the pair of the smaller and the larger sphere.
+    /// Index in the pair of the smaller and the larger sphere.
     order: [usize; 2],
     /// Larger radius over the smaller one.
     ratio: f64,
@@ -25,7 +25,7 @@ pub struct PairFactor {
     radius: f64,
 }
 
-/// Velocities and rates of strain of one block of the resistance, or the loads that go with them.
+/// Velocities and rates of strain of one block of the resistance, or the conjugate loads.
 #[derive(Debug, Clone, Copy)]
 struct Block<const N: usize> {
     u: [f64; N],
@@ -45,7 +45,7 @@ impl PairFactor {
     /// Number of modes of a pair.
     pub const MODES: usize = 12;
 
-    /// From roots for radii 1 and `ratio`, which carry `sqrt(viscosity * radius)`; `axis` points from the smaller
+    /// From factors for radii 1 and `ratio`, which include `sqrt(viscosity * radius)`; `axis` points from the smaller
     /// sphere to the larger.
     pub(crate) fn new(roots: &Roots, axis: Vector, order: [usize; 2], [radius, ratio]: [f64; 2]) -> Self {
         Self { frame: frame(axis), order, ratio, roots: *roots, radius }
@@ -61,7 +61,7 @@ impl PairFactor {
         self.assembled(&self.components_of(modes))
     }
 
-    /// Loads on a motion besides those of the modes: by the rates of strain, and first moments by the velocities.
+    /// Loads in addition to those of the modes: by the rates of strain, and first moments by the velocities.
     pub fn strain_loads(&self, motion: &PairMotion) -> PairLoads {
         let parts = self.components(motion);
         self.assembled(&Components {
@@ -72,7 +72,7 @@ impl PairFactor {
         })
     }
 
-    /// All loads on a motion, `R_lub` times it.
+    /// All loads by a motion, `R_lub` times it.
     pub fn resistance(&self, motion: &PairMotion) -> PairLoads {
         self.loads(&self.modes(motion)) + self.strain_loads(motion)
     }
@@ -96,7 +96,7 @@ impl PairFactor {
         }
     }
 
-    /// Motions along the unit tensors of the frame, lengths in units of the smaller radius.
+    /// Motions along the unit tensors of the frame, with lengths in units of the smaller radius.
     fn components(&self, motion: &PairMotion) -> Components {
         let mut parts = self.rigid_components(motion.velocity, motion.angular_velocity);
         for (k, sphere) in self.order.into_iter().enumerate() {
@@ -112,7 +112,7 @@ impl PairFactor {
         parts
     }
 
-    /// As `components`, of spheres without strain.
+    /// The same for spheres without strain.
     fn rigid_components(&self, velocity: [Vector; 2], angular_velocity: [Vector; 2]) -> Components {
         let (mut parts, to_frame) = (Components::default(), self.frame.transpose());
         let mut along = [0.0; 2];
@@ -131,13 +131,13 @@ impl PairFactor {
         parts
     }
 
-    /// The transpose of `components`.
+    /// Transpose of `components`.
     fn assembled(&self, parts: &Components) -> PairLoads {
         let [force, torque] = self.forces(parts);
         PairLoads { force, torque, moment: self.moments(parts) }
     }
 
-    /// The transpose of `rigid_components`: forces and torques.
+    /// Transpose of `rigid_components`: forces and torques.
     fn forces(&self, parts: &Components) -> [[Vector; 2]; 2] {
         let mut loads = [[Vector::ZERO; 2]; 2];
         let [opening, mean] = parts.axial.u;
@@ -171,7 +171,7 @@ impl PairFactor {
 }
 
 impl<const N: usize> Part<N> {
-    /// `C e` and `C^T u + M e`.
+    /// Coupled loads `C e` and `C^T u + M e`.
     fn coupled(&self, motion: &Block<N>) -> Block<N> {
         let mut moments = apply(&self.strain, &motion.e);
         adjoint(&self.coupling, &motion.u, &mut moments);
@@ -185,7 +185,7 @@ impl<const N: usize> Default for Block<N> {
     }
 }
 
-/// Right-handed axes with the given third one, which turn smoothly with it away from one direction.
+/// Right-handed frame with the given third axis; it varies smoothly with that axis except near one direction.
 pub(crate) fn frame(z: Vector) -> Tensor {
     if z.z < -0.999 {
         let mirrored = frame(-z);

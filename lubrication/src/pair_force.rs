@@ -13,23 +13,23 @@ use crate::range::Range;
 use crate::root_table::RootTable;
 use crate::two_sphere::TwoSphereError;
 
-/// The pair correction `R_lub = R_exact - R_FCM` of the force-coupling method, Dance & Maxey (2003), Yeo & Maxey
-/// (2010): exact two-sphere resistance minus what the method itself gives two spheres in free space.
+/// Pair correction `R_lub = R_exact - R_FCM` of the force-coupling method, Dance & Maxey (2003), Yeo & Maxey (2010):
+/// exact two-sphere resistance minus that of the method itself for two spheres in free space.
 ///
-/// What resists the spheres' motions is kept positive semi-definite in its tables: what is stored, interpolated and
-/// tapered is a factor `B` of it, `B B^T`, so any number in the tables is a valid one. That changes the drag of a pair
-/// that moves as one by half a percent at most for radii up to 10:1, and nothing else: rates of strain of rigid spheres
-/// are known, not solved for, so what couples them to motions is stored as it is.
+/// The resistance to the spheres' motions is kept positive semi-definite: the tables store, interpolate and taper a
+/// factor `B` of it, `B B^T`, so any numbers in them are valid. That changes the drag on a pair that moves as one by
+/// half a percent at most for radii up to 10:1, and nothing else: rates of strain of rigid spheres are known, not
+/// solved for, so their coupling to motions is stored directly.
 #[derive(Debug, Clone)]
 pub struct PairForce {
     radii: Vec<f64>,
     viscosity: f64,
     range: Range,
-    /// Row by row for species `i <= j`.
+    /// Upper triangle of the species, row by row: `i <= j`.
     tables: Vec<Table>,
 }
 
-/// The table of two species, with their sizes.
+/// Table of two species, with their sizes.
 #[derive(Debug, Clone)]
 struct Table {
     roots: Arc<RootTable>,
@@ -37,19 +37,19 @@ struct Table {
     small: f64,
     over_small: f64,
     over_large: f64,
-    /// The gap below which lubrication grows no more.
+    /// Gap below which the resistance is constant.
     closest: f64,
 }
 
-/// Species between which lubrication cannot be computed.
+/// Error for species between which lubrication cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PairForceError {
     /// A radius or the viscosity is not a positive number.
     #[error("{name} is {}; lubrication needs a positive, finite number", Number(*value))]
     Positive {
-        /// Which one.
+        /// Name of the quantity.
         name: &'static str,
-        /// What it is.
+        /// Value of the quantity.
         value: f64,
     },
     /// Two radii differ too much.
@@ -58,8 +58,8 @@ pub enum PairForceError {
 }
 
 impl PairForce {
-    /// Tables for every pair of species; `radii` has one entry a species. Computes tables at first use, with rayon; not
-    /// to be called from a rayon task.
+    /// Tables for every pair of species; `radii` has one entry per species. Computes tables at first use, with rayon;
+    /// must not be called from a rayon task.
     pub fn new(radii: &[f64], viscosity: f64, range: Range) -> Result<Self, PairForceError> {
         let named = radii.iter().map(|&radius| ("particle radius", radius)).chain([("viscosity", viscosity)]);
         if let Some((name, value)) = named.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
@@ -77,34 +77,34 @@ impl PairForce {
         Ok(Self { radii: radii.to_vec(), viscosity, range, tables })
     }
 
-    /// The radii of the species.
+    /// Radii of the species.
     pub fn radii(&self) -> &[f64] {
         &self.radii
     }
 
-    /// Where the correction begins and ends.
+    /// Range of gaps of the correction.
     pub fn range(&self) -> Range {
         self.range
     }
 
-    /// Largest distance of centres at which any pair feels lubrication.
+    /// Largest distance of centres at which any pair is lubricated.
     pub fn reach(&self) -> f64 {
         self.radii.iter().copied().fold(0.0, f64::max) * (2.0 + self.range.cutoff())
     }
 
-    /// The gap of a pair of species whose centres are so far apart; none beyond the cutoff.
+    /// Gap of a pair of species at a distance of their centres; `None` beyond the cutoff.
     pub fn gap(&self, distance: f64, species: [u32; 2]) -> Option<f64> {
         let table = self.table(species);
         let gap = distance - table.sum;
         (gap * table.over_large < self.range.cutoff() && distance > 0.0).then_some(gap)
     }
 
-    /// The factor of a pair, for `separation` from the first centre to the second; none beyond the cutoff.
+    /// Factor of a pair, with `separation` from the first centre to the second; `None` beyond the cutoff.
     pub fn factor(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
         self.factor_by::<f64>(separation, species)
     }
 
-    /// The same by numbers of any width.
+    /// The same with numbers of any width.
     #[inline(always)]
     pub fn factor_by<X: Arithmetic>(&self, separation: Vector, species: [u32; 2]) -> Option<PairFactor> {
         let [first, second] = species.map(|s| self.radii[s as usize]);
@@ -118,8 +118,8 @@ impl PairForce {
         Some(PairFactor::new(&roots, axis, order, [table.small, first.max(second) / table.small]))
     }
 
-    /// Writes what the [`Coefficients`] of a pair are computed from, at a distance of the centres within the cutoff, by
-    /// numbers of any width.
+    /// Writes the record from which the [`Coefficients`] of a pair are computed, at a distance of the centres within
+    /// the cutoff, with numbers of any width.
     #[inline(always)]
     pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
         let table = self.table(species);
@@ -127,7 +127,7 @@ impl PairForce {
         self.record_of::<X>(table, (distance, share), record);
     }
 
-    /// The same as if there were no cutoff.
+    /// The same without a cutoff.
     pub(crate) fn whole_record(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
         self.record_of::<f64>(self.table(species), (distance, 1.0), record);
     }
@@ -138,7 +138,7 @@ impl PairForce {
         table.roots.record::<X>(gap * table.over_small, [self.viscosity * table.small * share, table.small], record);
     }
 
-    /// The coefficients at a distance of the centres; none beyond the cutoff.
+    /// Coefficients at a distance of the centres; `None` beyond the cutoff.
     pub fn coefficients(&self, distance: f64, species: [u32; 2]) -> Option<Coefficients<f64>> {
         self.gap(distance, species)?;
         let mut record = [0.0; RECORD];
@@ -146,7 +146,7 @@ impl PairForce {
         Some(Coefficients::of(&record))
     }
 
-    /// Lubrication loads of a pair on the fluid, `R_lub` times its motion; none beyond the cutoff.
+    /// Lubrication loads of a pair on the fluid, `R_lub` times its motion; `None` beyond the cutoff.
     pub fn loads(&self, separation: Vector, species: [u32; 2], motion: &PairMotion) -> Option<PairLoads> {
         Some(self.factor(separation, species)?.resistance(motion))
     }

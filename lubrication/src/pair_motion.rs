@@ -1,4 +1,4 @@
-//! How two spheres move, and the loads that go with it.
+//! Motions of two spheres and the conjugate loads.
 
 use std::ops::Add;
 

@@ -1,16 +1,16 @@
-//! From which gap to which lubrication acts.
+//! Range of gaps in which lubrication acts.
 
 use thiserror::Error;
 
 use crate::root_table::{CLOSEST, FARTHEST};
 use crate::wall_table;
 
-/// Gaps between which the lubrication correction acts: where it ends over the larger radius of a pair, which says how
-/// far what the method misses reaches, and where it grows no more over the mean radius.
+/// Range of gaps of the lubrication correction: its cutoff over the larger radius of a pair, with which the errors of
+/// the far field scale, and the gap below which the correction is constant, over the mean radius.
 ///
 /// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two
-/// continuous derivatives. At gaps below `closest` it stays what it is there, and so it does for spheres that overlap unless these
-/// are to part again, see [`Self::parting`].
+/// continuous derivatives. Below the gap `closest` the correction is constant, also for spheres that overlap unless
+/// they are to separate again, see [`Self::parting`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     cutoff: f64,
@@ -18,15 +18,15 @@ pub struct Range {
     parts: bool,
 }
 
-/// A range that makes no sense.
+/// An invalid range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum RangeError {
-    /// The cutoff is outside the tables.
+    /// The cutoff is outside of the tables.
     #[error(
         "lubrication cutoff is {0}; it is a gap over the larger radius: give a number above 0.001, at most 8 (2.5 is accurate, 0.2 is customary)"
     )]
     Cutoff(f64),
-    /// The smallest gap is outside the tables, or beyond the cutoff.
+    /// The smallest gap is outside of the tables, or too large for the cutoff.
     #[error(
         "closest gap of lubrication is {0}; it is a gap over the mean radius: give a number from 1e-6 to a tenth of the cutoff"
     )]
@@ -36,14 +36,14 @@ pub enum RangeError {
 impl Range {
     /// Cutoff with which two spheres move within 1% of the exact solution at every gap, for radii up to 2:1.
     pub const WIDE: f64 = 2.5;
-    /// Cutoff of Dance & Maxey (2003) and Yeo & Maxey (2010); the correction still is large there.
+    /// Cutoff of Dance & Maxey (2003) and Yeo & Maxey (2010); the correction is still large there.
     pub const NARROW: f64 = 0.2;
-    /// Gap below which lubrication grows no more unless the user says so.
+    /// Default of the gap below which lubrication is constant.
     pub const CLOSEST: f64 = 1e-6;
-    /// Fraction of the cutoff up to which the correction is whole.
+    /// Fraction of the cutoff up to which the correction is not tapered.
     pub const TAPER: f64 = 0.75;
 
-    /// Lubrication at gaps up to `cutoff`, and no stronger than at the gap `closest`.
+    /// Lubrication at gaps up to `cutoff`, constant below the gap `closest`.
     pub fn new(cutoff: f64, closest: f64) -> Result<Self, RangeError> {
         if !(cutoff > 1e-3 && cutoff <= FARTHEST) {
             return Err(RangeError::Cutoff(cutoff));
@@ -54,43 +54,45 @@ impl Range {
         Ok(Self { cutoff, closest, parts: false })
     }
 
-    /// Gap where the correction ends, over the larger radius.
+    /// Gap at which the correction ends, over the larger radius.
     pub fn cutoff(&self) -> f64 {
         self.cutoff
     }
 
-    /// Gap below which the correction grows no more, over the mean radius.
+    /// Gap below which the correction is constant, over the mean radius.
     pub fn closest(&self) -> f64 {
         self.closest
     }
 
-    /// The same for spheres that random motions press into each other: those that overlap are lubricated as at a gap as large as the
-    /// overlap. At the closest gap forces would part them a million times more slowly, and random motions hardly at all.
+    /// The same for spheres that Brownian displacements bring into overlap: overlapping spheres are lubricated as at
+    /// a gap equal to the overlap. At the closest gap they would separate a million times more slowly under forces,
+    /// and hardly at all by Brownian motion.
     #[must_use]
     pub fn parting(self) -> Self {
         Self { parts: true, ..self }
     }
 
-    /// The gap at which a correction is that of a gap, if the closest one is so large.
+    /// Gap at which the correction of a pair is evaluated, bounded below by `closest`.
     #[inline(always)]
     pub(crate) fn counted(&self, gap: f64, closest: f64) -> f64 {
         let gap = if self.parts { gap.abs() } else { gap };
         gap.max(closest)
     }
 
-    /// That of a sphere and a wall, both gaps over its radius: what the method misses does not reach as far as between spheres.
+    /// Range for a sphere and a wall, with gaps over its radius: the errors of the far field extend less far than
+    /// between spheres.
     #[must_use]
     pub fn at_wall(self) -> Self {
         Self { cutoff: self.cutoff.min(wall_table::FARTHEST), ..self }
     }
 
-    /// Factor of the root of the correction at a gap over the larger radius, the square root of a quintic step from 1
-    /// to 0.
+    /// Taper of the factor `B` of the correction at a gap over the larger radius: the square root of a quintic step
+    /// from 1 to 0.
     pub(crate) fn taper(&self, gap: f64) -> f64 {
         self.share(gap).sqrt()
     }
 
-    /// Factor of the correction itself.
+    /// Taper of the correction itself.
     #[inline(always)]
     pub(crate) fn share(&self, gap: f64) -> f64 {
         let x = ((1.0 - gap / self.cutoff) / (1.0 - Self::TAPER)).clamp(0.0, 1.0);

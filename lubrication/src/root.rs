@@ -1,26 +1,27 @@
-//! The numbers of one pair's lubrication resistance, `R_exact - R_FCM`, such that the part that moves spheres is
-//! positive semi-definite.
+//! Factors of one pair's lubrication resistance, `R_exact - R_FCM`, with the resistance to motions positive
+//! semi-definite.
 
 use std::f64::consts::PI;
 
 use crate::blocks::{Blocks, change, from_gap_coordinates};
 use crate::dense::{Square, eigen};
 
-/// Negative eigenvalues fade out over this fraction of the sum of all of a block.
+/// Negative eigenvalues are smoothed to zero over this fraction of the sum of all eigenvalues of a block.
 const SOFTNESS: f64 = 1e-5;
-/// Resistance over single spheres' that is too small to be divided by.
+/// Resistance over that of single spheres that is too small to divide by.
 const FAINT: f64 = 1e-5;
-/// Numbers in a flattened pair, filled up with zeros to whole vectors.
+/// Numbers of a pair in flat form, padded with zeros to whole vectors.
 pub const LANES: usize = 40;
 
-/// One block of the resistance: `N` velocities `u` and the two spheres' rate of strain `e`, or one's alone, cause the loads
+/// One block of the resistance: `N` velocities `u` and the rates of strain `e` of the two spheres, or of one, cause
+/// the loads
 ///
 /// ```text
 /// f = L L^T u + C e,        m = C^T u + M e.
 /// ```
 ///
-/// Spheres are rigid, so `e` is known, minus the ambient rate of strain; only `L L^T` is part of a system of equations,
-/// and any `L` makes that positive semi-definite. `C` and `M` are exact.
+/// Spheres are rigid, so `e` is known: minus the ambient rate of strain. Only `L L^T` is part of a system of
+/// equations, and it is positive semi-definite for any `L`. `C` and `M` are exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part<const N: usize, const K: usize = 2> {
     /// `L`; rows are velocities, columns modes.
@@ -31,23 +32,24 @@ pub struct Part<const N: usize, const K: usize = 2> {
     pub strain: Square<K>,
 }
 
-/// The blocks of a pair's resistance.
+/// Blocks of a pair's resistance.
 ///
 /// The axial one is in gap coordinates (see [`from_gap_coordinates`]), with the velocities `(w, c)`. Its first mode
-/// belongs to the approach of the surfaces, which alone is singular like one over the gap.
+/// is the approach of the surfaces, the only one that diverges with the inverse gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roots {
     /// `(w, c)` and `(e1, e2)` along the line of centres.
     pub axial: Part<2>,
-    /// `L` of `(Omega1, Omega2)` along the line of centres.
+    /// `L` for `(Omega1, Omega2)` along the line of centres.
     pub spin: Square<2>,
-    /// `(U1, U2, Omega1, Omega2)` and `(e1, e2)` across.
+    /// `(U1, U2, Omega1, Omega2)` and `(e1, e2)` normal to it.
     pub transverse: Part<4>,
-    /// `M` of `(e1, e2)` in the normal plane.
+    /// `M` for `(e1, e2)` in the normal plane.
     pub planar: Square<2>,
 }
 
-/// Roots of the resistance of single spheres of radii 1 and a ratio, which make the blocks dimensionless.
+/// Square roots of the resistances of single spheres of radii 1 and `ratio`, by which the blocks are made
+/// dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
     axial: [f64; 2],
@@ -65,12 +67,12 @@ impl Scales {
     }
 }
 
-/// A pair's dimensionless numbers, lower triangles one after another.
+/// Dimensionless numbers of a pair, lower triangles one after another.
 pub fn flat_roots(exact: &Blocks, known: &Blocks, ratio: f64) -> [f64; LANES] {
     let scales = Scales::new(ratio);
     let gap = from_gap_coordinates([1.0, ratio]);
     let axial = difference(&change(&exact.axial, &gap), &change(&known.axial, &gap));
-    // From (c, w, e1, e2).
+    // Reordered from (c, w, e1, e2).
     let order = [1, 0, 2, 3];
     let axial: Square<4> = std::array::from_fn(|i| std::array::from_fn(|j| axial[order[i]][order[j]]));
     let axial = part(&axial, &scales.axial, &scales.strain, bordered_root);
@@ -85,7 +87,7 @@ pub fn flat_roots(exact: &Blocks, known: &Blocks, ratio: f64) -> [f64; LANES] {
 }
 
 impl Roots {
-    /// From the lanes of `flat_roots`, for a resistance that is `factor` squared times as large.
+    /// From the lanes of `flat_roots`, for a resistance larger by `factor` squared.
     pub fn from_flat(lanes: &[f64; LANES], factor: f64, scales: &Scales) -> Self {
         let lanes = &mut lanes.iter().copied();
         let mut axial = Part::from_lanes(lanes, &scales.axial, &scales.strain, factor);
@@ -100,7 +102,7 @@ impl Roots {
 }
 
 impl<const N: usize, const K: usize> Part<N, K> {
-    /// From the next lanes, for a resistance that is `factor` squared times as large.
+    /// From the next lanes, for a resistance larger by `factor` squared.
     pub fn from_lanes(
         lanes: &mut impl Iterator<Item = f64>,
         scales: &[f64; N],
@@ -116,7 +118,7 @@ impl<const N: usize, const K: usize> Part<N, K> {
     }
 }
 
-/// Lanes of a block of `N` velocities and `K` rates of strain, `M` of them together.
+/// Lanes of a block of `N` velocities and `K` rates of strain, `M` in total.
 pub fn part<const N: usize, const K: usize, const M: usize>(
     block: &Square<M>,
     scales: &[f64; N],
@@ -156,18 +158,18 @@ fn rows<const N: usize, const M: usize>(lanes: &mut impl Iterator<Item = f64>) -
     std::array::from_fn(|_| std::array::from_fn(|_| lanes.next().unwrap_or_default()))
 }
 
-/// By Cholesky's rule, so that the first column alone is singular. Where no `L` has both entries of the last row, the
-/// one on the diagonal is what gives way: the drag of the pair as a whole.
+/// Cholesky factor, so that the first column alone is singular. If no `L` reproduces both entries of the last row,
+/// the diagonal one is changed: the drag of the pair as a whole.
 fn bordered_root(matrix: &Square<2>) -> Square<2> {
     let pivot = matrix[0][0].max(0.0).sqrt();
-    // A vanishing pivot, as of spheres far apart, must not blow up what is below.
+    // A vanishing pivot, as of spheres far apart, must not amplify the entries below.
     let below = matrix[1][0] * pivot / (pivot * pivot + FAINT);
     let rest = matrix[1][1] - below * below;
     [[pivot, 0.0], [below, positive_part(rest, SOFTNESS * matrix[1][1].abs()).sqrt()]]
 }
 
-/// Symmetric root of the positive part: eigenvalues `v` become `(v + sqrt(v² + 4 d²))/2` with a small `d`, smooth where
-/// one changes sign.
+/// Symmetric square root of the positive part: eigenvalues `v` become `(v + sqrt(v² + 4 d²))/2` with a small `d`,
+/// which is smooth where one changes sign.
 pub fn root<const N: usize>(matrix: &Square<N>) -> Square<N> {
     let (values, vectors) = eigen(*matrix);
     let softness = SOFTNESS * values.iter().map(|v| v.abs()).sum::<f64>();

@@ -1,4 +1,4 @@
-//! Tables of the lubrication correction, one for each ratio of radii.
+//! Tables of the lubrication correction, one per ratio of radii.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -15,14 +15,14 @@ use crate::two_sphere::{TwoSphere, TwoSphereError};
 pub const CLOSEST: f64 = 1e-7;
 /// Largest tabulated gap over the larger radius.
 pub const FARTHEST: f64 = 8.0;
-/// Intervals of interpolation grow by this factor.
+/// Factor by which consecutive intervals of interpolation grow.
 pub const GROWTH: f64 = std::f64::consts::SQRT_2;
-/// Points of interpolation in each.
+/// Interpolation points per interval.
 pub const NODES: usize = 8;
 
-/// Roots of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1, interpolated piece by piece in the gap `h` relative
-/// to the piece's geometric mean `m`, as functions of `(h - m) / (h + m)`: half the logarithm of `h / m`, nearly, and as
-/// smooth, but computed without one.
+/// Factors of `R_exact - R_FCM` for radii 1 and `ratio`, viscosity 1. In each piece they are interpolated in the gap
+/// `h` relative to the piece's geometric mean `m`, as functions of `(h - m) / (h + m)`: nearly half the logarithm of
+/// `h / m`, and as smooth, but computed without a logarithm.
 #[derive(Debug)]
 pub struct RootTable {
     pieces: Vec<Piece>,
@@ -30,23 +30,23 @@ pub struct RootTable {
     sizes: [f64; 4],
 }
 
-/// A table between two gaps.
+/// Table between two gaps.
 #[derive(Debug)]
 struct Piece {
-    /// The geometric mean of the two.
+    /// Geometric mean of the two gaps.
     mean: f64,
     powers: Powers<LANES, NODES>,
 }
 
-/// Pieces begin at the gaps `2^(FIRST + k/2)`: which one a gap is in can be read from its bits.
+/// Pieces begin at the gaps `2^(FIRST + k/2)`, so the piece of a gap can be read from its bits.
 const FIRST: i32 = -24;
 const _: () = assert!(CLOSEST > 1.0 / (1_u64 << -FIRST) as f64, "the closest gap is in a piece");
 
-/// The table of one ratio, computed by whoever asks first while others wait.
+/// Table of one ratio, computed by the first thread that needs it while others wait.
 type Entry = Arc<OnceLock<Arc<RootTable>>>;
 
 impl RootTable {
-    /// The table of a ratio of at least 1; computed at the first call, then shared.
+    /// Table of a ratio of at least 1; computed at the first call, then shared.
     pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
         static TABLES: OnceLock<Mutex<HashMap<u64, Entry>>> = OnceLock::new();
         let exact = TwoSphere::with_ratio(ratio)?;
@@ -56,7 +56,7 @@ impl RootTable {
         Ok(Arc::clone(entry.get_or_init(|| Arc::new(Self::compute(&exact)))))
     }
 
-    /// Roots at a gap between the closest and the farthest, times `factor`, by numbers of any width.
+    /// Factors at a gap between the closest and the farthest, times `factor`, with numbers of any width.
     #[inline(always)]
     pub fn at<X: Arithmetic>(&self, gap: f64, factor: f64) -> Roots {
         let mut lanes = [0.0; LANES];
@@ -64,8 +64,8 @@ impl RootTable {
         Roots::from_flat(&lanes, factor, &self.scales)
     }
 
-    /// Writes what coefficients are computed from, at such a gap and for a smaller radius, of a resistance that is
-    /// `factor` times as large.
+    /// Writes the record from which coefficients are computed, at such a gap and for a given smaller radius, for a
+    /// resistance larger by `factor`.
     #[inline(always)]
     pub fn record<X: Arithmetic>(&self, gap: f64, [factor, radius]: [f64; 2], record: &mut [f64; RECORD]) {
         let (lanes, others) = record.split_first_chunk_mut().expect("a record begins with the lanes");
@@ -102,25 +102,25 @@ impl RootTable {
     }
 }
 
-/// The geometric mean of the gaps of a piece.
+/// Geometric mean of the gaps of a piece.
 pub fn mean_of(piece: usize) -> f64 {
     2.0_f64.powi(FIRST) * GROWTH.powi(piece as i32) * GROWTH.sqrt()
 }
 
-/// Functions of the gaps of the piece with such a mean.
+/// Power series of functions of the gap, for the piece with the given mean.
 pub fn of_gaps<const N: usize>(mean: f64, values: impl Fn(f64) -> [f64; N]) -> Powers<N, NODES> {
     let edge = (GROWTH.sqrt() - 1.0) / (GROWTH.sqrt() + 1.0);
     let at = |u: f64| values(mean * (1.0 + u) / (1.0 - u));
     Powers::from(&Chebyshev::through(-edge, edge, &Chebyshev::<N, NODES>::nodes(-edge, edge).map(at)))
 }
 
-/// A gap relative to the mean of its piece, as it is interpolated in.
+/// Gap relative to the mean of its piece: the variable of interpolation.
 #[inline(always)]
 pub fn relative(gap: f64, mean: f64) -> f64 {
     (gap - mean) / (gap + mean)
 }
 
-/// The piece that a gap is in: twice its binary exponent, and one more in the upper half of an octave.
+/// Piece of a gap: twice its binary exponent, plus one in the upper half of an octave.
 #[inline(always)]
 pub fn piece_of(gap: f64) -> usize {
     const MANTISSA: u64 = (1 << 52) - 1;
@@ -130,7 +130,7 @@ pub fn piece_of(gap: f64) -> usize {
     (2 * (exponent - FIRST) + i32::from(is_upper)).max(0) as usize
 }
 
-/// Roots at one gap, without interpolation.
+/// Factors at one gap, without interpolation.
 fn roots(exact: &TwoSphere, gap: f64) -> [f64; LANES] {
     let radii = [1.0, exact.ratio()];
     let known = far_field::resistance(radii, radii[0] + radii[1] + gap);
@@ -166,8 +166,8 @@ mod tests {
                 let gap = 1.3e-6 * 1.29_f64.powi(k);
                 let (wanted, found) =
                     (Roots::from_flat(&roots(&exact, gap), 1.0, &table.scales), table.at::<f64>(gap, 1.0));
-                // The approach of the surfaces is smooth; eigenvalues that change sign bend the rest by 1e-4 of the
-                // drag.
+                // The approach of the surfaces is smooth; eigenvalues that change sign perturb the other modes by
+                // 1e-4 of the drag.
                 assert!(gap > 1.0 || (found.axial.root[0][0] / wanted.axial.root[0][0] - 1.0).abs() < 1e-9);
                 let worst =
                     product(&found).iter().zip(product(&wanted)).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);

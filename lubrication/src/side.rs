@@ -1,55 +1,56 @@
-//! What one sphere of a pair feels.
+//! Resistance coefficients of one sphere of a pair.
 
 use crate::arithmetic::Arithmetic;
 use crate::coefficients::Coefficients;
 
-/// Numbers of a side, and one more for what they are multiplied by.
+/// Count of the coefficients, and one more for their common factor.
 pub const SIDE: usize = 24;
 
-/// The [`Coefficients`] of one sphere of a pair. Where there are two, the first is by its own motion and the second by that of
+/// [`Coefficients`] of one sphere of a pair. Of two values, the first is by its own motion and the second by that of
 /// the other sphere.
 #[derive(Debug, Clone, Copy)]
 pub struct Side<X> {
-    /// Force by velocity along the axis.
+    /// `X^A`: force by velocity along the axis.
     pub along: [X; 2],
-    /// Force by velocity across the axis.
+    /// `Y^A`: force by velocity normal to the axis.
     pub across: [X; 2],
-    /// Torque by angular velocity along the axis.
+    /// `X^C`: torque by angular velocity along the axis.
     pub spin: [X; 2],
-    /// Torque by angular velocity across the axis.
+    /// `Y^C`: torque by angular velocity normal to the axis.
     pub roll: [X; 2],
-    /// Force by angular velocity.
+    /// `Y^B`: force by angular velocity.
     pub coupling: [X; 2],
-    /// Force on the other sphere by the angular velocity of this one, and so torque by the velocity of the other.
+    /// `Y^B`: force on the other sphere by the angular velocity of this one, and by symmetry torque by the velocity
+    /// of the other.
     pub leverage: X,
-    /// First moment by velocity along the axis.
+    /// `X^G`: first moment by velocity along the axis.
     pub pull: [X; 2],
-    /// First moment by velocity across the axis.
+    /// `Y^G`: first moment by velocity normal to the axis.
     pub drag: [X; 2],
-    /// First moment by angular velocity.
+    /// `Y^H`: first moment by angular velocity.
     pub turn: [X; 2],
-    /// Force along the axis by strain.
+    /// `X^G`: force along the axis by strain.
     pub push: X,
-    /// Force across the axis by strain.
+    /// `Y^G`: force normal to the axis by strain.
     pub slide: X,
-    /// Torque by strain.
+    /// `Y^H`: torque by strain.
     pub twist: X,
-    /// First moment along the axis by strain, besides `bulk`.
+    /// `(X^M - Z^M)/2`: first moment by strain along the axis, in addition to `bulk`.
     pub stretch: X,
-    /// First moment across the axis by strain, besides `bulk`.
+    /// `Y^M - Z^M`: first moment by shear between the axis and its normal plane, in addition to `bulk`.
     pub bend: X,
-    /// First moment by strain in any direction.
+    /// `Z^M`: first moment by any strain.
     pub bulk: X,
 }
 
 impl<X: Arithmetic> Side<X> {
-    /// That of the larger sphere where `is_larger` is 1, and of the smaller one where it is 0.
+    /// Coefficients of the larger sphere if `is_larger` is 1, of the smaller one if it is 0.
     #[inline(always)]
     pub fn of(c: &Coefficients<X>, is_larger: X) -> Self {
         let is_smaller = X::constant(1.0) - is_larger;
         let own = |[smaller, larger]: [X; 2]| is_smaller * smaller + is_larger * larger;
         let both = |c: [[X; 2]; 2]| [own([c[0][0], c[1][1]]), own([c[0][1], c[1][0]])];
-        // What is symmetric is the same to the bit on both sides.
+        // Symmetric entries are the same on both sides, to the bit.
         let symmetric = |c: [[X; 2]; 2]| [own([c[0][0], c[1][1]]), c[0][1]];
         Self {
             along: symmetric(c.along),
@@ -70,7 +71,7 @@ impl<X: Arithmetic> Side<X> {
         }
     }
 
-    /// Its numbers, and zero.
+    /// The coefficients as a list, with a zero at the end.
     pub(crate) fn numbers(&self) -> [X; SIDE] {
         let [[a, b], [c, d], [e, f], [g, h], [i, j]] = [self.along, self.across, self.spin, self.roll, self.coupling];
         let [[k, l], [m, n], [o, p]] = [self.pull, self.drag, self.turn];
@@ -80,7 +81,7 @@ impl<X: Arithmetic> Side<X> {
         [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, self.leverage, push, slide, twist, stretch, bend, bulk, zero]
     }
 
-    /// From its numbers, and what they are multiplied by.
+    /// From a list of coefficients with their common factor at the end.
     #[inline(always)]
     pub fn from_numbers(numbers: &[X; SIDE]) -> Self {
         let n = |k: usize| numbers[k] * numbers[SIDE - 1];

@@ -1,4 +1,4 @@
-//! Tables of what the spheres of pairs feel that are not close.
+//! Tables of the resistance coefficients of each sphere of a pair, for pairs that are not close.
 
 use crate::arithmetic::Arithmetic;
 use crate::chebyshev::Powers;
@@ -8,15 +8,15 @@ use crate::range::Range;
 use crate::root_table::{NODES, mean_of, of_gaps, piece_of, relative};
 use crate::side::{SIDE, Side};
 
-/// What each sphere of a pair feels by the correction of a [`PairForce`], interpolated between the same gaps as the roots of
-/// which it is made, for pairs beyond some gap. There it takes half the numbers, and none to be multiplied with each other:
-/// near contact, where resistances are large and all but cancel, only products of roots are positive semi-definite whatever
-/// the rounding.
+/// Coefficients of each sphere of a pair by the correction of a [`PairForce`], interpolated between the same gaps as
+/// its factors, for pairs beyond some gap. There they take half the numbers, and no products of them. Near contact,
+/// where resistances are large and nearly cancel, only products of factors are positive semi-definite whatever the
+/// rounding.
 #[derive(Debug)]
 pub struct SideTables {
     species: usize,
     range: Range,
-    /// By species, that of the sphere first.
+    /// By pair of species, the species of the sphere itself first.
     tables: Vec<SideTable>,
 }
 
@@ -25,13 +25,13 @@ struct SideTable {
     sum: f64,
     over_small: f64,
     over_large: f64,
-    /// Its first piece among those of the roots.
+    /// Index of its first piece among those of the factors.
     first: usize,
     pieces: Vec<(f64, Powers<SIDE, NODES>)>,
 }
 
 impl SideTables {
-    /// For gaps of pairs of species from `least` on.
+    /// For pairs of species at gaps from `least` on.
     pub fn new(force: &PairForce, least: impl Fn([u32; 2]) -> f64) -> Self {
         let species = force.radii().len();
         let table = |k: usize| {
@@ -41,8 +41,8 @@ impl SideTables {
         Self { species, range: force.range(), tables: (0..species * species).map(table).collect() }
     }
 
-    /// Writes the numbers of a [`Side`], that of the first of two spheres of these species at a distance of the centres within
-    /// the cutoff, by numbers of any width.
+    /// Writes the numbers of a [`Side`] for the first of two spheres of these species, at a distance of the centres
+    /// within the cutoff, with numbers of any width.
     #[inline(always)]
     pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; SIDE]) {
         let table = &self.tables[species[0] as usize * self.species + species[1] as usize];
@@ -81,7 +81,7 @@ impl SideTable {
 mod tests {
     use super::*;
 
-    /// Both spheres of pairs of unequal and of equal ones, against the coefficients themselves.
+    /// Both spheres of unequal and equal pairs, against the coefficients themselves.
     #[test]
     fn sides_are_those_of_the_coefficients() {
         let force = PairForce::new(&[1.0, 1.7], 0.8, Range::default()).unwrap();
@@ -103,7 +103,8 @@ mod tests {
                 gap *= 1.003;
             }
             println!("{pair:?} {worst:e}");
-            // Where an eigenvalue is cut off at zero the roots bend, and the series of their products ends later.
+            // Where an eigenvalue is cut off at zero the factors have a kink, and the series of their products
+            // converge later.
             assert!(worst < 1e-6, "{pair:?}: {worst:e} of the drag");
         }
     }

@@ -5,59 +5,62 @@ use crate::surfaces::Surfaces;
 use domain::Vector;
 use std::f64::consts::PI;
 
-/// A force between two spheres of radii `a_i` and `a_j` at a gap `h` between their surfaces, with the mean radius `a` and the
-/// harmonic mean `a_h = 2 a_i a_j / (a_i + a_j)`; a repulsion has a positive sign. It may be one between a sphere and a wall (see
-/// [`Surfaces`]).
+/// Force between two spheres of radii `a_i` and `a_j` at a gap `h` between their surfaces, with the mean radius `a`
+/// and the harmonic mean `a_h = 2 a_i a_j / (a_i + a_j)`; a repulsion has a positive sign. It may also act between a
+/// sphere and a wall (see [`Surfaces`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SurfaceForce {
-    /// The barrier of the force-coupling method.
+    /// Barrier of the force-coupling method.
     Barrier(Barrier),
-    /// Of charged spheres in an electrolyte whose double layers are thin (Derjaguin),
+    /// Screened electrostatic repulsion of charged spheres in an electrolyte with thin double layers (Derjaguin),
     ///
     /// ```text
     /// F = strength a_h^n exp(-h / length)       up to 16 lengths
     /// ```
     Screened {
-        /// Force at contact, where the harmonic mean radius is 1.
+        /// Force at contact at a harmonic mean radius of 1.
         strength: f64,
-        /// The power of that radius.
+        /// Power of that radius.
         radius_power: u8,
-        /// The Debye length.
+        /// Debye length.
         length: f64,
     },
-    /// Of van der Waals, for small gaps (Derjaguin; Hamaker, Physica 4, 1058, 1937), with a gap `h_0 = closest a` that bounds it
-    /// and less its value at the gap `range a`, where it ends,
+    /// Van der Waals attraction at small gaps (Derjaguin; Hamaker, Physica 4, 1058, 1937), bounded by a gap
+    /// `h_0 = closest a`,
     ///
     /// ```text
     /// F = -(hamaker a_h / 12) / (h + h_0)^2
     /// ```
+    ///
+    /// minus its value at the gap `range a`, where it ends.
     VanDerWaals {
-        /// The Hamaker constant, an energy.
+        /// Hamaker constant, an energy.
         hamaker: f64,
         /// `h_0 / a`
         closest: f64,
-        /// The gap where it ends, over `a`.
+        /// Gap at which it ends, over `a`.
         range: f64,
     },
-    /// Of small spheres that find no place between two large ones (Asakura & Oosawa, J. Chem. Phys. 22, 1255, 1954): their
-    /// osmotic pressure times the area of the circle where the shells meet that their centres are kept from,
+    /// Depletion attraction by small spheres that are excluded from between two large ones (Asakura & Oosawa, J.
+    /// Chem. Phys. 22, 1255, 1954): their osmotic pressure times the area of the circle in which the two exclusion
+    /// shells intersect,
     ///
     /// ```text
     /// F = -pressure pi rho^2,   rho^2 = R_i^2 - [(r^2 + R_i^2 - R_j^2) / (2 r)]^2,   R = a + thickness
     /// ```
     Depletion {
-        /// The osmotic pressure of the small spheres.
+        /// Osmotic pressure of the small spheres.
         pressure: f64,
-        /// Their radius.
+        /// Radius of the small spheres.
         thickness: f64,
     },
 }
 
-/// A screened repulsion ends at this many of its lengths, where it is 1e-7 of that at contact.
+/// Cutoff of the screened repulsion in Debye lengths, where it is 1e-7 of its value at contact.
 const LENGTHS: f64 = 16.0;
 
 impl SurfaceForce {
-    /// The distance of the centres, or of the centre from a wall, up to which it acts.
+    /// Distance of the centres, or of the centre from a wall, up to which it acts.
     pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
         let between = between.into();
         let contact = between.contact();
@@ -69,8 +72,8 @@ impl SurfaceForce {
         }
     }
 
-    /// Force on the first sphere; `separation` is `x_j - x_i`, or from the sphere's centre to the nearest point of a wall. The
-    /// second sphere feels the opposite.
+    /// Force on the first sphere; `separation` is `x_j - x_i`, or points from the sphere's centre to the nearest
+    /// point of a wall. The force on the second sphere is opposite.
     pub fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
         let between = between.into();
         if let Self::Barrier(barrier) = self {
@@ -83,7 +86,7 @@ impl SurfaceForce {
         separation * (-self.magnitude_and_slope(distance, between)[0] / distance)
     }
 
-    /// How fast the force falls with the distance, `-dF/dr`, where it does; else 0.
+    /// Decrease of the force with the distance, `-dF/dr`, if positive; else 0.
     pub fn stiffness(&self, gap: f64, between: impl Into<Surfaces>) -> f64 {
         let between = between.into();
         if let Self::Barrier(barrier) = self {
@@ -93,7 +96,7 @@ impl SurfaceForce {
         if distance >= self.reach(between) { 0.0 } else { (-self.magnitude_and_slope(distance, between)[1]).max(0.0) }
     }
 
-    /// The force and its derivative with the distance of the centres, within reach.
+    /// Force and its derivative by the distance of the centres, within reach.
     fn magnitude_and_slope(&self, distance: f64, between: Surfaces) -> [f64; 2] {
         let (mean, harmonic) = (between.mean_radius(), between.harmonic_radius());
         let gap = distance - between.contact();
@@ -105,13 +108,13 @@ impl SurfaceForce {
             }
             Self::VanDerWaals { hamaker, closest, range } => {
                 let (factor, at_end) = (hamaker * harmonic / 12.0, (range + closest) * mean);
-                // Spheres that overlap attract each other as at contact.
+                // Overlapping spheres attract each other as at contact.
                 let (apart, is_apart) = (gap.max(0.0) + closest * mean, f64::from(u8::from(gap > 0.0)));
                 [factor * (at_end.powi(-2) - apart.powi(-2)), is_apart * 2.0 * factor * apart.powi(-3)]
             }
             Self::Depletion { pressure, thickness } => {
                 let Surfaces::Spheres(radii) = between else {
-                    // The wall's shell ends in a plane.
+                    // The exclusion shell of the wall ends in a plane.
                     let (shell, along) = (between.contact() + thickness, distance - thickness);
                     return [-pressure * PI * (shell * shell - along * along).max(0.0), pressure * PI * 2.0 * along];
                 };
@@ -143,7 +146,7 @@ mod tests {
         -force.force(Vector::X * (RADII[0] + RADII[1] + gap), RADII).x
     }
 
-    /// A wall of radius 1e7, where lengths are not counted in the mean radius.
+    /// A wall of radius 1e7, with lengths that do not scale with the mean radius.
     #[test]
     fn a_wall_is_a_large_sphere() {
         let (large, unit) = (1e7, 2.0 / (1e7 + 1.3));
@@ -173,7 +176,7 @@ mod tests {
         }
     }
 
-    /// The area of the shells' overlap is minus the derivative of their common volume: two caps.
+    /// The area of the shells' intersection is minus the derivative of their common volume, which is two caps.
     #[test]
     fn depletion_is_the_slope_of_the_common_volume() {
         let common = |gap: f64| {

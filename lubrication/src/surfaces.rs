@@ -1,8 +1,8 @@
-//! Which surfaces come near each other.
+//! Pair of surfaces: two spheres, or a sphere and a wall.
 
-/// The surfaces of two spheres of some radii, or those of a sphere of a radius and a plane wall. Lengths and forces that laws
-/// count in means of the radii have at a wall those of its flat limit where there is one: what is flat has no mean radius but
-/// the sphere's own.
+/// Surfaces of two spheres with given radii, or of a sphere and a plane wall. At a wall, quantities that depend on
+/// the harmonic mean radius have the limit of a large second sphere; the arithmetic mean radius, which has none, is
+/// replaced by the sphere's radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Surfaces {
     /// Two spheres.
@@ -18,7 +18,7 @@ impl From<[f64; 2]> for Surfaces {
 }
 
 impl Surfaces {
-    /// The distance of the centres, or of the centre from the wall, where they touch.
+    /// Distance of the centres, or of the centre from the wall, at contact.
     pub fn contact(&self) -> f64 {
         match self {
             Self::Spheres(radii) => radii[0] + radii[1],
@@ -26,7 +26,7 @@ impl Surfaces {
         }
     }
 
-    /// The mean radius; at a wall that of the sphere.
+    /// Mean radius; at a wall the radius of the sphere.
     pub fn mean_radius(&self) -> f64 {
         match self {
             Self::Spheres(radii) => 0.5 * (radii[0] + radii[1]),
@@ -34,7 +34,7 @@ impl Surfaces {
         }
     }
 
-    /// The harmonic mean radius `2 a_i a_j / (a_i + a_j)`; at a wall twice that of the sphere.
+    /// Harmonic mean radius `2 a_i a_j / (a_i + a_j)`; at a wall twice the radius of the sphere.
     pub fn harmonic_radius(&self) -> f64 {
         match self {
             Self::Spheres(radii) => 2.0 * radii[0] * radii[1] / (radii[0] + radii[1]),
@@ -42,7 +42,7 @@ impl Surfaces {
         }
     }
 
-    /// The distance where the gap is so many mean radii.
+    /// Distance at which the gap is `gap` mean radii.
     pub fn at_gap(&self, gap: f64) -> f64 {
         match self {
             Self::Spheres(radii) => (radii[0] + radii[1]) * (1.0 + 0.5 * gap),
@@ -50,7 +50,7 @@ impl Surfaces {
         }
     }
 
-    /// The same in other units of length.
+    /// The same surfaces in other units of length.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         match self {

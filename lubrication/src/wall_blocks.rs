@@ -1,4 +1,4 @@
-//! The 11 x 11 resistance of a sphere at a plane wall, taken apart by azimuthal order about the wall's normal.
+//! The 11 x 11 resistance matrix of a sphere at a plane wall, in blocks by azimuthal order about the wall's normal.
 
 use std::f64::consts::PI;
 
@@ -14,17 +14,17 @@ pub struct WallBlocks {
     pub axial: Square<2>,
     /// `Omega` along the normal.
     pub spin: Square<1>,
-    /// `(U, Omega, e)` across; twice, for `x` and for `y`.
+    /// `(U, Omega, e)` along the wall; twice, for `x` and for `y`.
     pub transverse: Square<3>,
     /// `e` in the plane of the wall; twice.
     pub planar: Square<1>,
 }
 
-/// Resistances of a sphere of radius 1 alone to motion, to turning and to strain, over viscosity.
+/// Resistances of an isolated sphere of radius 1 to translation, rotation and strain, over viscosity.
 pub const ALONE: [f64; 3] = [6.0 * PI, 8.0 * PI, 20.0 / 3.0 * PI];
 
 impl WallBlocks {
-    /// The exact resistance, from its scalar functions.
+    /// Exact resistance from its scalar functions.
     pub fn exact(f: &WallFunctions) -> Self {
         let [force, torque, strain] = ALONE;
         let [b, g, h] = [-4.0, 4.0 * 2.0_f64.sqrt(), 8.0 * 2.0_f64.sqrt()].map(|factor| factor * PI);
@@ -42,19 +42,20 @@ impl WallBlocks {
         }
     }
 
-    /// What the force-coupling method already knows of a sphere at a distance `z` of its centre from a wall: each block the
-    /// inverse of its mobility, that of the sphere alone and of its image (Blake 1971).
+    /// Resistance of the force-coupling method for a sphere at a distance `z` of its centre from a wall: each block
+    /// the inverse of its mobility, that of the isolated sphere and of its image (Blake 1971).
     ///
-    /// The image's flow at and above the wall is biharmonic, so the envelopes of widths `s` of the force and `d` of torque and
-    /// stresslet act on it as `1 + (s²/2) lap` exactly, also where they reach through the wall. An integral over wavevectors
-    /// along the wall of powers of `k` times `exp(-2 k z)` leaves powers of `1/z`.
+    /// The image's flow at and above the wall is biharmonic, so the envelopes of widths `s` of the force and `d` of
+    /// torque and stresslet act on it as `1 + (s²/2) lap` exactly, also where they extend through the wall. The
+    /// integrals over wavevectors along the wall of powers of `k` times `exp(-2 k z)` are powers of `1/z`.
     pub fn of_method(z: f64) -> Self {
         let [s, d] = widths(1.0).map(|width| width * width);
         let [force, torque, strain] = ALONE.map(|resistance| 1.0 / resistance);
         let power = |n: i32| z.powi(-n) / PI;
         let sum = |terms: &[(i32, f64)]| terms.iter().map(|&(n, factor)| factor * power(n)).sum::<f64>();
         let [root2, root6] = [2.0_f64.sqrt(), 6.0_f64.sqrt()];
-        // Velocity and rate of strain by the other's load. The axis points to the wall: odd functions have the sign of that.
+        // Velocity and rate of strain by the other's load. The axis points to the wall, which decides the sign of odd
+        // functions.
         let stretch = -root6 * sum(&[(2, 3.0 / 64.0), (4, -(15.0 * d + 9.0 * s) / 128.0), (6, 15.0 / 64.0 * d * s)]);
         let shear = -root2 * sum(&[(2, 3.0 / 64.0), (4, -9.0 / 128.0 * (d + s)), (6, 15.0 / 64.0 * d * s)]);
         let turn = -sum(&[(4, 3.0 / 64.0 * s)]);
@@ -86,8 +87,8 @@ mod tests {
         WallBlocks::exact(&SphereWall::get().resistance(distance - 1.0).unwrap())
     }
 
-    /// Ratios of the method's XA, YA, YC and XM to exact ones, by quadrature of the kernel over wavevectors with mobilities of
-    /// Gaussians: distances and ratios have four and three digits.
+    /// Ratios of the method's XA, YA, YC and XM to exact ones, by quadrature of the kernel over wavevectors with
+    /// Gaussian envelopes: distances have four digits and ratios three.
     #[test]
     fn the_method_is_off_near_the_wall_as_its_kernel_says() {
         let table = [
@@ -111,8 +112,8 @@ mod tests {
         }
     }
 
-    /// Far from the wall, but for what rigid spheres have beyond stresslets and Gaussians of a variance of `1/pi` that stand for
-    /// surfaces of `1/3`: of order `z^-3` for velocities.
+    /// Far from the wall the method is exact up to multipoles of rigid spheres beyond stresslets, and to Gaussians of
+    /// variance `1/pi` in place of surfaces of `1/3`: of order `z^-3` for velocities.
     #[test]
     fn the_method_is_exact_far_from_the_wall() {
         for (distance, allowed) in [(4.0, 6e-4), (8.0, 6e-5)] {

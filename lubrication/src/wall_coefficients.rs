@@ -1,13 +1,13 @@
-//! A sphere's lubrication resistance at a wall as coefficients of tensors of the normal.
+//! Lubrication resistance of a sphere at a wall as coefficients of tensors of the normal.
 
 use crate::pair_factor::LEVER;
 use crate::wall_factor::SphereLoads;
 use crate::wall_table::WallRoots;
 use domain::{Tensor, Traceless, Vector};
 
-/// The resistance of a sphere at a wall with the unit vector `z` from its centre to the wall. Loads on the fluid by its motion
-/// `U`, `Omega`, `E` relative to the ambient flow, with `t = E z - (z.E z) z`, are as between spheres (see
-/// [`Coefficients`](crate::Coefficients)),
+/// Resistance of a sphere at a wall with the unit vector `z` from its centre to the wall. Loads on the fluid by its
+/// motion `U`, `Omega`, `E` relative to the ambient flow, with `t = E z - (z.E z) z`, are as between spheres (see
+/// [`Coefficients`](crate::Coefficients), also for the notation of Jeffrey & Onishi),
 ///
 /// ```text
 /// F = along (z.U) z + across (U - (z.U) z) + coupling Omega x z + push (z.E z) z + slide t
@@ -17,44 +17,44 @@ use domain::{Tensor, Traceless, Vector};
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WallCoefficients {
-    /// Force by velocity along the normal.
+    /// `X^A`: force by velocity along the normal.
     pub along: f64,
-    /// Force by velocity across the normal.
+    /// `Y^A`: force by velocity along the wall.
     pub across: f64,
-    /// Torque by angular velocity along the normal.
+    /// `X^C`: torque by angular velocity along the normal.
     pub spin: f64,
-    /// Torque by angular velocity across the normal.
+    /// `Y^C`: torque by angular velocity along the wall.
     pub roll: f64,
-    /// Force by angular velocity, and torque by velocity.
+    /// `Y^B`: force by angular velocity, and torque by velocity.
     pub coupling: f64,
-    /// First moment by velocity along the normal.
+    /// `X^G`: first moment by velocity along the normal.
     pub pull: f64,
-    /// First moment by velocity across the normal.
+    /// `Y^G`: first moment by velocity along the wall.
     pub drag: f64,
-    /// First moment by angular velocity.
+    /// `Y^H`: first moment by angular velocity.
     pub turn: f64,
-    /// Force along the normal by strain.
+    /// `X^G`: force along the normal by strain.
     pub push: f64,
-    /// Force across the normal by strain.
+    /// `Y^G`: force along the wall by strain.
     pub slide: f64,
-    /// Torque by strain.
+    /// `Y^H`: torque by strain.
     pub twist: f64,
-    /// First moment along the normal by strain, besides `bulk`.
+    /// `(X^M - Z^M)/2`: first moment by strain along the normal, in addition to `bulk`.
     pub stretch: f64,
-    /// First moment across the normal by strain, besides `bulk`.
+    /// `Y^M - Z^M`: first moment by shear between the normal and the wall, in addition to `bulk`.
     pub bend: f64,
-    /// First moment by strain in any direction.
+    /// `Z^M`: first moment by any strain.
     pub bulk: f64,
 }
 
 impl WallCoefficients {
-    /// From roots that carry `sqrt(viscosity * radius)`, of which all but the radius follows.
+    /// From factors that include `sqrt(viscosity * radius)`; the other powers of the radius follow.
     pub(crate) fn of(roots: &WallRoots, radius: f64) -> Self {
         let square = radius * radius;
         let [[approach], [lifted], [stretched]] =
             [roots.axial.root, roots.axial.coupling, roots.axial.strain].map(|[value]| value);
         let along = approach * approach;
-        // Of the pole, whose velocity is that of the centre and the lever times the rate of strain.
+        // Refers to the pole, whose velocity is that of the centre plus the lever times the rate of strain.
         let (gap, lifted) = (lifted, LEVER * along - lifted);
         let axial = stretched - 2.0 * LEVER * gap + LEVER * LEVER * along;
         let root = &roots.transverse.root;

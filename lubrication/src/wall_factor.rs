@@ -1,4 +1,4 @@
-//! A sphere's lubrication resistance at a wall in the frame of the laboratory.
+//! Lubrication resistance of a sphere at a wall in the laboratory frame.
 
 use std::ops::Add;
 
@@ -21,8 +21,8 @@ pub struct SphereMotion {
     pub strain_rate: Traceless,
 }
 
-/// Loads of a sphere on the fluid; the moment is conjugate to [`SphereMotion::strain_rate`]: minus the stresslet that is
-/// positive along the ambient strain.
+/// Loads of a sphere on the fluid; the moment is conjugate to [`SphereMotion::strain_rate`]: minus the stresslet that
+/// is positive along the ambient strain.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SphereLoads {
     /// Force.
@@ -49,8 +49,8 @@ impl SphereMotion {
     }
 }
 
-/// The lubrication resistance of a sphere at a wall. What resists its motion is `B B^T`, with 6 modes of which the first is
-/// the approach of the surfaces; what couples motions and rates of strain comes besides.
+/// Lubrication resistance of a sphere at a wall. The resistance to its motion is `B B^T`, with 6 modes, the first of
+/// which is the approach of the surfaces; the coupling of motions and rates of strain is stored separately.
 #[derive(Debug, Clone, Copy)]
 pub struct WallFactor {
     /// Columns `x`, `y`, and the unit vector `z` from the centre to the wall.
@@ -63,12 +63,12 @@ impl WallFactor {
     /// Number of modes of a sphere at a wall.
     pub const MODES: usize = 6;
 
-    /// From roots that carry `sqrt(viscosity * radius)`; `axis` points to the wall.
+    /// From factors that include `sqrt(viscosity * radius)`; `axis` points to the wall.
     pub(crate) fn new(roots: &WallRoots, axis: Vector, radius: f64) -> Self {
         Self { frame: frame(axis), roots: *roots, radius }
     }
 
-    /// The unit vector from the centre to the wall.
+    /// Unit vector from the centre to the wall.
     pub fn axis(&self) -> Vector {
         self.frame.z_axis
     }
@@ -107,7 +107,7 @@ impl WallFactor {
         SphereLoads { force: self.frame * force, torque: self.frame * torque, moment: Traceless::part_of(&moment) }
     }
 
-    /// All loads on a motion, `R_lub` times it.
+    /// All loads by a motion, `R_lub` times it.
     pub fn resistance(&self, motion: &SphereMotion) -> SphereLoads {
         let coefficients = self.coefficients();
         let by_motion = coefficients.by_motion(self.axis(), [motion.velocity, motion.angular_velocity]);

@@ -8,12 +8,12 @@ use crate::range::Range;
 use crate::wall_factor::WallFactor;
 use crate::wall_table::WallTable;
 
-/// The correction of a sphere at a wall, `R_exact - R_method`: the exact resistance of one sphere and one wall less what the
-/// force-coupling method itself gives them, with the wall's images of Gaussians. With it a sphere alone at a wall is exact at any
-/// gap up to `1.1` radii; beyond it fades, to end at `1.5`.
+/// Correction for a sphere at a wall, `R_exact - R_FCM`: the exact resistance of one sphere and one wall minus that
+/// of the force-coupling method itself, with the wall's images of Gaussians. With it a single sphere at a wall is
+/// exact at any gap up to `1.1` radii; beyond that the correction is tapered, to end at `1.5`.
 ///
-/// As between spheres, what resists motions is kept positive semi-definite in its table: what is stored, interpolated and
-/// tapered is a factor `B` of it. That changes the drag by up to 2e-3 beyond a gap of one radius, and nothing else.
+/// As between spheres, the resistance to motions is kept positive semi-definite: the table stores, interpolates and
+/// tapers a factor `B` of it. That changes the drag by up to 2e-3 beyond a gap of one radius, and nothing else.
 #[derive(Debug, Clone)]
 pub struct WallForce {
     viscosity: f64,
@@ -22,20 +22,20 @@ pub struct WallForce {
 }
 
 impl WallForce {
-    /// For a positive viscosity; `range` is that between spheres. Computes its table at first use, with rayon; not to be called
-    /// from a rayon task.
+    /// For a positive viscosity; `range` is that between spheres. Computes its table at first use, with rayon; must
+    /// not be called from a rayon task.
     pub fn new(viscosity: f64, range: Range) -> Self {
         Self { viscosity, range: range.at_wall(), table: WallTable::get() }
     }
 
-    /// Where the correction begins and ends, over the radius.
+    /// Range of gaps of the correction, over the radius.
     pub fn range(&self) -> Range {
         self.range
     }
 
-    /// The factor of a sphere of a radius whose centre is at a distance from a wall, with `axis` the unit vector to it. None beyond
-    /// the cutoff; at gaps below the closest it stays what it is there, and so it does for spheres that sink in unless the range parts
-    /// them again.
+    /// Factor of a sphere whose centre is at a distance from a wall, with `axis` the unit vector to the wall. `None`
+    /// beyond the cutoff; constant at gaps below the closest, also for spheres that overlap the wall unless the range
+    /// separates them again.
     pub fn factor(&self, axis: Vector, distance: f64, radius: f64) -> Option<WallFactor> {
         let gap = distance / radius - 1.0;
         if gap >= self.range.cutoff() {
@@ -76,10 +76,10 @@ mod tests {
         motion
     }
 
-    /// A block by rows.
+    /// A block as rows.
     type Rows = Vec<Vec<f64>>;
 
-    /// Blocks of the method with lubrication and of exact resistance.
+    /// Blocks of FCM with lubrication and of the exact resistance.
     fn compared(gap: f64) -> Vec<(Rows, Rows)> {
         let exact = WallBlocks::exact(&SphereWall::get().resistance(gap).unwrap());
         let known = WallBlocks::of_method(1.0 + gap);
@@ -109,14 +109,15 @@ mod tests {
         for gap in [1.1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.3, 0.6, 0.9] {
             for (block, (found, wanted)) in compared(gap).into_iter().enumerate() {
                 for (f, w) in found.iter().flatten().zip(wanted.iter().flatten()) {
-                    // Of the tables.
+                    // Error of the tables.
                     assert!((f - w).abs() < 2e-7 * (w.abs() + ALONE[0]), "gap {gap}, block {block}: {f}, not {w}");
                 }
             }
         }
     }
 
-    /// A sphere that sank in is held as at the closest gap, or as at a gap as large as the overlap if it is to part.
+    /// A sphere that overlaps the wall has the resistance at the closest gap, or that at a gap equal to the overlap
+    /// if the range is to separate it.
     #[test]
     fn a_sphere_that_sank_in_parts_again_if_it_is_to() {
         let factor = |range: Range, gap: f64| WallForce::new(1.0, range).factor(Vector::Z, 1.0 + gap, 1.0).unwrap();

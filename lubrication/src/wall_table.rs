@@ -1,4 +1,4 @@
-//! The table of lubrication at a plane wall.
+//! Table of the lubrication at a plane wall.
 
 use std::sync::{Arc, OnceLock};
 
@@ -11,37 +11,37 @@ use crate::wall_blocks::{ALONE, WallBlocks};
 
 /// Largest tabulated gap over the radius.
 pub const FARTHEST: f64 = 1.5;
-/// Numbers at a gap.
+/// Numbers per gap.
 const LANES: usize = 11;
 
-/// Roots of `R_exact - R_method` of a sphere at a wall, for radius and viscosity 1, interpolated in the logarithm of the gap:
-/// what resists motions is positive semi-definite, as between spheres.
+/// Factors of `R_exact - R_FCM` of a sphere at a wall, for radius and viscosity 1, interpolated in the logarithm of
+/// the gap: the resistance to motions is positive semi-definite, as between spheres.
 #[derive(Debug)]
 pub struct WallTable {
     pieces: Vec<Chebyshev<LANES, NODES>>,
 }
 
-/// The blocks of a sphere's resistance at a wall; `w` of the axial one is the velocity at which the surfaces part.
+/// Blocks of a sphere's resistance at a wall; `w` of the axial one is the separation velocity of the surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallRoots {
     /// `w` and `e` along the normal.
     pub axial: Part<1, 1>,
-    /// `L` of `Omega` along the normal.
+    /// `L` for `Omega` along the normal.
     pub spin: f64,
-    /// `(U, Omega)` and `e` across.
+    /// `(U, Omega)` and `e` along the wall.
     pub transverse: Part<2, 1>,
-    /// `M` of `e` in the plane of the wall.
+    /// `M` for `e` in the plane of the wall.
     pub planar: f64,
 }
 
 impl WallTable {
-    /// The table, computed at the first call, then shared. Not to be called from a rayon task.
+    /// Table, computed at the first call, then shared. Must not be called from a rayon task.
     pub fn get() -> Arc<Self> {
         static TABLE: OnceLock<Arc<WallTable>> = OnceLock::new();
         Arc::clone(TABLE.get_or_init(|| Arc::new(Self::compute(&SphereWall::get()))))
     }
 
-    /// Roots at a gap from the closest to the farthest, of a resistance that is `factor` squared times as large.
+    /// Factors at a gap from the closest to the farthest, for a resistance larger by `factor` squared.
     pub fn at(&self, gap: f64, factor: f64) -> WallRoots {
         let log = gap.ln();
         let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
@@ -59,7 +59,7 @@ impl WallTable {
     }
 }
 
-/// The numbers at one gap, without interpolation.
+/// Numbers at one gap, without interpolation.
 fn lanes(exact: &SphereWall, gap: f64) -> [f64; LANES] {
     let (exact, known) = (WallBlocks::exact(&exact.at(gap)), WallBlocks::of_method(1.0 + gap));
     let [force, torque, strain] = ALONE.map(f64::sqrt);
@@ -97,7 +97,7 @@ mod tests {
             let (found, wanted) = (table.at(gap, 1.0), roots(lanes(&exact, gap), 1.0));
             let relative = found.axial.root[0][0] / wanted.axial.root[0][0] - 1.0;
             assert!(gap > 0.8 || relative.abs() < 1e-8, "gap {gap}: {relative}");
-            // Eigenvalues that change sign bend the roots beyond a gap of 0.8, where their squares are small.
+            // Eigenvalues that change sign perturb the factors beyond a gap of 0.8, where their squares are small.
             let across = |roots: &WallRoots| roots.transverse.root.map(|row| row.iter().map(|x| x * x).sum::<f64>());
             for (x, y) in across(&found).into_iter().zip(across(&wanted)) {
                 assert!((x - y).abs() < 1e-5 * ALONE[1], "gap {gap}: {x}, not {y}");
@@ -105,8 +105,8 @@ mod tests {
         }
     }
 
-    /// The projection to what is positive changes the resistance to motion by less than 2e-3 of the drag of a sphere alone, and
-    /// only where it nearly vanishes.
+    /// The projection to the positive part changes the resistance to motion by less than 2e-3 of the drag of an
+    /// isolated sphere, and only where it nearly vanishes.
     #[test]
     fn what_resists_motion_is_exact_but_for_what_is_negative() {
         let (exact, table) = (SphereWall::get(), WallTable::get());

@@ -1,4 +1,4 @@
-//! Lubrication of a pair: values, symmetries, ends of its range, and refusals.
+//! Lubrication of a pair: values, symmetries, limits of its range, and refusals.
 
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ fn turning(sphere: usize, angular_velocity: Vector) -> PairMotion {
     motion
 }
 
-/// Exact resistance minus that of the method, by multipole collocation and a dense inverse: hatted dXA11, dXA12, dXA22,
+/// Exact resistance minus that of FCM, by multipole collocation and a dense inverse: hatted dXA11, dXA12, dXA22,
 /// dYA11, dYB11, dYB21, dYC11.
 #[test]
 fn strong_functions_agree_with_reference() {
@@ -60,14 +60,15 @@ fn strong_functions_agree_with_reference() {
             turned.torque[0].y / (8.0 * PI),
         ];
         for (found, expected) in found.into_iter().zip(expected) {
-            // What makes motions positive semi-definite changes unequal spheres by up to a thousandth of the drag.
+            // Making the resistance to motions positive semi-definite changes unequal spheres by up to a thousandth
+            // of the drag.
             assert!((found - expected).abs() < 5e-3 + 1e-5 * expected.abs(), "ratio {ratio}: {found}, not {expected}");
         }
     }
 }
 
-/// Forces of 1e6 at near contact leave over what the method misses of the drag on the pair as a whole and no more: net
-/// force and net torque do not grow as the gap shrinks.
+/// Near contact forces of 1e6 cancel up to the error of FCM in the drag of the pair as a whole: net force and net
+/// torque do not grow as the gap shrinks.
 #[test]
 fn action_equals_reaction_at_contact() {
     for ratio in [1.0, 2.0, 4.0, 10.0] {
@@ -85,7 +86,7 @@ fn action_equals_reaction_at_contact() {
     }
 }
 
-/// What grows as surfaces that slide on each other come nearer acts where they meet: opposite forces, and torques that
+/// The divergent part of the loads of sliding surfaces acts at the contact point: opposite forces, and torques that
 /// balance those of the forces about any point.
 #[test]
 fn forces_and_torques_of_sliding_surfaces_balance_for_unequal_spheres() {
@@ -102,14 +103,15 @@ fn forces_and_torques_of_sliding_surfaces_balance_for_unequal_spheres() {
             let moment = turned[0] + turned[1] + (axis * (1.0 + ratio)).cross(grown[1]);
             let force = grown[0].length();
             assert!(force > 10.0 && net.length() < 1e-4 * force, "ratio {ratio}: {} of {force}", net.length());
-            // Surfaces meet up to a gap of a thousandth apart.
+            // The contact point is uncertain by a gap of a thousandth.
             let allowed = 1e-3 * force * (1.0 + ratio);
             assert!(moment.length() < allowed, "ratio {ratio}: {} of {allowed}", moment.length());
         }
     }
 }
 
-/// What resists a rigid motion of both spheres is a small part of their drag: lubrication is between them.
+/// The resistance to a rigid-body motion of both spheres is a small part of their drag: lubrication depends on
+/// relative motion.
 #[test]
 fn pairs_that_move_as_one_feel_little() {
     for ratio in [1.0, 2.0, 4.0, 10.0] {
@@ -125,7 +127,7 @@ fn pairs_that_move_as_one_feel_little() {
     }
 }
 
-/// The frame of a pair is chosen anew near one direction; nobody notices.
+/// The frame of a pair switches near one direction, without effect on the loads.
 #[test]
 fn loads_change_smoothly_with_direction() {
     let force = force(&[1.0, 2.0]);
@@ -138,7 +140,7 @@ fn loads_change_smoothly_with_direction() {
         let direction = Vector::new(0.8 * angle.sin(), 0.6 * angle.sin(), -angle.cos());
         force.loads(direction * 3.01, [0, 1], &motion).unwrap()
     };
-    // Where the cosine passes 0.999.
+    // The direction at which the cosine passes 0.999.
     let switch = 0.999_f64.acos();
     let [before, after] = [switch * (1.0 - 1e-12), switch * (1.0 + 1e-12)].map(at);
     for i in 0..2 {
@@ -155,13 +157,14 @@ fn nothing_acts_beyond_the_cutoff_and_it_ends_smoothly() {
     let at =
         |gap: f64| force.loads(Vector::Y * (2.5 + gap), [0, 1], &moving(0, Vector::Y)).map(|loads| loads.force[0].y);
     assert!(at(0.3 + 1e-12).is_none());
-    // A quintic step: third power of the distance to the end.
+    // Quintic step: third power of the distance to the end.
     let (near, nearer) = (at(0.3 - 1e-2).unwrap(), at(0.3 - 0.5e-2).unwrap());
     assert!(near > 0.0 && (nearer / near) < 0.15, "{near} {nearer}");
     assert!((force.reach() - 1.5 * 2.2).abs() < 1e-14);
 }
 
-/// Spheres that overlap and are to part are held as at a gap as large as the overlap, by factors as by coefficients.
+/// Overlapping spheres have the resistance at a gap equal to the overlap if the range is to separate them, by factors
+/// as well as by coefficients.
 #[test]
 fn spheres_that_overlap_part_again_if_they_are_to() {
     let parting = PairForce::new(&[1.0, 1.5], 1.0, Range::default().parting()).unwrap();
@@ -292,7 +295,7 @@ proptest! {
 }
 
 proptest! {
-    /// In whatever order the spheres come, and whether they are alike.
+    /// In any order of the spheres, equal or not.
     #[test]
     fn coefficients_give_the_loads(
         direction in vector(), gap in 1e-4..2.0_f64, ratio in prop::sample::select(vec![1.0, 2.0]), order in 0..2_u32,
@@ -317,8 +320,8 @@ fn times(loads: &PairLoads, factor: f64) -> PairLoads {
     }
 }
 
-/// The loads by the definition of the coefficients, with the direction to the second sphere, of which the first is the
-/// larger one if `is_swapped`.
+/// Loads by the definition of the coefficients, with the direction to the second sphere; the first one is the larger
+/// if `is_swapped`.
 fn loads_by(c: &Coefficients<f64>, direction: Vector, is_swapped: bool, motion: &PairMotion) -> PairLoads {
     let (z, order) = if is_swapped { (-direction, [1, 0]) } else { (direction, [0, 1]) };
     let product = |a: Vector, b: Vector| Tensor::from_cols(a * b.x, a * b.y, a * b.z);

@@ -1,11 +1,11 @@
-//! What the two-sphere functions must satisfy for any ratio.
+//! Properties of the two-sphere functions for any ratio of radii.
 
 use lubrication::two_sphere::{Function, TwoSphere, TwoSphereError, named};
 
 const RATIOS: [f64; 3] = [2.5, 4.0, 10.0];
 const GAPS: [f64; 9] = [1e-6, 1e-4, 9.9e-4, 0.011, 0.3, 2.0, 7.0, 60.0, 1e4];
 
-/// Two spheres with one velocity along their line: the series of Stimson & Jeffery (1926).
+/// Two spheres with equal velocities along their line of centres: the series of Stimson & Jeffery (1926).
 fn stimson_jeffery(gap: f64) -> f64 {
     let alpha = (1.0 + 0.5 * gap).acosh();
     let term = |n: f64| {
@@ -78,7 +78,7 @@ fn far_field_is_the_first_reflection() {
         ];
         for (function, i, j, value) in expected {
             let found = functions[function][i][j];
-            // The next term is smaller by (a/r)² times a number of order 10, but for A and B of order a/r.
+            // The next term is smaller by (a/r)² times a number of order 10, for A and B by a/r.
             assert!((found / value - 1.0).abs() < 2e-3, "{function:?} ratio {ratio}: {found}, not {value}");
         }
         let alone = functions[Function::XA][0][0] - 1.0;
@@ -97,7 +97,7 @@ fn infinitely_far_spheres_are_alone() {
     }
 }
 
-/// At contact, spheres that spin about their line of centres: `lambda³/(1 + lambda)³ zeta(3, lambda/(1 + lambda))`.
+/// Spheres at contact that rotate about their line of centres: `lambda³/(1 + lambda)³ zeta(3, lambda/(1 + lambda))`.
 #[test]
 fn spin_at_contact_is_a_zeta_function() {
     for ratio in RATIOS {

@@ -1,4 +1,4 @@
-//! Two-sphere functions against values from elsewhere.
+//! Two-sphere functions against published and independently computed values.
 
 use lubrication::two_sphere::{Function, TwoSphere, named};
 
@@ -40,7 +40,7 @@ fn resistance_agrees_with_collocation() {
     for (ratio, gap, expected) in COLLOCATION {
         let found = TwoSphere::with_ratio(ratio).unwrap().resistance(gap).unwrap();
         for ((name, found), expected) in named(&found).into_iter().zip(expected) {
-            // The printed digits and those that collocation has.
+            // Accuracy of the printed digits and of the collocation.
             assert!((found / expected - 1.0).abs() < 5e-10, "{name} ratio {ratio} gap {gap}: {found}, not {expected}");
         }
     }
@@ -109,7 +109,7 @@ fn relative_motion_in_strain_agrees_with_collocation() {
     for (gap, a, b) in [(1e-6, 0.999995922641431, 0.343154113329274), (0.25, 0.526690900327873, 0.100137932741242)] {
         let found = table.mobility(gap).unwrap();
         let distance = 2.0 + gap;
-        // Mean radius 1; unit strain rate along the line of centres moves a sphere by g, across it by 2 g.
+        // Mean radius 1; a unit strain rate along the line of centres moves a sphere by g, one normal to it by 2 g.
         let (xg, yg) = (found[Function::XG], found[Function::YG]);
         let relative = |g: [[f64; 2]; 2]| g[0][1] + g[1][1] - g[0][0] - g[1][0];
         let along = relative(xg);

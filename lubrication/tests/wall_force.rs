@@ -1,4 +1,4 @@
-//! Lubrication of a sphere at a wall: symmetries, ends of its range, units.
+//! Lubrication of a sphere at a wall: symmetries, limits of its range, units.
 
 use domain::{Tensor, Traceless, Vector};
 use lubrication::{Range, SphereLoads, SphereMotion, WallFactor, WallForce};
@@ -29,7 +29,7 @@ fn distance(a: &SphereLoads, b: &SphereLoads) -> f64 {
     size(&SphereLoads { force: a.force - b.force, torque: a.torque - b.torque, moment: a.moment + b.moment * -1.0 })
 }
 
-/// Seen in a mirror: of angular velocities and torques the other components change sign.
+/// Reflection of loads: angular velocities and torques are pseudovectors.
 fn mirrored(loads: &SphereLoads, by: Tensor) -> SphereLoads {
     SphereLoads {
         force: by * loads.force,
@@ -57,7 +57,7 @@ proptest! {
         prop_assert!((b.power(&factor.loads(&modes)) - product).abs() < 1e-12 * scale);
     }
 
-    /// Of a sphere that does not strain, all forces and torques are those of the modes.
+    /// For a sphere without strain, all forces and torques are those of the modes.
     #[test]
     fn modes_are_what_resists_motion(direction in vector(), gap in 1e-6..1.4f64, a in motion()) {
         prop_assume!(direction.length() > 0.1);
@@ -76,7 +76,7 @@ proptest! {
         prop_assert!((b.power(&first) - a.power(&second)).abs() < 1e-12 * (size(&first) + size(&second)));
     }
 
-    /// A wall above is one below, seen in a mirror; turned by any angle it is the same too.
+    /// An upper wall is the reflection of a lower one; rotations do not matter either.
     #[test]
     fn loads_turn_and_reflect_with_the_wall(
         gap in 1e-6..1.4f64, a in motion(), turn in vector(), angle in 0.0..6.0f64,

@@ -1,4 +1,4 @@
-//! Resistance functions of a sphere at a wall against values from elsewhere.
+//! Resistance functions of a sphere at a wall against published and independently computed values.
 
 use lubrication::two_sphere::{Function, SphereWall, TwoSphere, TwoSphereError, WallFunctions};
 
@@ -6,7 +6,8 @@ fn at(gap: f64) -> WallFunctions {
     SphereWall::get().resistance(gap).unwrap()
 }
 
-/// The force on a sphere that moves towards a plane over that of one alone, Brenner (Chem. Eng. Sci. 16, 242, 1961), eq. (2.19).
+/// Force on a sphere that moves towards a plane, over that of an isolated one, Brenner (Chem. Eng. Sci. 16, 242,
+/// 1961), eq. (2.19).
 fn brenner(gap: f64) -> f64 {
     let alpha = (1.0 + gap).acosh();
     let term = |n: f64| {
@@ -18,7 +19,8 @@ fn brenner(gap: f64) -> f64 {
     4.0 / 3.0 * alpha.sinh() * (1..(40.0 / alpha) as usize + 10).map(|n| term(n as f64)).sum::<f64>()
 }
 
-/// The torque on a sphere that spins about the normal over that of one alone, Jeffery (Proc. Lond. Math. Soc. 14, 327, 1915).
+/// Torque on a sphere that rotates about the normal, over that of an isolated one, Jeffery (Proc. Lond. Math. Soc.
+/// 14, 327, 1915).
 fn jeffery(gap: f64) -> f64 {
     let alpha = (1.0 + gap).acosh();
     let terms = (1..(40.0 / alpha) as usize + 10).map(|n| (alpha.sinh() / (n as f64 * alpha).sinh()).powi(3));
@@ -30,13 +32,14 @@ fn approach_obeys_brenner_and_spin_jeffery() {
     for gap in [1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.54308, 1.0, 3.0, 10.0] {
         let found = at(gap);
         let (approach, spin) = (found[Function::XA] / brenner(gap) - 1.0, found[Function::XC] / jeffery(gap) - 1.0);
-        // The tables' error, and round-off of Brenner's terms, which cancel to a fourth power of the angle alpha.
+        // Error of the tables, and round-off of Brenner's terms, which cancel to a fourth power of the angle alpha.
         assert!(approach.abs() < 3e-8 && spin.abs() < 1e-8, "gap {gap}: off by {approach} and {spin}");
     }
 }
 
-/// Distance of the centre over the radius, the hyperbolic cosines of 1, 0.5 and 0.3 to four digits: force and torque of a sphere that moves along
-/// the wall and does not turn, Goldman, Cox & Brenner (Chem. Eng. Sci. 22, 637, 1967), part I, tables 1 and 2: F/6 pi, T/8 pi.
+/// Distance of the centre over the radius, the hyperbolic cosines of 1, 0.5 and 0.3 to four digits; force F/6 pi and
+/// torque T/8 pi of a sphere that moves along the wall without rotation, Goldman, Cox & Brenner (Chem. Eng. Sci. 22,
+/// 637, 1967), part I, tables 1 and 2.
 const ALONG: [(f64, f64, f64); 3] =
     [(1.5431, 1.567447, 0.0146486), (1.1276, 2.151578, 0.0737300), (1.0453, 2.647967, 0.145587)];
 
@@ -50,8 +53,8 @@ fn motion_along_the_wall_is_that_of_goldman_cox_and_brenner() {
     }
 }
 
-/// A single layer on the sphere in vector spherical harmonics, solved by Galerkin's method with the wall's images: gap, YA, YB, YC,
-/// YM.
+/// Single layer on the sphere in vector spherical harmonics, solved by Galerkin's method with the wall's images: gap,
+/// YA, YB, YC, YM.
 #[rustfmt::skip]
 const SINGLE_LAYER: [(f64, [f64; 4]); 6] = [
     (0.2, [1.9527071, -0.099275316, 1.2766392, 1.66312]),
@@ -67,14 +70,14 @@ fn transverse_functions_agree_with_a_single_layer() {
     for (gap, expected) in SINGLE_LAYER {
         let found = at(gap);
         for (function, expected) in [Function::YA, Function::YB, Function::YC, Function::YM].into_iter().zip(expected) {
-            // The printed digits.
+            // Accuracy of the printed digits.
             assert!((found[function] - expected).abs() < 6e-8, "{function:?} at {gap}: {}", found[function]);
         }
     }
 }
 
-/// A sphere 20 times as large is the flattest that the tables of two know: they differ from a wall by about 1/20, and by twice
-/// that with a sphere half as large, but for what is of second order: up to 3/20 of that.
+/// A sphere 20 times as large is the largest in the two-sphere tables: its functions differ from those of a wall by
+/// about 1/20, and by twice that for a sphere half as large, up to second-order terms of 3/20 of that.
 #[test]
 fn a_wall_is_where_ever_larger_spheres_lead_to() {
     for gap in [1e-5, 0.02, 0.3] {

@@ -1,7 +1,7 @@
 //! Time, counted in steps.
 
-/// The step and the time of a run. The time is the number of steps times the time step: it does not drift, and is the
-/// same in a resumed run.
+/// Step and time of a run. The time is the number of steps times the time step: it does not drift, and is the same in
+/// a resumed run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     step: u64,
@@ -9,27 +9,27 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock after `step` steps.
+    /// Clock after `step` steps.
     pub fn at(step: u64, dt: f64) -> Self {
         Self { step, dt }
     }
 
-    /// Steps taken.
+    /// Number of steps taken.
     pub fn step(&self) -> u64 {
         self.step
     }
 
-    /// The time step.
+    /// Time step.
     pub fn dt(&self) -> f64 {
         self.dt
     }
 
-    /// The time now.
+    /// Present time.
     pub fn time(&self) -> f64 {
         self.time_at(0.0)
     }
 
-    /// The time at a fraction of the step that begins now.
+    /// Time at a fraction of the step that begins now.
     pub fn time_at(&self, fraction: f64) -> f64 {
         (self.step as f64 + fraction) * self.dt
     }

@@ -1,55 +1,55 @@
-//! Forces between particles that touch.
+//! Forces between particles in contact.
 
 use domain::Vector;
 
-/// The contacts of all particles at one time, on the first rank.
+/// Contacts of all particles at one time, on the first rank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactForces {
-    /// Steps taken.
+    /// Number of steps taken.
     pub step: u64,
-    /// The time.
+    /// Time of the contacts.
     pub time: f64,
-    /// The vectors of the lattice.
+    /// Lattice vectors.
     pub lattice: [Vector; 3],
-    /// The contacts, in the order of their ids.
+    /// Contacts, in the order of their ids.
     pub list: Vec<ContactForce>,
 }
 
-/// The contact of two particles, of which the first has the lower id.
+/// Contact of two particles, the first of which has the lower id.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactForce {
-    /// Their ids.
+    /// Ids of the particles.
     pub ids: [u64; 2],
-    /// The centre of the first.
+    /// Centre of the first particle.
     pub place: Vector,
-    /// From there to the centre of the second, as near as it is.
+    /// Vector from there to the nearest image of the second particle's centre.
     pub separation: Vector,
-    /// The force that pushes them apart along that line; below 0 where it pulls.
+    /// Normal force along that line: positive for repulsion, negative for attraction.
     pub normal: f64,
-    /// The force on the first across that line.
+    /// Tangential force on the first particle.
     pub tangential: Vector,
-    /// What holds them.
+    /// State of the contact.
     pub state: ContactState,
 }
 
-/// What holds two particles.
+/// State of a contact, or a bond.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactState {
     /// A contact without friction.
     Frictionless,
-    /// One whose surfaces stick.
+    /// Contact whose surfaces stick.
     Sticking,
-    /// One whose surfaces slide.
+    /// Contact whose surfaces slide.
     Sliding,
-    /// No contact but a bond.
+    /// A bond without a contact.
     Bond,
 }
 
 impl ContactState {
-    /// All of them; files have their places in this list.
+    /// All states; files store indices into this list.
     pub const ALL: [Self; 4] = [Self::Frictionless, Self::Sticking, Self::Sliding, Self::Bond];
 
-    /// What it is called.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Frictionless => "frictionless",
@@ -59,7 +59,7 @@ impl ContactState {
         }
     }
 
-    /// Its place among all.
+    /// Index in [`Self::ALL`].
     pub fn number(self) -> i32 {
         self as i32
     }

@@ -1,19 +1,19 @@
 //! Cells of comma-separated values.
 
-/// Characters for which a cell is quoted: the separators of any country, quotes and ends of lines.
+/// Characters that require quotes: separators in any locale, quotes and line ends.
 const QUOTED: [char; 6] = [',', ';', '\t', '"', '\n', '\r'];
 
-/// A word as a cell: in quotes if it could be taken for several cells.
+/// A word as a cell, in quotes if it could be mistaken for several cells.
 pub fn csv_cell(word: &str) -> String {
     if word.contains(QUOTED) { format!("\"{}\"", word.replace('"', "\"\"")) } else { word.to_owned() }
 }
 
-/// Words as a line of cells, without its end.
+/// Words as a line of cells, without the line end.
 pub fn csv_line<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     words.into_iter().map(csv_cell).collect::<Vec<_>>().join(",")
 }
 
-/// The words in a line of cells.
+/// Words in a line of cells.
 pub fn csv_words(line: &str) -> Vec<String> {
     let (mut words, mut in_quotes) = (vec![String::new()], false);
     let mut characters = line.chars().peekable();

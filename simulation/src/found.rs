@@ -1,20 +1,20 @@
-//! What a run finds out for its scene.
+//! Parameters that a run determines for its scene.
 
 use std::fmt::{Display, Formatter};
 
-/// A number that stays what it is from some step on, and with which the scene may be run from the start.
+/// A parameter that is constant from some step on, and with which the scene may be run from the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
-    /// The key of the scene that has it.
+    /// Key of the parameter in the scene.
     pub key: &'static str,
-    /// The number.
+    /// Value of the parameter.
     pub value: f64,
-    /// What has happened, in words.
+    /// Description of how it was determined.
     pub what: &'static str,
 }
 
 impl Found {
-    /// As a setting of the scene, with all digits.
+    /// The parameter as a setting of the scene, with all digits.
     pub fn setting(&self) -> String {
         format!("{}={:e}", self.key, self.value)
     }

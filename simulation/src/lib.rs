@@ -1,4 +1,4 @@
-//! The interface of all simulations that are advanced in time steps, so that a program, a test or another language runs
+//! Interface of all simulations that are advanced in time steps, so that a program, a test or another language runs
 //! every kind in the same way.
 //!
 //! A quantity of the time series is a number or a table with names, in a unit of length, time and force:

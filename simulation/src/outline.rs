@@ -1,9 +1,9 @@
-//! What a simulation consists of and what it will cost, as `check` prints it.
+//! Summary of a simulation and forecast of its cost, as printed by `check`.
 
 use serde_json::{Map, Value};
 use std::fmt::{Display, Formatter, Write as _};
 
-/// A simulation before it is run: lines for a reader, the same as named values for a program, and warnings.
+/// Summary of a simulation before it is run: readable lines, the same as named values for a program, and warnings.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outline {
     lines: String,
@@ -20,7 +20,7 @@ impl Outline {
         self
     }
 
-    /// Adds lines that have their labels.
+    /// Adds lines that already have labels.
     #[must_use]
     pub fn lines(mut self, lines: &str) -> Self {
         self.lines += lines;
@@ -34,31 +34,31 @@ impl Outline {
         self
     }
 
-    /// Adds what the user should know before the run.
+    /// Adds warnings for the user before the run.
     #[must_use]
     pub fn warnings(mut self, warnings: impl IntoIterator<Item = String>) -> Self {
         self.warnings.extend(warnings);
         self
     }
 
-    /// Adds the reason for which the run would be refused here, if there is one.
+    /// Adds the reason why the run would be refused on this machine, if there is one.
     #[must_use]
     pub fn refusal(mut self, reason: Option<String>) -> Self {
         self.refusal = self.refusal.or(reason);
         self
     }
 
-    /// The reason for which the run would be refused here.
+    /// Reason why the run would be refused on this machine, if there is one.
     pub fn refused(&self) -> Option<&str> {
         self.refusal.as_deref()
     }
 
-    /// The lines, without warnings.
+    /// Lines, without warnings.
     pub fn text(&self) -> &str {
         &self.lines
     }
 
-    /// The values and the list of `warnings`.
+    /// Values and the list of `warnings`.
     pub fn to_json(&self) -> Value {
         let mut values = self.values.clone();
         values.insert("warnings".to_owned(), self.warnings.clone().into());

@@ -1,13 +1,13 @@
-//! The quantities of a time series.
+//! Quantities of a time series.
 
-/// One quantity of a time series: a number, or a table of numbers such as a vector for each species.
+/// A quantity of a time series: a number, or a table of numbers such as a vector for each species.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
-    /// Its name.
+    /// Name of the quantity.
     pub name: &'static str,
-    /// Its unit, in terms of length, time and force.
+    /// Unit, in terms of length, time and force.
     pub unit: &'static str,
-    /// Names of the rows and columns of a table.
+    /// Names of the rows and columns, if it is a table.
     pub table: Option<(Vec<String>, Vec<String>)>,
 }
 
@@ -22,7 +22,7 @@ impl Quantity {
         Self { name, unit, table: Some((species.to_vec(), ["x", "y", "z"].map(String::from).to_vec())) }
     }
 
-    /// Names of its numbers as columns of a table, each `name`, or `name_column[row]`.
+    /// Names of its numbers as columns of a table, each `name` or `name_column[row]`.
     pub fn columns(&self) -> Vec<String> {
         let Some((rows, columns)) = &self.table else { return vec![self.name.to_owned()] };
         rows.iter().flat_map(|row| columns.iter().map(move |column| format!("{}_{column}[{row}]", self.name))).collect()

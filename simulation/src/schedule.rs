@@ -1,4 +1,4 @@
-//! Schedules: at which steps output is due.
+//! Schedules: steps at which output is due.
 
 /// An interval in steps, counted from step 0; zero stands for never.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +26,7 @@ impl Schedule {
         step.checked_div(self.0).map(|times| (times + 1) * self.0)
     }
 
-    /// How often it is due from step 0 to step `last`, both included.
+    /// Number of times it is due from step 0 to step `last`, both included.
     pub fn count_until(self, last: u64) -> u64 {
         last.checked_div(self.0).map_or(0, |times| times + 1)
     }

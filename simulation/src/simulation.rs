@@ -1,61 +1,62 @@
-//! The trait of simulations that are advanced in time steps.
+//! Trait of simulations that are advanced in time steps.
 
 use crate::{Clock, ContactForces, Found, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
 use domain::{Comm, Interrupt};
 use std::error::Error;
 
-/// Why a simulation can't go on.
+/// Reason why a simulation can't continue.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct SimulationError(Box<dyn Error + Send + Sync>);
 
 impl SimulationError {
-    /// From the error of one kind of simulation.
+    /// Wraps the error of one kind of simulation.
     pub fn new(error: impl Error + Send + Sync + 'static) -> Self {
         Self(Box::new(error))
     }
 }
 
-/// A simulation advanced in time steps. Every call is collective; what is written is that of the first rank.
+/// A simulation advanced in time steps. Every call is collective; results that are written are those of the first
+/// rank.
 pub trait Simulation {
-    /// The ranks.
+    /// Communicator of the ranks.
     fn comm(&self) -> &Comm;
 
-    /// The time.
+    /// Step and time.
     fn clock(&self) -> &Clock;
 
-    /// How it is computed, in words.
+    /// Description of how the fluid is computed.
     fn plan(&mut self) -> String;
 
-    /// Sets the flag by which it is asked to stop. A simulation whose steps can be long checks it within a step;
-    /// [`Self::advance`] then returns with the state at the start of that step.
+    /// Sets the flag by which the simulation is asked to stop. A simulation whose steps can be long checks it within
+    /// a step; [`Self::advance`] then returns with the state at the start of that step.
     fn listen(&mut self, _interrupt: Interrupt) {}
 
-    /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every rank
-    /// or on none, and nothing is added then.
+    /// Adds loads to those that act on the particles, from now on; fails with [`NoLoads`] if the particles accept
+    /// none. `Err` on every rank or on none, and without effect then.
     fn add_loads(&mut self, _loads: LoadFunction) -> Result<(), SimulationError> {
         Err(SimulationError::new(NoLoads))
     }
 
-    /// Takes one step, or several where steps are very short, but none beyond step `last`, which is the next at which anybody
-    /// looks at the particles' motions. `Err` on every rank or on none.
+    /// Takes one step, or several if steps are very short, but none beyond step `last`, the next one at which the
+    /// particles' motions are needed. `Err` on every rank or on none.
     fn advance(&mut self, last: u64) -> Result<(), SimulationError>;
 
-    /// The particles now, all on the first rank in the order of their ids.
+    /// Present particles, all on the first rank in the order of their ids.
     fn frame(&self) -> Frame;
 
-    /// The same without a rank that has all: each with its own particles, in any order.
+    /// The same without gathering: each rank with its own particles, in any order.
     fn frame_share(&self) -> Frame {
         self.frame()
     }
 
-    /// The quantities of the time series.
+    /// Quantities of the time series.
     fn quantities(&self) -> Vec<Quantity>;
 
     /// A row of the time series: the numbers of each quantity in turn.
     fn observe(&mut self) -> Vec<Vec<f64>>;
 
-    /// The present numbers of a row, not for the time series: averages since its last row go on.
+    /// Present numbers of a row, not for the time series: averages since its last row continue.
     fn look(&mut self) -> Vec<Vec<f64>> {
         self.observe()
     }
@@ -63,35 +64,36 @@ pub trait Simulation {
     /// Takes a sample for the averages at the present step.
     fn sample(&mut self) {}
 
-    /// The state for a checkpoint, from which a run continues bit for bit, on each rank with its own particles.
+    /// State for a checkpoint, from which a run continues bit for bit, on each rank with its own particles.
     fn state(&mut self) -> State;
 
-    /// The velocity of the fluid, if there is one.
+    /// Velocity of the fluid, if there is a fluid.
     fn velocity_field(&mut self) -> Result<Option<VelocityField>, SimulationError> {
         Ok(None)
     }
 
-    /// Forces between particles that touch, if they can.
+    /// Contact forces between particles, if the simulation has contacts.
     fn contact_forces(&self) -> Option<ContactForces> {
         None
     }
 
-    /// Averages over the run so far, if it takes any.
+    /// Averages over the run so far, if there are any.
     fn averages(&mut self) -> Option<TableSet> {
         None
     }
 
-    /// A number of its scene that it has found in its course, once it is known.
+    /// Parameter of the scene that the run has determined, once it is known.
     fn found(&self) -> Option<Found> {
         None
     }
 
-    /// Why there is nothing more to come, if it has come to an end before its last step.
+    /// Reason why the run has ended before its last step, if it has.
     fn ended(&self) -> Option<String> {
         None
     }
 
-    /// The part that is done of what ends it before its last step, from 0 to 1, such as a strain; nothing where only steps end it.
+    /// Progress, from 0 to 1, towards a condition that ends the run before its last step, such as a strain; `None` if
+    /// only the number of steps ends it.
     fn part_done(&self) -> Option<f64> {
         None
     }

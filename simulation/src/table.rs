@@ -8,13 +8,13 @@ use std::fmt::Write as _;
 /// A table: columns of words that label each row, and columns of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// Its name in files.
+    /// Name in files.
     pub name: &'static str,
     /// Names of the columns of words.
     pub labels: &'static [&'static str],
     /// Names and units of the columns of numbers.
     pub columns: Vec<(String, &'static str)>,
-    /// The words and numbers of each row.
+    /// Words and numbers of each row.
     pub rows: Vec<(Vec<String>, Vec<f64>)>,
 }
 
@@ -42,7 +42,7 @@ impl Table {
         csv
     }
 
-    /// The rows as JSON: an object of all columns for each. Numbers that are not finite are null.
+    /// The rows as JSON: an object with all columns for each. Numbers that are not finite are null.
     pub fn to_json(&self) -> Value {
         let row = |(words, numbers): &(Vec<String>, Vec<f64>)| {
             let words = self.labels.iter().zip(words).map(|(&name, word)| (name.to_owned(), word.as_str().into()));
@@ -52,7 +52,7 @@ impl Table {
         self.rows.iter().map(row).collect()
     }
 
-    /// The memory of a table with `rows` rows of numbers, each an allocation of its own, and of its text.
+    /// Memory of a table with `rows` rows of numbers, each an allocation of its own, and of its text.
     pub fn bytes(rows: f64, columns: usize) -> Bytes {
         let numbers = Bytes::list::<f64>((columns + 1) as f64 * rows);
         let text = Bytes::keep(rows * columns as f64 * CHARACTERS);
@@ -60,15 +60,15 @@ impl Table {
     }
 }
 
-/// Characters of a number in CSV, on average.
+/// Average number of characters of a number in CSV.
 const CHARACTERS: f64 = 16.0;
 
-/// Tables that belong together.
+/// Tables that are written together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableSet {
-    /// Their folder within the results; `None` for the folder of the results itself.
+    /// Folder within the results; `None` for the folder of the results itself.
     pub folder: Option<&'static str>,
-    /// The name of the file that has all of them.
+    /// Name of the file that contains all of them.
     pub name: &'static str,
     /// The tables.
     pub tables: Vec<Table>,

@@ -1,9 +1,11 @@
-//! How long transforms take: prints a JSON line a case.
+//! Speed of the transforms: prints one JSON line per case.
 //!
-//! `fft_speed [--rustfft] [--seconds S] [--threads N,N] SIZE...` with `S` seconds a case (default 1) on cubes of `SIZE` points
-//! (default 48 to 192). `solve` is the whole way from force density to velocity, three components forward, times the
-//! Stokes operator and backward; `transform` is forward and backward of one component, a third of those of three.
-//! With `--rustfft` lines of any length go through rustfft, on the same pencils and threads. Times are medians. All values are zeros, which take the same time as others and neither grow nor vanish.
+//! `fft_speed [--rustfft] [--seconds S] [--threads N,N] SIZE...` with `S` seconds per case (default 1) on cubes of
+//! `SIZE` points (default 48 to 192). `solve` is a full solve from force density to velocity: three components
+//! forward, times the Stokes operator, and backward; `transform` is forward and backward of one component, a third of
+//! the time for three. With `--rustfft` rows of any length are transformed by rustfft, on the same pencils and
+//! threads. Times are medians. All values are zeros, which take the same time as others and neither grow nor
+//! underflow.
 
 use domain::{Comm, Partition, PeriodicBox, Vector};
 use solver::{Grid, Real, Stokes, Transform};
@@ -59,7 +61,7 @@ fn case<T: Real>(size: usize, precision: &str, seconds: f64, rustfft: bool) -> R
     Ok(())
 }
 
-/// The median of repeated runs, in seconds.
+/// Median time of repeated runs, in seconds.
 fn median(seconds: f64, mut run: impl FnMut()) -> f64 {
     run();
     let (start, mut times) = (Instant::now(), Vec::new());

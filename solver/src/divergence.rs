@@ -3,16 +3,16 @@
 use crate::{Field, Grid, Physical, Real, Transform};
 use domain::{Comm, Vector};
 
-/// The largest `|k.u_hat|` of all modes over the largest `|k| |u_hat|`, on every rank the same: 0 for a solenoidal
-/// field, 1 for a gradient, and 0 for no field at all. The highest modes of each axis, which have no derivative, do not
-/// count. The values of the field, whose halos are to be clear, are lost.
+/// Largest `|k.u_hat|` of all modes over the largest `|k| |u_hat|`, the same on every rank: 0 for a solenoidal field,
+/// 1 for a gradient, and 0 for a zero field. The highest modes of each axis, which have no derivative, are left out.
+/// The field, whose halos must be clear, is overwritten.
 pub fn divergence<T: Real>(
     grid: &Grid,
     transform: &mut Transform<T>,
     velocity: &mut Field<T, Physical>,
     comm: &Comm,
 ) -> f64 {
-    // Squares, whose roots are taken once.
+    // Squares; the square roots are taken once at the end.
     let mut largest = [0.0_f64; 2];
     transform.for_each_mode(velocity, |mode, values| {
         if (0..3).any(|axis| grid.is_nyquist(axis, mode)) {

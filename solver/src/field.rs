@@ -1,4 +1,4 @@
-//! Values on the grid whose type says in which space they are.
+//! Values on the grid, with a type parameter for physical or Fourier space.
 
 use crate::layout::Layout;
 use crate::shared::Shared;
@@ -9,19 +9,19 @@ use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// Marks values at grid points.
+/// Marker for values at grid points.
 #[derive(Debug, Clone, Copy)]
 pub enum Physical {}
 
-/// Marks Fourier coefficients.
+/// Marker for Fourier coefficients.
 #[derive(Debug, Clone, Copy)]
 pub enum Spectral {}
 
-/// The three components of a vector field: one rank's share of it, made by [`crate::Transform::field`].
+/// One rank's share of a vector field with three components, made by [`crate::Transform::field`].
 ///
-/// In physical space a rank owns whole rows along x; after the `nx` values of each row there is room for `halo` more,
-/// in which a stencil that crosses the box's end goes on without wrapping. Values written there belong to the start of
-/// the row: a forward transform adds them to it, and a backward transform copies the row's start there.
+/// In physical space a rank owns whole rows along x. After the `nx` values of each row there is room for `halo` more,
+/// so that a stencil that crosses the end of the box continues without wrapping. Values written there belong to the
+/// start of the row: a forward transform adds them to it, and a backward transform copies the row's start there.
 #[derive(Debug, Clone)]
 pub struct Field<T, Space> {
     pub(crate) memory: Memory<T>,
@@ -34,7 +34,7 @@ impl<T: Real, Space> Field<T, Space> {
         Self { memory: Memory::zero(layout.capacity), layout: layout.clone(), space: PhantomData }
     }
 
-    /// The same memory, whose values are now in another space.
+    /// Reinterprets the memory as values in another space.
     pub(crate) fn into_space<Other>(self) -> Field<T, Other> {
         Field { memory: self.memory, layout: self.layout, space: PhantomData }
     }
@@ -51,34 +51,34 @@ impl<T: Real, Space> Field<T, Space> {
 }
 
 impl<T: Real> Field<T, Physical> {
-    /// The lines along y and along z that this rank owns.
+    /// Ranges of rows along y and along z that this rank owns.
     pub fn rows(&self) -> [Range<usize>; 2] {
         self.layout.rows.clone()
     }
 
-    /// Values that fit after the `nx` of each row.
+    /// Length of the halo after the `nx` values of each row.
     pub fn halo(&self) -> usize {
         self.layout.halo
     }
 
-    /// Reals from one row to the next along y in [`Self::components`].
+    /// Distance from one row to the next along y in [`Self::components`].
     pub fn row_stride(&self) -> usize {
         self.layout.physical.y
     }
 
-    /// Reals from one row to the next along z in [`Self::components`].
+    /// Distance from one row to the next along z in [`Self::components`].
     pub fn plane_stride(&self) -> usize {
         self.layout.physical.z
     }
 
-    /// All values of each component: the row of the lines `y` and `z` begins at
+    /// All values of each component: the row at `y` and `z` begins at
     /// `(z - rows[1].start) * plane_stride + (y - rows[0].start) * row_stride`.
     pub fn components(&self) -> [&[T]; 3] {
         let (size, stride) = (self.component_size(), self.layout.physical.component);
         std::array::from_fn(|c| &self.memory.values()[c * stride..c * stride + size])
     }
 
-    /// All values of each component, to write.
+    /// All values of each component, mutably.
     pub fn components_mut(&mut self) -> [&mut [T]; 3] {
         let (size, stride) = (self.component_size(), self.layout.physical.component);
         let (x, rest) = self.memory.values_mut().split_at_mut(stride);
@@ -90,13 +90,13 @@ impl<T: Real> Field<T, Physical> {
         self.layout.rows[1].len() * self.layout.physical.z
     }
 
-    /// The row of a component at two lines that this rank owns, halo included.
+    /// Row of a component at a `y` and `z` that this rank owns, halo included.
     pub fn row(&self, component: usize, y: usize, z: usize) -> &[T] {
         let row = self.row_range(component, y, z);
         &self.memory.values()[row]
     }
 
-    /// The row of a component, to write.
+    /// Row of a component, mutably.
     pub fn row_mut(&mut self, component: usize, y: usize, z: usize) -> &mut [T] {
         let row = self.row_range(component, y, z);
         &mut self.memory.values_mut()[row]
@@ -109,7 +109,7 @@ impl<T: Real> Field<T, Physical> {
         start..start + self.layout.points[0] + self.layout.halo
     }
 
-    /// Adds what stands in the halos to the starts of the rows, as a forward transform does, and clears the halos.
+    /// Adds the halos to the starts of the rows, as a forward transform does, and clears the halos.
     pub fn fold_halo(&mut self) {
         let (nx, halo) = (self.layout.points[0], self.layout.halo);
         self.for_each_row(|row| {
@@ -133,7 +133,7 @@ impl<T: Real> Field<T, Physical> {
         });
     }
 
-    /// Sets the halos to zero: before a forward transform of what came out of a backward one.
+    /// Sets the halos to zero: before a forward transform of the result of a backward one.
     pub fn clear_halo(&mut self) {
         let (nx, halo) = (self.layout.points[0], self.layout.halo);
         self.for_each_row(|row| row[nx..nx + halo].fill(T::default()));
@@ -150,7 +150,7 @@ impl<T: Real> Field<T, Physical> {
         }
     }
 
-    /// The values at this rank's points without halos and padding: `[component][z][y][x]`, x fastest.
+    /// Values at this rank's points without halos and padding: `[component][z][y][x]`, x fastest.
     pub fn to_vec(&self) -> Vec<T> {
         let [ys, zs] = self.rows();
         let nx = self.layout.points[0];
@@ -165,8 +165,8 @@ impl<T: Real> Field<T, Physical> {
         values
     }
 
-    /// Cuts this rank's lines into tiles of at most `size = [along y, along z]` lines, for threads to write at the same
-    /// time: the tile `(i, j)` of `ny x nz` tiles stands at `j * ny + i`.
+    /// Cuts this rank's rows into tiles of at most `size = [along y, along z]` rows, for threads to write
+    /// concurrently: of `ny x nz` tiles, tile `(i, j)` has the index `j * ny + i`.
     pub fn tiles(&mut self, size: [usize; 2]) -> Vec<Tile<'_, T>> {
         let (layout, base) = (&self.layout, self.memory.values_mut().as_mut_ptr());
         let cut = |d: usize| {
@@ -178,41 +178,42 @@ impl<T: Real> Field<T, Physical> {
     }
 }
 
-/// Some rows of a field, which one thread at a time writes.
+/// Some rows of a field, written by one thread at a time.
 pub struct Tile<'a, T> {
     base: *mut T,
     layout: &'a Layout,
     rows: [Range<usize>; 2],
 }
 
-// SAFETY: a tile is made by `Field::tiles` alone, which holds the field borrowed for writing while any tile lives, and
+// SAFETY: a tile is made by `Field::tiles` alone, which keeps the field mutably borrowed while any tile lives, and
 // gives each row to one tile; `rows_mut` hands out rows of its own tile only.
 unsafe impl<T: Real> Send for Tile<'_, T> {}
 unsafe impl<T: Real> Sync for Tile<'_, T> {}
 
 impl<T: Real> Tile<'_, T> {
-    /// The lines along y and along z of this tile.
+    /// Ranges of rows along y and along z in this tile.
     pub fn rows(&self) -> [Range<usize>; 2] {
         self.rows.clone()
     }
 
-    /// The rows of the three components at two lines of this tile, halos included.
+    /// Rows of the three components at a `y` and `z` of this tile, halos included.
     pub fn rows_mut(&mut self, y: usize, z: usize) -> [&mut [T]; 3] {
         assert!(self.rows[0].contains(&y) && self.rows[1].contains(&z), "row ({y}, {z}) is another tile's");
         let [ys, zs] = &self.layout.rows;
         let length = self.layout.points[0] + self.layout.halo;
         std::array::from_fn(|component| {
             let start = self.layout.physical.at(component, y - ys.start, z - zs.start);
-            // SAFETY: the row lies inside the field's memory, belongs to this tile alone, and the three components are
-            // apart.
+            // SAFETY: the row lies inside the field's memory, belongs to this tile alone, and the three components do
+            // not overlap.
             unsafe { std::slice::from_raw_parts_mut(self.base.add(start), length) }
         })
     }
 }
 
 impl<T: Real> Field<T, Spectral> {
-    /// Calls `visit(mode, values)` for each mode `[m1, m2, m3]` that this rank owns, `m1 < nx/2`. Over all ranks these
-    /// are all modes; those with `m1 > nx/2` are the complex conjugates, and `m1 = nx/2` is taken as zero.
+    /// Calls `visit(mode, values)` for each mode `[m1, m2, m3]` that this rank owns, `m1 < nx/2`. Over all ranks
+    /// these are all modes; those with `m1 > nx/2` are the complex conjugates, and those with `m1 = nx/2` are taken
+    /// as zero.
     pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
         let (layout, values) = (&self.layout, self.memory.values());
         layout.for_each_mode((&layout.spectral, &layout.modes), |place| values[place], &mut visit);
@@ -233,8 +234,8 @@ impl<T: Real> Field<T, Spectral> {
         });
     }
 
-    /// The same, by the values of [`MODES`] that are beside each other along x, from one on; those that this rank does not own are
-    /// left out.
+    /// The same, with the values of [`MODES`] consecutive modes along x at once; those that this rank does not own
+    /// are left out.
     pub(crate) fn set_blocks(&mut self, values: impl Fn([usize; 3]) -> Complexes + Sync) {
         let (layout, [nx, _, nz]) = (&self.layout, self.layout.points);
         let memory = Shared::new(self.memory.values_mut());
@@ -247,7 +248,7 @@ impl<T: Real> Field<T, Spectral> {
                     let row = layout.spectral.at(component, m2 - layout.modes.start, m3);
                     for lane in 0..MODES.min(end - first) {
                         let place = row + layout.in_row::<T>(first + lane);
-                        // SAFETY: each mode has places of its own, and is set once.
+                        // SAFETY: each mode has its own memory, and is set once.
                         unsafe {
                             *memory.at(place) = T::from_f64(real[lane]);
                             *memory.at(place + T::LANES) = T::from_f64(imaginary[lane]);

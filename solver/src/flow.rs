@@ -1,11 +1,11 @@
-//! The flow that would be there without the particles.
+//! Background flow: the flow in the absence of particles.
 
 use domain::{Tensor, Traceless, Vector};
 
-/// Why a background flow can't be.
+/// Reason why a background flow is invalid.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum FlowError {
-    /// A gradient of a flow that swells or shrinks.
+    /// The velocity gradient is not finite, or its trace is not zero, so the flow is not incompressible.
     #[error(
         "the background velocity gradient has trace {0}; an incompressible flow needs xx + yy + zz = 0 \
          and finite components"
@@ -13,7 +13,7 @@ pub enum FlowError {
     Trace(f64),
 }
 
-/// A linear flow `u_i(x) = G_ij x_j` with the velocity gradient `G_ij = du_i/dx_j`, one over time.
+/// Linear flow `u_i(x) = G_ij x_j` with the velocity gradient `G_ij = du_i/dx_j`, an inverse time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackgroundFlow {
     gradient: Tensor,
@@ -28,17 +28,17 @@ impl BackgroundFlow {
         Self { gradient: Tensor::from_cols(Vector::ZERO, Vector::new(rate, 0.0, 0.0), Vector::ZERO) }
     }
 
-    /// Simple shear `u = rate z e_x`, between walls across z of which that at `z = 0` rests.
+    /// Simple shear `u = rate z e_x`, between walls across z with the one at `z = 0` at rest.
     pub fn couette(rate: f64) -> Self {
         Self { gradient: Tensor::from_cols(Vector::ZERO, Vector::ZERO, Vector::new(rate, 0.0, 0.0)) }
     }
 
-    /// A flow that stretches along the axes, `u = (a x, b y, -(a + b) z)`, at rates `a` along x and `b` along y.
+    /// Extensional flow along the axes, `u = (a x, b y, -(a + b) z)`, with the rates `a` along x and `b` along y.
     pub fn stretching([a, b]: [f64; 2]) -> Self {
         Self { gradient: Tensor::from_diagonal(Vector::new(a, b, -(a + b))) }
     }
 
-    /// The flow of a velocity gradient; component `ij` of a tensor is `gradient.col(j)[i]`.
+    /// Flow with a given velocity gradient; component `ij` of a tensor is `gradient.col(j)[i]`.
     pub fn with_gradient(gradient: Tensor) -> Result<Self, FlowError> {
         let trace = gradient.x_axis.x + gradient.y_axis.y + gradient.z_axis.z;
         let size: f64 = gradient.to_cols_array().iter().map(|g| g.abs()).sum();
@@ -49,28 +49,28 @@ impl BackgroundFlow {
         }
     }
 
-    /// The velocity gradient.
+    /// Velocity gradient.
     pub fn gradient(&self) -> Tensor {
         self.gradient
     }
 
-    /// The velocity at a place relative to the point that rests.
+    /// Velocity at a position relative to the stagnation point.
     pub fn velocity(&self, position: Vector) -> Vector {
         self.gradient * position
     }
 
-    /// Half the vorticity, `1/2 curl u`: the rate at which a sphere in this flow turns.
+    /// Half the vorticity, `1/2 curl u`: the angular velocity of a sphere in this flow.
     pub fn angular_velocity(&self) -> Vector {
         let g = self.gradient;
         0.5 * Vector::new(g.y_axis.z - g.z_axis.y, g.z_axis.x - g.x_axis.z, g.x_axis.y - g.y_axis.x)
     }
 
-    /// The rate of strain `(G + G^T)/2`.
+    /// Rate of strain `(G + G^T)/2`.
     pub fn strain_rate(&self) -> Traceless {
         Traceless::part_of(&self.gradient)
     }
 
-    /// The rate `G_xy` at which a Lees-Edwards box that goes with the flow shears.
+    /// Shear rate `G_xy` of a Lees-Edwards box that deforms with the flow.
     pub fn shear_rate(&self) -> f64 {
         self.gradient.y_axis.x
     }

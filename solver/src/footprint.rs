@@ -1,4 +1,4 @@
-//! What fields, transforms and operators take.
+//! Memory of fields, transforms and operators.
 
 use crate::channel::Update;
 use crate::layout::Layout;
@@ -6,8 +6,8 @@ use crate::transform::ROOM;
 use crate::{OpenSpace, Real};
 use domain::{Bytes, Place, Vector};
 
-/// A grid as a rank has it that need not be there: its points, the rank's place among the ranks, and the values of room
-/// after each row.
+/// A rank's share of a grid for memory forecasts, without building it: the points of the grid, the place of the rank,
+/// and the length of the halo after each row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Footprint {
     points: [usize; 3],
@@ -17,12 +17,12 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    /// Of a grid of so many points, which a transform takes.
+    /// For a grid of `points` points, which a transform accepts.
     pub fn new(points: [usize; 3], place: &Place, halo: usize) -> Self {
         Self { points, place: place.clone(), halo, leans: false }
     }
 
-    /// The same of a box whose third lattice vector leans, or does not.
+    /// The same for a box whose third lattice vector is tilted, or not.
     #[must_use]
     pub fn leaning(self, leans: bool) -> Self {
         Self { leans, ..self }
@@ -33,7 +33,8 @@ impl Footprint {
         Bytes::list::<T>(self.layout::<T>().capacity as f64)
     }
 
-    /// A transform: whole columns of each direction that ranks share, those along z of a round, and room for each thread.
+    /// A transform: whole columns in each direction that is distributed over ranks, those along z for one round, and
+    /// work space for each thread.
     pub fn transform<T: Real>(&self, threads: usize) -> Bytes {
         let layout = self.layout::<T>();
         let [nx, ny, nz] = self.points;
@@ -42,20 +43,20 @@ impl Footprint {
         Bytes::keep(self.columns_bytes::<T>()).then(Bytes::list::<T>((threads * desk) as f64))
     }
 
-    /// Of it, the whole columns, which other ranks on the same machine map.
+    /// The whole columns of a transform, which other ranks on the same machine map.
     pub fn columns_bytes<T: Real>(&self) -> f64 {
         let columns = self.columns::<T>(&self.layout::<T>());
         Bytes::list::<T>(columns.into_iter().map(|[whole, _]| whole).sum()).kept
     }
 
-    /// What a rank writes to in the columns of others on its machine: resident there and here, but there only once.
+    /// Memory that a rank writes in the columns of others on its machine: resident on both, but present only once.
     pub fn reached_bytes<T: Real>(&self) -> f64 {
         let columns = self.columns::<T>(&self.layout::<T>());
         Bytes::list::<T>(columns.into_iter().map(|[_, beside]| beside).sum()).kept
     }
 
-    /// The tables of a Stokes operator, every rank has whole ones: for each mode of the first two axes three, and where the box
-    /// leans two more, made from a list of wavevectors.
+    /// Tables of a Stokes operator, complete on every rank: three for each mode of the first two axes, and in a
+    /// tilted box two more, made from a list of wavevectors.
     pub fn operator<T: Real>(&self) -> Bytes {
         let [nx, ny, nz] = self.points.map(|n| n as f64);
         let columns = (nx / 2.0 / T::LANES as f64).ceil() * T::LANES as f64;
@@ -67,15 +68,15 @@ impl Footprint {
         leaning.then(Bytes::list::<Vector>(ny * columns).freed()).then(upright)
     }
 
-    /// What walls add to the operator: every rank has what its share of the spectrum needs.
+    /// Channel update of the operator, for the rank's share of the spectrum.
     pub fn channel<T: Real>(&self) -> Bytes {
         let layout = self.layout::<T>();
         Bytes::keep((Update::<T>::BYTES * T::LANES * layout.blocks.len() * layout.modes.len()) as f64)
     }
 
-    /// The tables of the operator in open space, of which every rank has whole ones, and what it takes to make them: a vector
-    /// field in `f64` on a grid as long as the one that is on this one and its diagonal, and a bit, and a number for each mode of an
-    /// octant of it.
+    /// Tables of the operator in open space, complete on every rank, and the memory to make them: a vector field in
+    /// `f64` on a grid as long as the particles' half of this one plus its diagonal, with some margin, and one number
+    /// for each mode of an octant of that grid.
     pub fn open_space<T: Real>(&self) -> Bytes {
         let half = self.points.map(|n| 0.5 * n as f64);
         let diagonal = half.iter().map(|n| n * n).sum::<f64>().sqrt();
@@ -83,7 +84,7 @@ impl Footprint {
         Bytes::list::<T>(OpenSpace::<T>::values(self.points)).then(Bytes::list::<f64>(3.125 * long).freed())
     }
 
-    /// Points of this rank.
+    /// Grid points of this rank.
     pub fn points(&self) -> f64 {
         self.points[0] as f64 * self.place.owned().map(|lines| lines.len() as f64).iter().product::<f64>()
     }
@@ -92,7 +93,8 @@ impl Footprint {
         Layout::new::<T>(self.points, &self.place, self.halo)
     }
 
-    /// Reals of whole columns along y and along z, and those of them that come from here and go to others.
+    /// Number of values in whole columns along y and along z, and how many of them come from this rank and go to
+    /// others.
     fn columns<T: Real>(&self, layout: &Layout) -> [[f64; 2]; 2] {
         let [rows, columns] = self.place.table();
         let (nx, [_, ny, nz]) = (layout.width_in_all as f64, self.points.map(|n| n as f64));
@@ -112,7 +114,7 @@ mod tests {
     use crate::{Field, Grid, Physical, Stokes, Transform};
     use domain::{Comm, Partition, PeriodicBox};
 
-    /// What is said of ranks that are not there holds for those that are.
+    /// Forecasts for hypothetical ranks hold for real ones.
     fn fits<T: Real>(points: [usize; 3], ranks: usize) {
         Comm::threads(ranks, |comm| {
             let partition = Partition::new(&comm, [points[1], points[2]]);
@@ -131,7 +133,7 @@ mod tests {
         });
     }
 
-    /// Whatever the box, and however many modes there are to a block.
+    /// For any box, and any number of modes per block.
     #[test]
     fn tables_of_operators_are_those_that_are_allocated() {
         fn fits<T: Real>(points: [usize; 3]) {

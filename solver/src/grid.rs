@@ -1,44 +1,45 @@
-//! The points of the periodic box and the wavevectors that they carry.
+//! Points of the periodic box, and their wavevectors.
 
 use domain::{PeriodicBox, Vector};
 
-/// Why a grid can't be.
+/// Reason why a grid is invalid.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum GridError {
-    /// A number of points that the transform does not take.
+    /// The number of points along an axis is not even or is zero.
     #[error("the grid has {points} points along {axis}; it needs an even number; the next one is {next}")]
     Points {
-        /// x, y or z.
+        /// Axis: x, y or z.
         axis: char,
-        /// What was given.
+        /// Number given.
         points: usize,
-        /// The next number of points that is allowed.
+        /// Next number of points that is allowed.
         next: usize,
     },
-    /// More points along an axis than are counted.
+    /// More points along an axis than supported.
     #[error("the grid has {points} points along {axis}; the most that are counted are {most}")]
     Axis {
-        /// x, y or z.
+        /// Axis: x, y or z.
         axis: char,
-        /// What was given.
+        /// Number given.
         points: usize,
-        /// What is allowed.
+        /// Largest number allowed.
         most: usize,
     },
-    /// More points in all than are counted.
+    /// More points in total than supported.
     #[error("the grid has {0:.1e} points in all; the most that are counted are {most:.1e}", most = Grid::MOST_IN_ALL)]
     InAll(f64),
 }
 
-/// `nx x ny x nz` points of a periodic box of any lattice, along the axes of which, see [`PeriodicBox`], the point `(i, j, k)`
-/// lies at `z = zeta, y = eta + r zeta, x = xi + s eta + t zeta` with `(xi, eta, zeta) = (i Lx/nx, j Ly/ny, k Lz/nz)`, and its
-/// wavevectors are `k = (k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` with `k1 = 2 pi m1 / Lx` and so on, `-n/2 <= m < n/2`.
+/// `nx x ny x nz` points of a periodic box of any lattice. Along the axes of the box, see [`PeriodicBox`], the point
+/// `(i, j, k)` lies at `z = zeta, y = eta + r zeta, x = xi + s eta + t zeta` with
+/// `(xi, eta, zeta) = (i Lx/nx, j Ly/ny, k Lz/nz)`, and wavevectors are
+/// `k = (k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` with `k1 = 2 pi m1 / Lx` and so on, `-n/2 <= m < n/2`.
 ///
-/// Where the strain `s` is larger than the ratio of the spacings `hx = Lx/nx` and `hy = Ly/ny`, the same points belong to a lattice
-/// that is sheared less: with a whole number `q` the point `(i, j, k)` is `(i + q j, j, k)` of the strain `s - q hx/hy`. A
-/// [reduced](Grid::reduced) grid takes the nearest `q` to `s hy/hx`. Of the wavevectors that are the same on its points,
-/// `m2 + ny l`, each mode is the one within half a grid, `-ny/2 <= m2 - q m1 ny/nx < ny/2`: the shortest along the less sheared
-/// lattice. Points and transforms are those of the grid that is not reduced.
+/// If the strain `s` is larger than the ratio of the spacings `hx = Lx/nx` and `hy = Ly/ny`, the same points belong
+/// to a lattice that is sheared less: for an integer `q` the point `(i, j, k)` is `(i + q j, j, k)` of the strain
+/// `s - q hx/hy`. A [reduced](Grid::reduced) grid uses the `q` nearest to `s hy/hx`. Wavevectors `m2 + ny l` are the
+/// same on its points; each mode is the one within half a grid, `-ny/2 <= m2 - q m1 ny/nx < ny/2`: the shortest along
+/// the less sheared lattice. Points and transforms are those of the grid that is not reduced.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     points: [usize; 3],
@@ -47,13 +48,13 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Most points along an axis.
+    /// Largest number of points along an axis.
     pub const MOST: usize = 1 << 30;
 
-    /// Most points in all: thousands of terabytes.
+    /// Largest number of points in total: thousands of terabytes.
     pub const MOST_IN_ALL: f64 = 1e15;
 
-    /// A grid of even numbers of points. Transforms are fast where their prime factors are 2, 3, 5 and 7.
+    /// Grid with even numbers of points. Transforms are fast if their prime factors are 2, 3, 5 and 7.
     pub fn new(points: [usize; 3], cell: PeriodicBox) -> Result<Self, GridError> {
         for (axis, points) in "xyz".chars().zip(points) {
             if points > Self::MOST {
@@ -67,34 +68,36 @@ impl Grid {
         if all > Self::MOST_IN_ALL { Err(GridError::InAll(all)) } else { Ok(Self { points, cell, is_reduced: false }) }
     }
 
-    /// A fast number of points, at least `at_least`, which is at most [`Grid::MOST`]: the next even number with factors
-    /// 2 and 3, unless one with a factor 5 or 7, which transforms take a little longer a point for, is smaller by more
-    /// than 4%.
+    /// Efficient number of points, at least `at_least` and at most [`Grid::MOST`]: the next even number with factors
+    /// 2 and 3, unless one with a factor 5 or 7, which takes slightly more time per point, is smaller by more than
+    /// 4%.
     pub fn good_size(at_least: usize) -> usize {
         let any = next_fast(at_least);
         let fast = least_product(any, &[3]);
         if fast * 100 > any * 104 { any } else { fast }
     }
 
-    /// The same points in another box: one step of a shear later.
+    /// The same points in another box, for example after a step of shear.
     #[must_use]
     pub fn in_cell(&self, cell: PeriodicBox) -> Self {
         Self { cell, ..*self }
     }
 
-    /// The same points with the wavevectors of the lattice that is sheared least, in a box whose third lattice vector is upright.
+    /// The same points with the wavevectors of the least sheared lattice, in a box whose third lattice vector is not
+    /// tilted.
     #[must_use]
     pub fn reduced(&self) -> Self {
         Self { is_reduced: true, ..*self }
     }
 
-    /// `q`: points along x from a row to the next of the lattice that is sheared least; none unless the grid is reduced.
+    /// `q`: shift in points along x from a row to the next of the least sheared lattice; 0 unless the grid is
+    /// reduced.
     pub fn row_shift(&self) -> i64 {
         let spacing = self.spacing();
         if self.is_reduced { (self.cell.strain() * spacing.y / spacing.x).round() as i64 } else { 0 }
     }
 
-    /// The strain `s - q hx/hy` of the lattice to which the rows belong.
+    /// Strain `s - q hx/hy` of the lattice to which the rows belong.
     pub fn strain(&self) -> f64 {
         let spacing = self.spacing();
         self.cell.strain() - self.row_shift() as f64 * spacing.x / spacing.y
@@ -105,12 +108,12 @@ impl Grid {
         self.points
     }
 
-    /// Lines along y and along z: what a partition shares out.
+    /// Numbers of rows along y and along z, which a partition distributes.
     pub fn lines(&self) -> [usize; 2] {
         [self.points[1], self.points[2]]
     }
 
-    /// All points.
+    /// Total number of points.
     pub fn count(&self) -> usize {
         self.points.iter().product()
     }
@@ -120,24 +123,25 @@ impl Grid {
         &self.cell
     }
 
-    /// The distance between neighbours along each lattice coordinate.
+    /// Distances between neighbours along each lattice coordinate.
     pub fn spacing(&self) -> Vector {
         self.cell.edges() / Vector::from_array(self.points.map(|n| n as f64))
     }
 
-    /// Where a point lies.
+    /// Position of a point.
     pub fn position(&self, point: [usize; 3]) -> Vector {
         self.cell.at(Vector::from_array(point.map(|i| i as f64)) * self.spacing())
     }
 
-    /// The lattice wavenumber `2 pi m / L` along an axis, `m = mode` below half the points and `mode - n` from there.
+    /// Lattice wavenumber `2 pi m / L` along an axis, with `m = mode` below half the points and `mode - n` from
+    /// there.
     pub fn wavenumber(&self, axis: usize, mode: usize) -> f64 {
         let points = self.points[axis];
         let order = if 2 * mode < points { mode as f64 } else { mode as f64 - points as f64 };
         std::f64::consts::TAU * order / self.cell.edges()[axis]
     }
 
-    /// The wavevector `(k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` of a mode, along the box's axes.
+    /// Wavevector `(k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` of a mode, along the box's axes.
     pub fn wavevector(&self, mode: [usize; 3]) -> Vector {
         let [k1, mut k2, k3] = std::array::from_fn(|axis| self.wavenumber(axis, mode[axis]));
         if self.is_reduced {
@@ -147,8 +151,8 @@ impl Grid {
         Vector::new(k1, k2 - strain * k1, k3 - r * k2 - (t - strain * r) * k1)
     }
 
-    /// Whether a mode is the highest of an axis, `m = -n/2`. It stands for `n/2` as well, so a derivative has no
-    /// answer there: operators take such modes as zero.
+    /// Whether a mode is the Nyquist mode of an axis, `m = -n/2`. It stands for `n/2` as well, so its derivative is
+    /// undefined: operators set such modes to zero.
     pub fn is_nyquist(&self, axis: usize, mode: [usize; 3]) -> bool {
         if axis == 1 && self.is_reduced {
             let (all, twice) = self.along_reduced(mode);
@@ -171,17 +175,17 @@ impl Grid {
     }
 }
 
-/// The next number of points with the lane kernels' factors.
+/// Next number of points with the factors of the lane kernels.
 fn next_fast(at_least: usize) -> usize {
     least_product(at_least, &[3, 5, 7])
 }
 
-/// The least even number, at least `at_least`, whose prime factors are 2 and some of the odd ones given.
+/// Least even number, at least `at_least`, whose prime factors are 2 and some of the given odd ones.
 fn least_product(at_least: usize, odd: &[usize]) -> usize {
     least_multiple(1, at_least.clamp(2, Grid::MOST), odd)
 }
 
-/// The least even multiple of `product`, at least `at_least`, by 2 and some of the odd primes given.
+/// Least even multiple of `product`, at least `at_least`, by factors of 2 and some of the given odd primes.
 fn least_multiple(product: usize, at_least: usize, odd: &[usize]) -> usize {
     let Some((&prime, others)) = odd.split_first() else {
         return product * at_least.div_ceil(product).max(2).next_power_of_two();
@@ -254,7 +258,7 @@ mod tests {
         }
     }
 
-    /// On its points each mode is that of the grid that is not reduced, and no wavevector that is the same there is shorter along
+    /// On its points each mode is that of the grid that is not reduced, and no equivalent wavevector is shorter along
     /// the less sheared lattice.
     #[test]
     fn reduced_grids_have_the_same_modes_by_shorter_wavevectors() {

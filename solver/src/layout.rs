@@ -1,36 +1,37 @@
-//! Where the values of a rank's share stand in memory, in each stage of a transform.
+//! Memory layout of a rank's share in each stage of a transform.
 
 use crate::Real;
 use domain::{Place, block};
 use num_complex::Complex;
 use std::ops::Range;
 
-/// The share of one rank. Physical values stand in rows along x, [component][z][y][x], with room for a halo after each
-/// row; rows and planes are odd numbers of cache lines, so that columns across them do not compete for the same places
-/// of the cache, and components are a third of a page apart, for the same reason. A spectral row has `nx/2` complex
-/// values, in blocks: the real parts of a few neighbours, as many as fill a cache line, then their imaginary parts.
+/// Layout of one rank's share. Physical values are in rows along x, `[component][z][y][x]`, with room for a halo
+/// after each row. Rows and planes have an odd number of cache lines, so that columns across them do not compete for
+/// the same cache sets, and components are offset by a third of a page, for the same reason. A spectral row has
+/// `nx/2` complex values, in blocks: the real parts of as many neighbours as fill a cache line, then their imaginary
+/// parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub points: [usize; 3],
-    /// Lines along y and along z that this rank owns in physical space.
+    /// Ranges of rows along y and along z that this rank owns in physical space.
     pub rows: [Range<usize>; 2],
     /// Blocks along x and modes along y that this rank owns in spectral space.
     pub blocks: Range<usize>,
     pub modes: Range<usize>,
-    /// Reals of room after each row.
+    /// Length of the halo after each row.
     pub halo: usize,
-    /// Distances between neighbours in x-rows and z-pencils, in reals.
+    /// Distances in values between neighbours in x-rows and z-pencils.
     pub physical: Strides,
     pub transposed: Strides,
     pub spectral: Strides,
-    /// Reals of room that every stage fits in.
+    /// Number of values that suffices for every stage.
     pub capacity: usize,
-    /// Reals of this rank's blocks of a spectral row, and of the whole row.
+    /// Number of values in this rank's blocks of a spectral row, and in the whole row.
     pub width: usize,
     pub width_in_all: usize,
 }
 
-/// Distances in memory between neighbours, in reals.
+/// Distances in memory between neighbours, in values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Strides {
     pub component: usize,
@@ -39,7 +40,7 @@ pub(crate) struct Strides {
 }
 
 impl Strides {
-    /// The first value of a row.
+    /// Index of the first value of a row.
     pub fn at(&self, component: usize, y: usize, z: usize) -> usize {
         component * self.component + z * self.z + y * self.y
     }
@@ -78,14 +79,15 @@ impl Layout {
 }
 
 impl Layout {
-    /// Rounds in which so many ranks of a row make columns along z whole, of at most so many reals each: the same on all.
+    /// Number of rounds in which `ranks` ranks of a row exchange columns along z, of at most `room` values each: the
+    /// same on all ranks.
     pub fn rounds(&self, ranks: usize, room: usize) -> usize {
         let modes = self.points[1].div_ceil(ranks);
         (3 * self.points[2] * modes * self.width_in_all).div_ceil(room).clamp(1, modes)
     }
 
-    /// Calls `visit(mode, values)` for each mode of this rank's that is one of some along y, with coefficients that stand
-    /// at such strides and are read by their places.
+    /// Calls `visit(mode, values)` for each mode of this rank with an index along y in `modes`; `read` returns the
+    /// value at a position given by the strides.
     pub fn for_each_mode<T: Real>(
         &self,
         (strides, modes): (&Strides, &Range<usize>),
@@ -107,14 +109,14 @@ impl Layout {
         }
     }
 
-    /// Where the real part of a mode stands in its spectral row; the imaginary part follows by a vector's lanes.
+    /// Position of the real part of a mode in its spectral row; the imaginary part follows after a vector's lanes.
     pub fn in_row<T: Real>(&self, m1: usize) -> usize {
         (m1 / T::LANES - self.blocks.start) * 2 * T::LANES + m1 % T::LANES
     }
 }
 
-/// At least so many reals, and a third of a page more than whole pages: 21 of 64 cache lines. Processors take a read
-/// for one of what was just written if both are equally far into a page.
+/// Length of at least `reals` values that is a third of a page (21 of 64 cache lines) more than whole pages.
+/// Processors mistake a read for one of recently written data if both have the same offset in a page.
 fn apart<T: Real>(reals: usize) -> usize {
     const PAGE: usize = 64;
     let lines = reals.div_ceil(T::LANES);

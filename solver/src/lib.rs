@@ -1,6 +1,6 @@
 //! The fluid: the grid, fields on it, their Fourier transform over any number of ranks, and the Stokes solve.
 //!
-//! One way through the crate is one force density to one velocity:
+//! Example: the velocity of a force density.
 //! ```
 //! use domain::{Comm, Partition, PeriodicBox, Vector};
 //! use solver::{Grid, Stokes, Transform};

@@ -1,10 +1,10 @@
-//! Memory that begins at a cache line.
+//! Memory aligned to cache lines.
 
 use crate::Real;
 use bytemuck::{Pod, Zeroable};
 use std::marker::PhantomData;
 
-/// Values of which every 64th byte begins a cache line, so that no [`crate::simd::Vector`] straddles two.
+/// Values aligned to a cache line of 64 bytes, so that no [`crate::simd::Vector`] straddles two.
 #[derive(Debug, Clone, Default)]
 pub struct Memory<T> {
     lines: Vec<Line>,
@@ -21,7 +21,7 @@ impl<T: Real> Memory<T> {
         Self { lines: vec![Line::zeroed(); count.div_ceil(T::LANES)], values: PhantomData }
     }
 
-    /// Makes room for at least `count` values; those that were there stay.
+    /// Makes room for at least `count` values; existing ones are kept.
     pub fn resize(&mut self, count: usize) {
         self.lines.resize(count.div_ceil(T::LANES), Line::zeroed());
     }
@@ -31,7 +31,7 @@ impl<T: Real> Memory<T> {
         bytemuck::cast_slice(&self.lines)
     }
 
-    /// The values, to change.
+    /// The values, mutably.
     pub fn values_mut(&mut self) -> &mut [T] {
         bytemuck::cast_slice_mut(&mut self.lines)
     }

@@ -1,4 +1,4 @@
-//! What a value on the grid must be.
+//! Requirements of values on the grid.
 
 #[cfg(target_arch = "x86_64")]
 use crate::simd::x86;
@@ -8,7 +8,7 @@ use std::fmt::{Debug, Display};
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A grid value, `f32` or `f64`. Everything outside the grid is `f64`.
+/// A grid value, `f32` or `f64`. Everything outside of the grid is `f64`.
 pub trait Real:
     Pod
     + Send
@@ -27,11 +27,11 @@ pub trait Real:
     + MulAssign
     + Sum
 {
-    /// Values that fill 64 bytes: a cache line, and the widest vector register.
+    /// Number of values in 64 bytes: a cache line, and the widest vector register.
     const LANES: usize = 64 / size_of::<Self>();
-    /// Half of them, for any machine.
+    /// Vector of half as many, for any machine.
     type Half: Vector<Self>;
-    /// The distance from 1 to the next larger value.
+    /// Distance from 1 to the next larger value.
     const EPSILON: f64;
 
     /// The nearest value of this type.
@@ -44,11 +44,11 @@ pub trait Real:
     #[must_use]
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
-    /// `2^self` for a whole number for which that is a normal number.
+    /// `2^self` for an integer for which that is a normal number.
     #[must_use]
     fn power_of_two(self) -> Self;
 
-    /// Runs a kernel with this type's vectors of a set of instructions that the machine has.
+    /// Runs a kernel with this type's vectors for the given instruction set.
     ///
     /// # Safety
     /// `level` is [`Level::Portable`] or was found by [`Level::detect`].

@@ -1,4 +1,4 @@
-//! From force density to velocity.
+//! Stokes operator: force density to velocity.
 
 mod leaning;
 mod waves;
@@ -9,20 +9,20 @@ use leaning::Leaning;
 use rayon::prelude::*;
 pub(crate) use waves::Waves;
 
-/// The Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`], which it
-/// completes with the factor `1 / (nx ny nz)`: a force density goes to the velocity that it drives.
+/// Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`]; it includes
+/// the factor `1 / (nx ny nz)` of the transforms.
 ///
-/// The mean velocity, `k = 0`, is zero: a uniform pressure gradient balances the net force. The highest mode of each
-/// axis is zero as well: it stands for `+k` and `-k` at once, between which the projection (and in a sheared box even
-/// `k^2`) has no answer. So the operator is real, symmetric and positive semi-definite, as the projection is mode by
-/// mode. Wavevectors are computed in `f64` and rounded once.
+/// The mean velocity, `k = 0`, is zero: a uniform pressure gradient balances the net force. The Nyquist mode of each
+/// axis is zero as well: it stands for `+k` and `-k` at once, for which the projection (and in a sheared box even
+/// `k^2`) differs. So the operator is real, symmetric and positive semi-definite, as the projection is mode by mode.
+/// Wavevectors are computed in `f64` and rounded once.
 pub struct Stokes<T> {
     points: [usize; 3],
-    /// Values for each m1, filled up with zeros to whole blocks.
+    /// Values for each m1, padded with zeros to whole blocks.
     k1: Vec<T>,
     /// Values for each m2 and m1.
     k2: Vec<T>,
-    /// `plane(k1, k2) / (mu nx ny nz)`, 0 where the velocity is.
+    /// `plane(k1, k2) / (mu nx ny nz)`, 0 where the velocity is zero.
     plane: Vec<T>,
     /// `1 / k^2` at m3 = 0, 0 at the origin.
     inverse: Vec<T>,
@@ -35,25 +35,25 @@ pub struct Stokes<T> {
     open: Option<OpenSpace<T>>,
 }
 
-/// A multiplier `m(k) = plane(k1, k2) axis(k3) exp(-width^2 k^2) (1 + widening k^2)^2` of the wavevector `k` of the box, with its
-/// components `k1` and `k2` in the plane of the first two axes and the lattice's `k3`, see [`Grid::wavevector`]: with `m` even, as
-/// that of every real even kernel, and not negative, the operator keeps its properties. `axis` is called for `k3 >= 0`.
-/// Where the third lattice vector is upright a Gaussian belongs to `plane` and `axis`, and `width` is zero; where it leans, both
-/// are positive.
+/// Multiplier `m(k) = plane(k1, k2) axis(k3) exp(-width^2 k^2) (1 + widening k^2)^2` of the wavevector `k` of the
+/// box, with its components `k1` and `k2` in the plane of the first two axes and the lattice's `k3`, see
+/// [`Grid::wavevector`]. If `m` is even, like that of every real even kernel, and not negative, the operator keeps
+/// its properties. `axis` is called for `k3 >= 0`. If the third lattice vector is not tilted, a Gaussian is part of
+/// `plane` and `axis`, and `width` is zero; if it is tilted, both are positive.
 #[derive(Debug, Clone, Copy)]
 pub struct Multiplier<P, A> {
-    /// The factor of `k1` and `k2`.
+    /// Factor of `k1` and `k2`.
     pub plane: P,
-    /// The factor of `k3`.
+    /// Factor of `k3`.
     pub axis: A,
-    /// The coefficient of `k^2`.
+    /// Coefficient of `k^2`.
     pub widening: f64,
-    /// The width of a Gaussian in a box whose third lattice vector leans.
+    /// Width of a Gaussian in a box whose third lattice vector is tilted.
     pub width: f64,
 }
 
 impl<T: Real> Stokes<T> {
-    /// The solve for a fluid of this viscosity, `m = 1`.
+    /// Solve for a fluid of this viscosity, `m = 1`.
     pub fn new(grid: &Grid, viscosity: f64) -> Self {
         Self::with_multiplier(
             grid,
@@ -62,7 +62,7 @@ impl<T: Real> Stokes<T> {
         )
     }
 
-    /// The solve with a multiplier.
+    /// Solve with a multiplier.
     pub fn with_multiplier<P, A>(grid: &Grid, viscosity: f64, multiplier: &Multiplier<P, A>) -> Self
     where
         P: Fn(f64, f64) -> f64 + Sync,
@@ -83,7 +83,7 @@ impl<T: Real> Stokes<T> {
             let plane = if leans { 1.0 } else { plane(k.x, k.y) };
             if mode[0] >= nx / 2 || grid.is_nyquist(1, mode) { 0.0 } else { scale * plane }
         };
-        // The multiplier may take long.
+        // The multiplier may be expensive.
         let plane_at = |at: usize| T::from_f64(factor([at % columns, at / columns, 0]));
         let inverse = |mode: [usize; 3]| {
             let k = in_plane(mode);
@@ -107,33 +107,33 @@ impl<T: Real> Stokes<T> {
         }
     }
 
-    /// Bytes of its tables, without those of walls and open space.
+    /// Bytes of the tables, without those of walls and open space.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         let own = [&self.k1, &self.k2, &self.plane, &self.inverse, &self.k3, &self.axis];
         own.map(|table| size_of_val(&table[..])).iter().sum::<usize>() + self.leaning.as_ref().map_or(0, Leaning::bytes)
     }
 
-    /// The solve in unbounded fluid, of what is on the first half of the grid along each axis; there alone velocities are
-    /// right, or there at all.
+    /// Solve in unbounded fluid, for forces in the first half of the grid along each axis; velocities are defined
+    /// only there.
     #[must_use]
     pub fn in_open_space(grid: &Grid, kernel: OpenSpace<T>) -> Self {
         Self { open: Some(kernel), ..Self::new(grid, 1.0) }
     }
 
-    /// Lines along y and along z, from the first on, outside of which forces are zero and velocities are not asked for.
+    /// Numbers of rows along y and along z, from the first on, that forces and velocities occupy.
     pub(crate) fn occupied(&self) -> [usize; 2] {
         let [_, ny, nz] = self.points;
         if self.open.is_some() { [ny / 2, nz / 2] } else { [ny, nz] }
     }
 
-    /// The solve between walls, above a wall, or in a layer that is open along z.
+    /// Solve between walls, above a wall, or in a layer that is open along z.
     #[must_use]
     pub fn with_channel(self, channel: Channel<T>) -> Self {
         Self { channel: Some(channel), ..self }
     }
 
-    /// What is added to the periodic solve.
+    /// Update that is added to the periodic solve.
     pub(crate) fn channel(&self) -> Option<&Channel<T>> {
         self.channel.as_ref()
     }
@@ -149,7 +149,7 @@ impl<T: Real> Stokes<T> {
     /// The columns can be read and written.
     pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; 3]) {
         if let Some(open) = &self.open {
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             unsafe { open.multiply(place, components) };
             return;
         }
@@ -209,7 +209,7 @@ impl<T: Real> Work<T> for Multiply<'_, T> {
 unsafe fn project<T: Real, V: Vector<T>>(components: [*mut T; 3], k: [V; 3], [inverse, factor]: [V; 2], m3: usize) {
     for part in [0, T::LANES] {
         let [x, y, z] = components;
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let (place, f) = unsafe {
             let at = m3 * 2 * T::LANES + part;
             let place = [x.add(at), y.add(at), z.add(at)];
@@ -217,7 +217,7 @@ unsafe fn project<T: Real, V: Vector<T>>(components: [*mut T; 3], k: [V; 3], [in
         };
         let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0]))).mul(inverse);
         for c in 0..3 {
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             unsafe { along.mul_sub_from(k[c], f[c]).mul(factor).store(place[c]) };
         }
     }
@@ -227,7 +227,7 @@ unsafe fn project<T: Real, V: Vector<T>>(components: [*mut T; 3], k: [V; 3], [in
 #[inline(always)]
 fn part<T: Real, V: Vector<T>>(table: &[T], first: usize) -> V {
     let values = &table[first..first + T::LANES];
-    // SAFETY: they are there.
+    // SAFETY: the slice has as many values as a vector.
     unsafe { V::load(values.as_ptr()) }
 }
 

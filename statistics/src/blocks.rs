@@ -7,16 +7,16 @@ use crate::{State, Store};
 pub struct Estimate {
     /// The mean.
     pub mean: f64,
-    /// Its standard error.
+    /// Standard error of the mean.
     pub error: f64,
-    /// Whether the series is long enough, against its correlation, for the error to be trusted; if not, it is a lower
-    /// bound.
+    /// Whether the series is long enough, compared to its correlation time, for the error to be reliable; if not, it
+    /// is a lower bound.
     pub converged: bool,
 }
 
-/// The mean of a series whose numbers are correlated, and its error by blocking: neighbours are averaged in pairs,
-/// pairs of these again and so on, until blocks are independent (Flyvbjerg & Petersen, J. Chem. Phys. 91, 461, 1989).
-/// The length of the blocks is the shortest `B` with `B^3 > 2 n (error_B / error_1)^4`, for `n` numbers (Lee et al.,
+/// Mean of a series of correlated numbers, and its error by blocking: neighbours are averaged in pairs, pairs of
+/// these again and so on, until blocks are independent (Flyvbjerg & Petersen, J. Chem. Phys. 91, 461, 1989). The
+/// length of the blocks is the shortest `B` with `B^3 > 2 n (error_B / error_1)^4`, for `n` numbers (Lee et al.,
 /// Phys. Rev. E 83, 066706, 2011).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Blocks {
@@ -44,7 +44,7 @@ impl Level {
         pair
     }
 
-    /// The square of the error of the mean, as if blocks were independent.
+    /// Square of the error of the mean, as if blocks were independent.
     fn variance_of_mean(&self) -> f64 {
         let n = self.count as f64;
         self.squares / (n * (n - 1.0))
@@ -52,10 +52,10 @@ impl Level {
 }
 
 impl Blocks {
-    /// The memory of the longest series.
+    /// Memory of the longest series.
     pub const MOST_BYTES: usize = 32 * size_of::<Level>();
 
-    /// Adds the series' next number.
+    /// Adds the next number of the series.
     pub fn add(&mut self, value: f64) {
         let mut value = Some(value);
         for level in 0.. {
@@ -72,12 +72,12 @@ impl Blocks {
         self.levels.first().map_or(0, |level| level.count)
     }
 
-    /// The standard deviation of the values; NaN if there are none.
+    /// Standard deviation of the values; NaN if there are none.
     pub fn deviation(&self) -> f64 {
         self.levels.first().map_or(f64::NAN, |level| (level.squares / level.count as f64).sqrt())
     }
 
-    /// The mean and its error; the mean of no values is NaN, the error of one is infinite.
+    /// Mean and its error; the mean of no values is NaN, the error of one is infinite.
     pub fn estimate(&self) -> Estimate {
         let Some(single) = self.levels.first() else {
             return Estimate { mean: f64::NAN, error: f64::INFINITY, converged: false };
@@ -144,7 +144,7 @@ mod tests {
                 assert!(converged && mean.abs() < 5.0 * error);
                 squares += error * error / runs as f64;
             }
-            // Each error is known to a few per cent; too short blocks take another few off.
+            // Each error is known to a few per cent; blocks that are too short reduce it by another few.
             assert!((squares.sqrt() / expected - 1.0).abs() < 0.08, "{} for {expected}", squares.sqrt());
         }
     }
@@ -167,7 +167,7 @@ mod tests {
         assert!((constant.deviation() - 3.0).abs() < 1e-15 && Blocks::default().deviation().is_nan());
     }
 
-    /// A ramp of 16: means of four have the variance 80/3, and four of them make the longest blocks that count.
+    /// A ramp of 16: means of four have the variance 80/3, and four of them are the longest blocks that count.
     #[test]
     fn without_blocks_long_enough_the_error_is_the_largest() {
         let mut ramp = Blocks::default();

@@ -1,4 +1,4 @@
-//! Profiles across a channel, above a bottom, or through a layer.
+//! Profiles across a channel, above a wall, or through a layer.
 
 use crate::moments::COMPONENTS;
 use crate::profile::cap;
@@ -6,28 +6,28 @@ use crate::{Blocks, Estimate, Fluctuations, Spread, State, Store, VectorSum};
 use bytemuck::{Pod, Zeroable};
 use domain::{Tensor, Vector};
 
-/// Averages over bins of equal width across a channel, of each species and of all spheres, with errors by blocks of the samples.
-/// A sphere of radius `a` is in each bin with the volume `V_b` of its slice there,
+/// Averages over bins of equal width across a channel, for each species and for all spheres, with errors by blocking
+/// of the samples. A sphere of radius `a` contributes to each bin with the volume `V_b` of its slice there,
 ///
 /// ```text
 /// phi_b = sum_n V_b,n / V_bin,      s_b = sum_n (V_b,n / (4/3 pi a_n^3)) S_n / V_bin,
 /// ```
 ///
-/// volume fraction and stress by the stresslets `S_n`, and that of pairs by their moments in the same way; number density and
-/// velocities are of the spheres whose centres are in it.
+/// the volume fraction and the stress by the stresslets `S_n`, and likewise the stress of pairs by their moments;
+/// number density and velocities are of the spheres whose centres are in the bin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelProfile {
     bottom: f64,
     width: f64,
     bin_volume: f64,
     count: usize,
-    /// `[group][bin]`: species one after another, and then all of them.
+    /// `[group][bin]`: each species, then all of them together.
     bins: Vec<Vec<Bin>>,
-    /// The share of the spheres' volume that is in no bin.
+    /// Fraction of the spheres' volume that is in no bin.
     outside: Blocks,
 }
 
-/// What is averaged in a bin.
+/// Averages in a bin.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Bin {
     fraction: Blocks,
@@ -50,24 +50,25 @@ pub struct ChannelSample<'a> {
     pub species: &'a [u32],
     /// Velocities.
     pub velocities: &'a [Vector],
-    /// Velocities relative to what a free sphere alone has in the flow without walls.
+    /// Velocities relative to those of isolated force-free spheres in the flow without walls.
     pub slips: &'a [Vector],
-    /// Angular velocities; none of spheres that do not turn.
+    /// Angular velocities; empty if spheres do not rotate.
     pub angular_velocities: &'a [Vector],
-    /// Stresslets, force times length; none where there are none.
+    /// Stresslets, force times length; empty if there are none.
     pub stresslets: &'a [Tensor],
-    /// Shares of the symmetric first moments of forces between spheres, and of those of walls; none where there are no such forces.
+    /// Spheres' shares of the symmetric first moments of forces between spheres and with walls; empty if there are no
+    /// such forces.
     pub pair_moments: &'a [Tensor],
 }
 
-/// The averages in a bin; of velocities, not a number where there was no centre.
+/// Averages in a bin; velocities are NaN if no centre was in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelRow {
-    /// The middle of the bin.
+    /// Middle of the bin.
     pub height: f64,
     /// Volume fraction.
     pub volume_fraction: Estimate,
-    /// Centres over volume.
+    /// Number of centres over volume.
     pub number_density: Estimate,
     /// Mean velocity.
     pub velocity: [Estimate; 3],
@@ -79,15 +80,15 @@ pub struct ChannelRow {
     pub angular_velocity: [Estimate; 3],
     /// Stress by stresslets, xx xy xz yy yz zz, force over area.
     pub stress: [Estimate; 6],
-    /// Stress by forces between spheres, likewise; without samples of them not a number.
+    /// Stress by forces between spheres, likewise; NaN without samples of them.
     pub pair_stress: [Estimate; 6],
 }
 
-/// The sums over spheres in a bin.
+/// Sums over the spheres in a bin.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 struct Sums {
-    /// Of the volumes of slices, and of the stresslets and moments in them.
+    /// Sums of the volumes of slices, and of the stresslets and moments in them.
     volume: f64,
     stress: [f64; 6],
     pair_stress: [f64; 6],
@@ -96,18 +97,19 @@ struct Sums {
     angular_velocities: VectorSum,
 }
 
-/// The sums of squares in a bin: of velocities, slips and angular velocities.
+/// Sums of squares in a bin: of velocities, slips and angular velocities.
 type Spreads = [Spread; 3];
 
-/// Numbers of a bin in either.
+/// Count of the numbers in either for one bin.
 const OF_SUMS: usize = size_of::<Sums>() / size_of::<f64>();
 const OF_SPREADS: usize = size_of::<Spreads>() / size_of::<f64>();
 
 impl ChannelProfile {
-    /// Series of numbers in a bin.
+    /// Number of series in a bin.
     pub(crate) const SERIES: usize = size_of::<Bin>() / size_of::<Blocks>();
 
-    /// So many bins from a bottom to a top of a channel of this area along it, for `species` species.
+    /// `count` bins from the bottom to the top of a channel whose cross-section has the given area, for `species`
+    /// species.
     pub fn new([bottom, top]: [f64; 2], area: f64, (species, count): (usize, usize)) -> Self {
         let width = (top - bottom) / count as f64;
         let bins = vec![vec![Bin::default(); count]; species + 1];
@@ -121,7 +123,7 @@ impl ChannelProfile {
         self.add_sums(&sums, &spreads, [sample.stresslets, sample.pair_moments].map(|list| !list.is_empty()));
     }
 
-    /// Sums over some of the spheres at one time; those of parts are added number by number.
+    /// Sums over some of the spheres at one time; sums of parts are added number by number.
     pub fn sums(&self, sample: &ChannelSample) -> Vec<f64> {
         let mut all = vec![0.0; 2 + OF_SUMS * self.bins.len() * self.count];
         let (whole, bins) = all.split_at_mut(2);
@@ -140,7 +142,7 @@ impl ChannelProfile {
         all
     }
 
-    /// Adds a sphere's slices to each bin of its species, and of all, and to the volume that is inside.
+    /// Adds a sphere's slices to each bin of its species and of all, and to the volume inside of the bins.
     fn add_slices(&self, (bins, inside): (&mut [Sums], &mut f64), sample: &ChannelSample, n: usize) {
         let (height, radius) = (sample.heights[n], sample.radii[n]);
         let volume = cap(radius, radius);
@@ -163,18 +165,19 @@ impl ChannelProfile {
         }
     }
 
-    /// A bin of a sphere's species, and of all.
+    /// Indices of a bin for a sphere's species and for all.
     fn places(&self, sample: &ChannelSample, n: usize, bin: usize) -> [usize; 2] {
         [sample.species[n] as usize, self.bins.len() - 1].map(|group| group * self.count + bin)
     }
 
-    /// Those in which its centre is.
+    /// The same for the bin that contains its centre.
     fn places_of_centre(&self, sample: &ChannelSample, n: usize) -> Option<[usize; 2]> {
         let bin = ((sample.heights[n] - self.bottom) / self.width).floor();
         (0.0..self.count as f64).contains(&bin).then(|| self.places(sample, n, bin as usize))
     }
 
-    /// Sums of squares over some of the spheres, about the means by the sums of all; those of parts are added number by number.
+    /// Sums of squares over some of the spheres, about the means from the sums of all; those of parts are added
+    /// number by number.
     pub fn spreads(&self, sample: &ChannelSample, sums: &[f64]) -> Vec<f64> {
         let sums: &[Sums] = bytemuck::cast_slice(&sums[2..]);
         let mean = |sums: &Sums| [sums.velocities, sums.slips, sums.angular_velocities].map(|sum| sum.mean());
@@ -193,7 +196,7 @@ impl ChannelProfile {
         all
     }
 
-    /// Adds all spheres at one time by their sums, which may be without stresslets, and without moments of pairs.
+    /// Adds all spheres at one time by their sums, which may lack stresslets or moments of pairs.
     pub fn add_sums(&mut self, sums: &[f64], spreads: &[f64], [has_stresslets, has_pair_moments]: [bool; 2]) {
         self.outside.add(1.0 - sums[0] / sums[1]);
         let over = 1.0 / self.bin_volume;
@@ -214,7 +217,7 @@ impl ChannelProfile {
         }
     }
 
-    /// The averages in each bin, from the bottom up, of a species or, `None`, of all.
+    /// Averages in each bin, from the bottom up, of a species or, for `None`, of all.
     pub fn rows(&self, species: Option<usize>) -> impl Iterator<Item = ChannelRow> {
         let bins = &self.bins[species.unwrap_or(self.bins.len() - 1)];
         bins.iter().enumerate().map(|(k, bin)| ChannelRow {
@@ -235,7 +238,7 @@ impl ChannelProfile {
         self.bins.iter().flatten().next().is_some_and(|bin| bin.pair_stress[0].count() > 0)
     }
 
-    /// The share of the spheres' volume that is in no bin: above the top, or below the bottom.
+    /// Fraction of the spheres' volume that is in no bin: above the top, or below the bottom.
     pub fn outside(&self) -> Estimate {
         self.outside.estimate()
     }

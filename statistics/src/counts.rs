@@ -1,14 +1,14 @@
-//! Counts of parts of the particles.
+//! Counts over parts of the particles.
 
 use crate::{Histogram, PairDistribution, State};
 
-/// An estimator that counts. Counts are whole numbers, which add up to the same in any order, so that each part of the particles may
-/// have an estimator of its own until the counts of all are wanted.
+/// An estimator that counts. Counts are integers, whose sums are the same in any order, so each part of the particles
+/// may have its own estimator until the counts of all are needed.
 pub trait Counts: State + Clone {
-    /// Adds what was counted in another part at the same times.
+    /// Adds the counts of another part at the same times.
     fn take_in(&mut self, other: &Self);
 
-    /// Forgets what was counted.
+    /// Sets the counts to zero.
     fn clear(&mut self);
 }
 

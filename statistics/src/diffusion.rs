@@ -2,19 +2,19 @@
 
 use crate::{Estimate, Lag, LagSums};
 
-/// The diffusivity along each axis, in two ways.
+/// Diffusivity along each axis, in two ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Diffusivity {
     /// `D = integral_0^inf <v(0) v(t)> dt`, eq. (16): the mean of the integrals up to the lags of the window.
     pub by_integral: [Estimate; 3],
-    /// `D = 1/2 d<d^2>/dt`, eq. (17): half the slope of the straight line that fits the mean square displacement in the
-    /// window best.
+    /// `D = 1/2 d<d^2>/dt`, eq. (17): half the slope of the least-squares line through the mean square displacement
+    /// in the window.
     pub by_slope: [Estimate; 3],
 }
 
 impl Diffusivity {
-    /// The diffusivity of a species or of all particles, from the lags in a time window in which motion is diffusive.
-    /// NaN if there are fewer than two such lags.
+    /// Diffusivity of a species or of all particles, from the lags in a time window in which motion is diffusive. NaN
+    /// if there are fewer than two such lags.
     pub fn of(sums: &LagSums, species: Option<usize>, window: [f64; 2]) -> Self {
         let inside = |lag: &&Lag| (window[0]..=window[1]).contains(&lag.time);
         let integral = |lags: &[Lag], i: usize| {
@@ -33,7 +33,7 @@ impl Diffusivity {
     }
 }
 
-/// The slope of the line of least squares.
+/// Slope of the least-squares line.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let count = points.len() as f64;
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
@@ -42,25 +42,25 @@ fn slope(points: &[(f64, f64)]) -> f64 {
     above / below
 }
 
-/// The mean radius `<a> = sum_i a_i phi_i / sum_i phi_i`, eq. (18), of species given by radius and volume fraction.
+/// Mean radius `<a> = sum_i a_i phi_i / sum_i phi_i`, eq. (18), of species given by radius and volume fraction.
 pub fn mean_radius(species: &[(f64, f64)]) -> f64 {
     let fractions: f64 = species.iter().map(|(_, phi)| phi).sum();
     species.iter().map(|(a, phi)| a * phi).sum::<f64>() / fractions
 }
 
-/// The global diffusion coefficient `D_g = D / (<a>^2 rate)`, eq. (18), with `D` the diffusivity of all particles
+/// Global diffusion coefficient `D_g = D / (<a>^2 rate)`, eq. (18), with `D` the diffusivity of all particles
 /// regardless of their size.
 pub fn global_coefficient(diffusivity: f64, species: &[(f64, f64)], shear_rate: f64) -> f64 {
     diffusivity / (mean_radius(species).powi(2) * shear_rate.abs())
 }
 
-/// The mean diffusion coefficient of eq. (19),
+/// Mean diffusion coefficient of eq. (19),
 ///
 /// ```text
 /// <D> = D_g <a>^2 / (sum_i (phi_i / phi) D_i a_i^2),
 /// ```
 ///
-/// with `D_i` the coefficients, over `a_i^2 rate`, that scale it: those of each species alone at the same total volume
+/// with the scale given by the coefficients `D_i`, over `a_i^2 rate`, of each species alone at the same total volume
 /// fraction.
 pub fn mean_coefficient(global: f64, species: &[(f64, f64)], alone: &[f64]) -> f64 {
     let fractions: f64 = species.iter().map(|(_, phi)| phi).sum();

@@ -4,14 +4,14 @@ use crate::moments::COMPONENTS;
 use crate::{Blocks, Estimate, Spread, State, Store, VectorSum};
 use domain::{Tensor, Vector};
 
-/// The mean and the fluctuation tensor of a vector over particles and time,
+/// Mean and fluctuation tensor of a vector over particles and time,
 ///
 /// ```text
 /// T_ij = <v_i v_j> - <v_i> <v_j>,
 /// ```
 ///
-/// eqs. (14) and (15) of Abbas et al. (2006), not made dimensionless. Means over the particles of a sample are the
-/// series from which the errors come.
+/// eqs. (14) and (15) of Abbas et al. (2006), in dimensional form. Errors come from the series of means over the
+/// particles of each sample.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fluctuations {
     count: f64,
@@ -32,7 +32,7 @@ impl Fluctuations {
         self.add_sums(&sum, &spread);
     }
 
-    /// Adds them by sums over all of them at one time, the latter about their mean.
+    /// Adds the vectors of all particles at one time by their sums, with `spread` about their mean.
     pub fn add_sums(&mut self, sum: &VectorSum, spread: &Spread) {
         let (count, mean, Spread(spread)) = (sum.count, sum.mean(), *spread);
         if count == 0.0 {
@@ -47,7 +47,7 @@ impl Fluctuations {
         }
     }
 
-    /// The moments of two sets together (Chan et al., Stanford report STAN-CS-79-773, 1979).
+    /// Merges the moments of two sets (Chan et al., Stanford report STAN-CS-79-773, 1979).
     fn merge(&mut self, count: f64, mean: Vector, spread: [f64; 6]) {
         let total = self.count + count;
         let apart = mean - self.mean;
@@ -58,29 +58,29 @@ impl Fluctuations {
         self.count = total;
     }
 
-    /// Samples so far.
+    /// Number of samples so far.
     pub fn samples(&self) -> u64 {
         self.means[0].count()
     }
 
-    /// The mean of each component over time, with its error.
+    /// Mean of each component over time, with its error.
     pub fn mean(&self) -> [Estimate; 3] {
         self.means.each_ref().map(Blocks::estimate)
     }
 
-    /// The mean over all vectors, whenever they were added, with the errors of the samples' own means; NaN if there are none.
+    /// Mean over all vectors of all samples, with the errors of the samples' own means; NaN if there are none.
     pub fn pooled_mean(&self) -> [Estimate; 3] {
         let mean = |i: usize| if self.count > 0.0 { self.mean[i] } else { f64::NAN };
         std::array::from_fn(|i| Estimate { mean: mean(i), ..self.means[i].estimate() })
     }
 
-    /// The fluctuation tensor.
+    /// Fluctuation tensor.
     pub fn tensor(&self) -> Tensor {
         let [xx, xy, xz, yy, yz, zz] = self.spread.map(|sum| sum / self.count);
         Tensor::from_cols(Vector::new(xx, xy, xz), Vector::new(xy, yy, yz), Vector::new(xz, yz, zz))
     }
 
-    /// Its components xx, xy, xz, yy, yz and zz, with the errors of the samples' own.
+    /// Components xx, xy, xz, yy, yz and zz of the tensor, with the errors of the samples' own.
     pub fn components(&self) -> [Estimate; 6] {
         std::array::from_fn(|c| Estimate { mean: self.spread[c] / self.count, ..self.seconds[c].estimate() })
     }

@@ -2,15 +2,15 @@
 
 use crate::{State, Store};
 
-/// Bins on either side of zero.
+/// Number of bins on either side of zero.
 const HALF: usize = 256;
 
-/// A histogram with bins of equal width around zero. The width is the smallest power of two for which all numbers fit:
-/// when one does not, neighbouring bins are merged in pairs, so that counts do not depend on the order of the numbers.
+/// Histogram with bins of equal width around zero. The width is the smallest power of two for which all numbers fit:
+/// when one does not, neighbouring bins are merged in pairs, so counts do not depend on the order of the numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Histogram {
     counts: Vec<f64>,
-    /// Two to this power is the width, offset by 2^11 to be positive.
+    /// Exponent of two of the width, offset by 2^11 to be positive.
     exponent: u64,
 }
 
@@ -44,7 +44,7 @@ impl Histogram {
         self.exponent += 1;
     }
 
-    /// Adds the numbers that another has.
+    /// Adds the numbers of another histogram.
     pub(crate) fn merge(&mut self, other: &Self) {
         if self.counts.is_empty() || other.counts.is_empty() {
             if self.counts.is_empty() {
@@ -71,7 +71,7 @@ impl Histogram {
         self.counts.iter().sum()
     }
 
-    /// Centres of the bins from the first to the last that is not empty, and how many numbers are in each.
+    /// Centres of the bins from the first to the last that is not empty, and the count in each.
     pub fn counts(&self) -> Vec<(f64, f64)> {
         let first = self.counts.iter().position(|&count| count > 0.0).unwrap_or(0);
         let last = self.counts.iter().rposition(|&count| count > 0.0).map_or(0, |last| last + 1);
@@ -79,15 +79,15 @@ impl Histogram {
         (first..last).map(|bin| (centre(bin), self.counts[bin])).collect()
     }
 
-    /// The standard deviation, from the centres of the bins.
+    /// Standard deviation, from the centres of the bins.
     pub fn standard_deviation(&self) -> f64 {
         let counts = self.counts();
         let moment = |power: i32| counts.iter().map(|(x, n)| x.powi(power) * n).sum::<f64>() / self.count();
         (moment(2) - moment(1).powi(2)).max(0.0).sqrt()
     }
 
-    /// The density of `x / s`, with `s` the standard deviation, in bins about `s / 10` wide: the bins' centres and
-    /// the density there.
+    /// Density of `x / s`, with `s` the standard deviation, in bins about `s / 10` wide: the bins' centres and the
+    /// density there.
     pub fn normalised(&self) -> Vec<(f64, f64)> {
         let (count, deviation) = (self.count(), self.standard_deviation());
         let merged = (0.1 * deviation / self.width()).round().max(1.0) as usize;
@@ -103,7 +103,7 @@ impl Histogram {
     }
 }
 
-/// The least exponent of two, with the offset, of a width at which a number fits.
+/// Least exponent of two, with the offset, of a width at which a number fits.
 fn exponent(value: f64) -> u64 {
     let least = libm::log2((value.abs() / HALF as f64).max(f64::MIN_POSITIVE)).floor() as i32 + 1;
     (least + OFFSET) as u64
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(again, forwards);
     }
 
-    /// Whichever has the wider bins, or none.
+    /// Whichever part has the wider bins, or none.
     #[test]
     fn counts_of_parts_are_those_of_all() {
         let mut numbers = numbers();

@@ -9,16 +9,16 @@ pub use sums::LagSums;
 /// A particle's velocity and path at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Motion {
-    /// Its velocity relative to the flow.
+    /// Velocity relative to the flow.
     pub velocity: Vector,
-    /// The integral of that velocity over time: its displacement without that by the background flow.
+    /// Integral of that velocity over time: the displacement without that by the background flow.
     pub path: Vector,
 }
 
 /// Averages over particles and starting times for one time lag `t`, component by component; `d = path(t) - path(0)`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Lag {
-    /// The lag.
+    /// Time lag.
     pub time: f64,
     /// `<v(0) v(t)> - <v(0)> <v(t)>`; over its value at lag 0, the autocorrelation `R(t)`.
     pub correlation: Vector,
@@ -29,36 +29,36 @@ pub struct Lag {
     pub integral: Vector,
 }
 
-/// A multiple-tau correlator, at lags whose spacing grows with the lag (Magatti & Ferri, Appl. Opt. 40, 4011, 2001;
-/// Ramirez et al., J. Chem. Phys. 133, 154103, 2010): level `l` keeps the latest of the samples whose number is a
-/// multiple of `2^l`, and correlates each new one with them. Samples are skipped, not averaged, so that every lag is
-/// exact. Memory grows as the logarithm of the number of samples.
+/// Multiple-tau correlator, at lags whose spacing grows with the lag (Magatti & Ferri, Appl. Opt. 40, 4011, 2001;
+/// Ramirez et al., J. Chem. Phys. 133, 154103, 2010): level `l` keeps the latest samples whose number is a multiple
+/// of `2^l`, and correlates each new one with them. Samples are skipped, not averaged, so every lag is exact. Memory
+/// grows as the logarithm of the number of samples.
 ///
 /// The particles of a species are divided into a few groups, and errors are standard errors over the groups. As all
 /// groups move in the same flow, they are lower bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lagrangian {
-    /// The class of each particle: its species and group.
+    /// Class of each particle: its species and group.
     classes: Vec<usize>,
     class_count: usize,
     samples: u64,
     levels: Vec<Level>,
 }
 
-/// Samples that a level keeps; the levels above the first use the older half of them.
+/// Number of samples that a level keeps; the levels above the first use the older half of them.
 const KEPT: usize = 16;
-/// Groups of each species.
+/// Number of groups of each species.
 const GROUPS: usize = 8;
-/// Numbers kept of a particle's motion.
+/// Numbers stored for a particle's motion.
 const WIDTH: usize = 6;
-/// Sums for one lag and class: their number, the lag, and for each component `v0, v1, v0 v1, d, d^2, v0 d`.
+/// Number of sums for one lag and class: the count, the lag, and for each component `v0, v1, v0 v1, d, d^2, v0 d`.
 const SUMS: usize = 2 + 3 * 6;
 
-/// The samples and sums of one spacing.
+/// Samples and sums of one spacing.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Level {
     pushed: u64,
-    /// The time of each slot; NaN of a sample that is missing.
+    /// Time of each slot; NaN for a missing sample.
     times: Vec<f64>,
     /// `[slot][particle][component]`
     history: Vec<f64>,
@@ -77,7 +77,7 @@ impl Level {
         (slot, slot * self.history.len() / KEPT)
     }
 
-    /// Keeps a sample and correlates it with those of the lags from `first` on.
+    /// Stores a sample and correlates it with those at the lags from `first` on.
     fn push(&mut self, time: f64, motions: &[Motion], (classes, count): (&[usize], usize), first: usize) {
         let (slot, start) = self.slot(self.pushed);
         self.times[slot] = time;
@@ -100,7 +100,7 @@ impl Level {
         self.pushed += 1;
     }
 
-    /// Keeps that samples are missing: nothing is correlated with them.
+    /// Marks samples as missing: nothing is correlated with them.
     fn pass_over(&mut self, missing: u64) {
         for _ in 0..missing.min(KEPT as u64) {
             let (slot, _) = self.slot(self.pushed);
@@ -124,17 +124,17 @@ fn add(sums: &mut [f64], elapsed: f64, then: &[f64], now: &Motion) {
 }
 
 impl Lagrangian {
-    /// Numbers of a particle that a level keeps of one sample, and samples that it keeps.
+    /// Numbers of a particle that a level stores for one sample, and number of samples that it stores.
     pub(crate) const WIDTH: usize = WIDTH;
     pub(crate) const KEPT: usize = KEPT;
 
-    /// For particles of the species given.
+    /// For particles of the given species.
     pub fn new(species: &[u32]) -> Self {
         Self::after(vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)], species)
     }
 
-    /// For a part of the particles, before which so many of each species come in other parts. The sums of parts are added by their
-    /// numbers, see [`LagSums`].
+    /// For a part of the particles, with the number of particles of each species in the parts before it. The sums of
+    /// parts are added number by number, see [`LagSums`].
     pub fn after(mut seen: Vec<u64>, species: &[u32]) -> Self {
         let class_count = seen.len() * GROUPS;
         let class = |&s: &u32| {
@@ -157,8 +157,8 @@ impl Lagrangian {
         }
     }
 
-    /// Passes over so many samples that are missing, so that the next one has its place in the sequence. Samples have to be at
-    /// equal times but for those that are missing.
+    /// Skips missing samples, so that the next one has its place in the sequence. Samples have to be at equal
+    /// intervals apart from those that are missing.
     pub fn pass_over(&mut self, missing: u64) {
         let next = self.samples.saturating_add(missing);
         for (level, kept) in self.levels.iter_mut().enumerate() {
@@ -173,12 +173,12 @@ impl Lagrangian {
         LagSums::of_numbers(self.class_count / GROUPS, numbers)
     }
 
-    /// How many particles it is for.
+    /// Number of particles.
     pub fn particles(&self) -> usize {
         self.classes.len()
     }
 
-    /// Whether what was restored is of as many particles as this is for.
+    /// Whether a restored state is for the same number of particles.
     pub fn fits(&self) -> bool {
         let [history, sums] = [self.classes.len() * WIDTH, self.class_count * SUMS].map(|width| width * KEPT);
         let fits = |level: &Level| {

@@ -1,11 +1,11 @@
-//! Estimators of averages over a run, to which samples are added one after another. They do not keep the samples: their
-//! memory is constant or grows as the logarithm of the length of the run. Their state can be stored and restored bit
-//! for bit ([`State`]), and results are those of all samples at once, up to round-off.
+//! Estimators of averages over a run, to which samples are added one after another. They do not keep the samples:
+//! their memory is constant or grows as the logarithm of the length of the run. Their state can be stored and
+//! restored bit for bit ([`State`]), and results are those of all samples at once, up to round-off.
 //!
-//! They know nothing of scenes, files or ranks: the caller provides all particles, or parts of them whose sums it adds up
-//! ([`VectorSum`], [`LagSums`], [`ChannelProfile::sums`]) or whose counts ([`Counts`]).
+//! They are independent of scenes, files and ranks: the caller provides all particles, or parts of them whose sums it
+//! adds up ([`VectorSum`], [`LagSums`], [`ChannelProfile::sums`]) or whose counts ([`Counts`]).
 //!
-//! The mean of a correlated series, in its own unit, with an error that takes the correlation into account:
+//! Example: the mean of a correlated series, with an error that takes the correlation into account:
 //! ```
 //! use statistics::Blocks;
 //!

@@ -1,46 +1,48 @@
-//! The stress of what is strained to and fro.
+//! Stress response to an oscillatory strain.
 
 use crate::{Blocks, Estimate, State, Store};
 use std::f64::consts::{PI, TAU};
 
-/// The harmonics that are told apart.
+/// Harmonics that are resolved.
 pub const HARMONICS: [u32; 5] = [1, 3, 5, 7, 9];
 
-/// Fewer samples of a period than this do not tell the harmonics apart.
+/// Smallest number of samples per period that resolves the harmonics.
 pub const FEWEST_SAMPLES: f64 = 40.0;
 
-/// The moduli of a stress `s(t)` under the strain `g sin(w t)`,
+/// Moduli of a stress `s(t)` under the strain `g sin(w t)`,
 ///
 /// ```text
 /// s(t) = g sum_n [G'_n sin(n w t) + G''_n cos(n w t)],        n = 1, 3, 5, ...
 /// ```
 ///
-/// by integrals over whole periods, with the trapezoidal rule: exact for what is sampled at equal times, of which a period
-/// has a whole number, up to harmonics half that number; else with an error of order 3 in the time between samples. Each period
-/// gives a number of the series from which errors come.
+/// by integrals over whole periods, with the trapezoidal rule. For equally spaced samples, with an integer number per
+/// period, it is exact for harmonics up to half that number; else the error is of third order in the time between
+/// samples. Each period gives one number of the series from which errors come.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moduli {
     amplitude: f64,
     frequency: f64,
     /// Phase and stress of the last sample; NaN before the first.
     last: [f64; 2],
-    /// Integrals of the stress times sines and cosines since the period began; NaN if that was before the first sample.
+    /// Integrals of the stress times sines and cosines since the period began; NaN if it began before the first
+    /// sample.
     sums: [[f64; 2]; HARMONICS.len()],
     series: [[Blocks; 2]; HARMONICS.len()],
 }
 
 impl Moduli {
-    /// No samples so far, of a strain with an amplitude and an angular frequency.
+    /// Without samples, for a strain with the given amplitude and angular frequency.
     pub fn new(amplitude: f64, frequency: f64) -> Self {
         let (last, sums) = ([f64::NAN; 2], [[f64::NAN; 2]; HARMONICS.len()]);
         Self { amplitude, frequency, last, sums, series: Default::default() }
     }
 
-    /// Adds the stress at a time; the times of samples have to grow. Returns `G'` and `G''` of a whole period that has ended.
+    /// Adds the stress at a time; the times of samples must increase. Returns `G'` and `G''` of a period that has
+    /// ended.
     pub fn add(&mut self, time: f64, stress: f64) -> Option<[f64; 2]> {
         let mut of_period = None;
         let (phase, [mut from, mut before]) = (time * self.frequency, self.last);
-        // Up to this part of a period, a sample is taken for one at the end of the period.
+        // Samples within this part of a period from its end are taken to be at the end.
         let ended = |phase: f64| (phase / TAU + 1e-9).floor();
         if from.is_nan() {
             if (phase - TAU * ended(phase)).abs() < 1e-8 {
@@ -78,7 +80,7 @@ impl Moduli {
         is_whole.then_some(moduli[0])
     }
 
-    /// How many whole periods there were.
+    /// Number of whole periods.
     pub fn periods(&self) -> u64 {
         self.series[0][0].count()
     }

@@ -4,17 +4,17 @@ use crate::{State, Store};
 use domain::{PeriodicBox, Vector, fold_pairs};
 use std::f64::consts::PI;
 
-/// The angle of g(r, angle), defined such that it is uniformly distributed in an isotropic system.
+/// Angle of g(r, angle), defined such that it is uniformly distributed in an isotropic system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Angle {
-    /// Of the separation in the plane of flow and gradient, from the flow's direction x towards y, in `[0, pi)`.
+    /// Angle of the separation in the plane of flow and gradient, from the flow direction x towards y, in `[0, pi)`.
     Azimuth,
-    /// The cosine of the angle between the separation and an axis, in `[0, 1)`.
+    /// Cosine of the angle between the separation and an axis, in `[0, 1)`.
     Cosine(usize),
 }
 
 impl Angle {
-    /// The angle as a fraction of its range.
+    /// Angle as a fraction of its range.
     fn share(self, separation: Vector) -> f64 {
         match self {
             Self::Azimuth => (separation.y.atan2(separation.x) / PI).rem_euclid(1.0),
@@ -22,7 +22,7 @@ impl Angle {
         }
     }
 
-    /// The end of its range.
+    /// End of the range.
     fn range(self) -> f64 {
         match self {
             Self::Azimuth => PI,
@@ -31,14 +31,15 @@ impl Angle {
     }
 }
 
-/// The pair distribution function of each pair of species,
+/// Pair distribution function of each pair of species,
 ///
 /// ```text
 /// g(r) = (pairs found at a distance in [r, r + dr)) / (N_a N_b 4 pi r^2 dr / V),
 /// ```
 ///
-/// with `N_a (N_a - 1) / 2` for a species and itself, so that an ideal gas has 1 at any number of particles; and `g(r,
-/// angle)` likewise. Periodic images are included, also across the faces of a sheared box, except a particle's own.
+/// with `N_a (N_a - 1) / 2` for a species and itself, so that an ideal gas has 1 at any number of particles; and
+/// `g(r, angle)` likewise. Periodic images are included, also across the faces of a sheared box, except a particle's
+/// own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairDistribution {
     cutoff: f64,
@@ -50,15 +51,15 @@ pub struct PairDistribution {
     volume: f64,
 }
 
-/// Bins of distance and of angle.
+/// Number of bins of distance and of angle.
 const DISTANCES: usize = 128;
 const ANGLES: usize = 24;
 
 impl PairDistribution {
-    /// Bins of one pair of species.
+    /// Number of bins of one pair of species.
     pub(crate) const BINS: usize = DISTANCES * ANGLES;
 
-    /// For distances up to `cutoff` between particles, so many of each species, in a box of a volume.
+    /// For distances up to `cutoff`, with `counts` particles of each species, in a box of the given volume.
     pub fn new(cutoff: f64, angle: Angle, counts: Vec<u64>, volume: f64) -> Self {
         let pairs = counts.len() * (counts.len() + 1) / 2;
         Self { cutoff, angle, counts, samples: 0.0, found: vec![0.0; pairs * DISTANCES * ANGLES], volume }
@@ -72,12 +73,12 @@ impl PairDistribution {
         self.add_counted(fold_pairs(cell, positions, self.cutoff, || self.no_pairs(), count));
     }
 
-    /// The largest distance.
+    /// Largest distance.
     pub fn cutoff(&self) -> f64 {
         self.cutoff
     }
 
-    /// The counts of no pairs.
+    /// Counts without any pairs.
     pub fn no_pairs(&self) -> Vec<u32> {
         vec![0; self.found.len()]
     }
@@ -95,12 +96,12 @@ impl PairDistribution {
         self.samples += 1.0;
     }
 
-    /// Adds what another has found at the same times.
+    /// Adds the pairs of another at the same times.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.found.iter_mut().zip(&other.found).for_each(|(found, more)| *found += more);
     }
 
-    /// Leaves no pairs, but the number of times.
+    /// Removes the pairs, but keeps the number of times.
     pub(crate) fn forget(&mut self) {
         self.found.fill(0.0);
     }
@@ -111,7 +112,7 @@ impl PairDistribution {
         (pair_index(a, b) * DISTANCES + distance.min(DISTANCES - 1)) * ANGLES + angle.min(ANGLES - 1)
     }
 
-    /// The pairs of species `a <= b` that have pairs of particles: a species of one particle has no distribution of its
+    /// Pairs of species `a <= b` that have pairs of particles: a species of one particle has no distribution of its
     /// own.
     pub fn species_pairs(&self) -> Vec<[usize; 2]> {
         let all = (0..self.counts.len()).flat_map(|b| (0..=b).map(move |a| [a, b]));
@@ -123,7 +124,7 @@ impl PairDistribution {
         if a == b { 0.5 * n * (n - 1.0) } else { n * m }
     }
 
-    /// The number of pairs of two species in a shell of an ideal gas.
+    /// Number of pairs of two species in a shell of an ideal gas.
     fn ideal(&self, pair: [usize; 2], distance: usize) -> f64 {
         let edge = |bin: usize| self.cutoff * bin as f64 / DISTANCES as f64;
         let shell = 4.0 / 3.0 * PI * (edge(distance + 1).powi(3) - edge(distance).powi(3));
@@ -171,7 +172,7 @@ mod tests {
     use crate::Counts;
     use domain::Random;
 
-    /// Of pairs of which each species has so many.
+    /// For particles of the given species.
     fn new(cutoff: f64, angle: Angle, species: &[u32], volume: f64) -> PairDistribution {
         let mut counts = vec![0; species.iter().max().map_or(0, |&s| s as usize + 1)];
         for &s in species {
@@ -237,7 +238,7 @@ mod tests {
         assert_eq!(found.species_pairs(), [[0, 0], [0, 2]]);
     }
 
-    /// Of three particles the pair within reach, and with the third there are two, counted in two parts.
+    /// Three particles: one pair within reach, two with the third particle, counted in two parts.
     #[test]
     fn pairs_may_be_counted_in_parts() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();

@@ -4,8 +4,8 @@ use crate::{State, Store};
 use domain::{PeriodicBox, Vector};
 use std::f64::consts::PI;
 
-/// The volume fraction of each species in slabs perpendicular to an axis; a sphere contributes to every slab the volume
-/// that it has there.
+/// Volume fraction of each species in slabs perpendicular to an axis; a sphere contributes to every slab the volume
+/// of its slice there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     axis: usize,
@@ -16,7 +16,7 @@ pub struct Profile {
     volumes: Vec<f64>,
 }
 
-/// Slabs of a profile.
+/// Number of slabs of a profile.
 const SLABS: usize = 64;
 
 impl Profile {
@@ -42,7 +42,7 @@ impl Profile {
         self.samples += 1.0;
     }
 
-    /// The sums of the volumes, which parts of the particles may have of their own.
+    /// Sums of the volumes, which may be taken over parts of the particles.
     pub fn volumes(&self) -> &[f64] {
         &self.volumes
     }
@@ -53,7 +53,7 @@ impl Profile {
         Self { volumes, ..self.clone() }
     }
 
-    /// Places along the axis and the volume fractions of a species there.
+    /// Positions along the axis and the volume fractions of a species there.
     pub fn fractions(&self, species: usize) -> Vec<(f64, f64)> {
         let place = |slab: usize| (slab as f64 + 0.5) * self.edge / SLABS as f64;
         let volumes = self.volumes[species * SLABS..][..SLABS].iter().enumerate();
@@ -61,7 +61,7 @@ impl Profile {
     }
 }
 
-/// The volume of a sphere below a height above its centre.
+/// Volume of a sphere below a height relative to its centre.
 pub(crate) fn cap(height: f64, radius: f64) -> f64 {
     let z = height.clamp(-radius, radius);
     PI * (radius * radius * (z + radius) - (z.powi(3) + radius.powi(3)) / 3.0)

@@ -2,7 +2,7 @@
 
 use domain::{Bytes, PeriodicBox, Vector};
 
-/// Numbers of particles of each species in columns along an axis, in which settling suspensions segregate.
+/// Number of particles of each species in columns along an axis, into which sedimenting suspensions segregate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeciesColumns {
     across: [usize; 2],
@@ -12,7 +12,7 @@ pub struct SpeciesColumns {
     counts: Vec<f64>,
 }
 
-/// The largest number of columns; in larger boxes columns are wider.
+/// Largest number of columns along an axis; in larger boxes columns are wider.
 const MOST: f64 = 1024.0;
 
 impl SpeciesColumns {
@@ -28,12 +28,12 @@ impl SpeciesColumns {
         [(axis + 1) % 3, (axis + 2) % 3]
     }
 
-    /// Columns along either of the other axes.
+    /// Number of columns along each of the other axes.
     fn table(cell: &PeriodicBox, axis: usize, width: f64) -> [usize; 2] {
         Self::across(axis).map(|d| (cell.edges()[d] / width).round().clamp(1.0, MOST) as usize)
     }
 
-    /// The memory of such columns.
+    /// Memory of such columns.
     pub fn bytes(cell: &PeriodicBox, axis: usize, width: f64, species: usize) -> Bytes {
         let [nx, ny] = Self::table(cell, axis, width).map(|n| n as f64);
         Bytes::list::<f64>(nx * ny * species as f64)
@@ -46,20 +46,22 @@ impl SpeciesColumns {
         self.counts[(j * self.table[0] + i) * self.species + species as usize] += 1.0;
     }
 
-    /// The numbers of each species in each column, for counts that are summed over ranks.
+    /// Number of particles of each species in each column, for sums over ranks.
     pub fn counts(&mut self) -> &mut [f64] {
         &mut self.counts
     }
 
-    /// The intensity of segregation (Danckwerts, Appl. Sci. Res. A 3, 279, 1952). With `n_c` the number of particles in
-    /// column `c`, `p_cs` the share of species `s` among them, `p_s` that among all `N`, and `C` the number of columns
-    /// with particles,
+    /// Intensity of segregation (Danckwerts, Appl. Sci. Res. A 3, 279, 1952). With `n_c` the number of particles in
+    /// column `c`, `p_cs` the fraction of species `s` among them, `p_s` that among all `N`, and `C` the number of
+    /// columns with particles,
     ///
     /// ```text
-    /// I = (sum_s sum_c n_c (p_cs - p_s)^2 / N - R) / (sum_s p_s (1 - p_s) - R),    R = sum_s p_s (1 - p_s) (C - 1) / (N - 1):
+    /// I = (sum_s sum_c n_c (p_cs - p_s)^2 / N - R) / (sum_s p_s (1 - p_s) - R)
+    /// R = sum_s p_s (1 - p_s) (C - 1) / (N - 1)
     /// ```
     ///
-    /// 0 on average for particles mixed at random, 1 where each column has one species only. Zero for one species.
+    /// It is 0 on average for particles mixed at random, 1 if each column has one species only, and 0 for a single
+    /// species.
     pub fn intensity(&self) -> f64 {
         let columns = || self.counts.chunks_exact(self.species);
         let total: f64 = self.counts.iter().sum();

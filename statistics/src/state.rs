@@ -1,12 +1,12 @@
 //! Storing and restoring the state of estimators, bit for bit.
 
-/// An estimator whose state can be stored. One made with the same parameters and then visited with a [`Loader`] has the
-/// state that was visited with the [`Saver`].
+/// An estimator whose state can be stored. An estimator made with the same parameters and visited with a [`Loader`]
+/// has the state that was visited with the [`Saver`].
 pub trait State {
     /// Passes all numbers that depend on samples to a store, always in the same order.
     fn visit(&mut self, store: &mut dyn Store);
 
-    /// The state as bytes.
+    /// State as bytes.
     fn save(&mut self) -> Vec<u8>
     where
         Self: Sized,
@@ -16,7 +16,7 @@ pub trait State {
         saver.0
     }
 
-    /// Restores a state; returns whether it fitted.
+    /// Restores a state; returns whether it fits.
     #[must_use]
     fn load(&mut self, bytes: &[u8]) -> bool
     where
@@ -28,15 +28,15 @@ pub trait State {
     }
 }
 
-/// The destination or the source of stored numbers.
+/// Destination or source of stored numbers.
 pub trait Store {
-    /// A list, whose length is stored too.
+    /// A list, whose length is also stored.
     fn numbers(&mut self, values: &mut Vec<f64>);
 
-    /// A whole number.
+    /// An integer.
     fn count(&mut self, value: &mut u64);
 
-    /// A number.
+    /// A floating-point number.
     fn number(&mut self, value: &mut f64) {
         let mut bits = value.to_bits();
         self.count(&mut bits);

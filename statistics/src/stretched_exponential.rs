@@ -2,7 +2,7 @@
 
 use crate::Histogram;
 
-/// The density of a normalised number,
+/// Probability density of a normalised number,
 ///
 /// ```text
 /// p(x) = n / (2 l Gamma(1/n)) exp(-|x / l|^n),
@@ -11,20 +11,20 @@ use crate::Histogram;
 /// a Gaussian for `n = 2`, an exponential for `n = 1`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StretchedExponential {
-    /// `n`.
+    /// Exponent `n`.
     pub exponent: f64,
-    /// `l`, over the standard deviation of the numbers.
+    /// Scale `l`, over the standard deviation of the numbers.
     pub scale: f64,
 }
 
-/// Exponents that are tried.
+/// Range of exponents that is searched.
 const EXPONENTS: [f64; 2] = [0.2, 8.0];
 
 impl StretchedExponential {
-    /// The maximum likelihood fit to a histogram; `None` for fewer than two different numbers.
+    /// Maximum likelihood fit to a histogram; `None` for fewer than two different numbers.
     ///
     /// At a given `n` the most likely scale is `l^n = n <|x|^n>`, and the likelihood at that scale is maximised over
-    /// `n` by golden sections.
+    /// `n` by golden-section search.
     pub fn fitted(histogram: &Histogram) -> Option<Self> {
         let deviation = histogram.standard_deviation();
         if deviation.is_nan() || deviation == 0.0 {
@@ -39,14 +39,14 @@ impl StretchedExponential {
         Some(Self { exponent, scale: scale(exponent) })
     }
 
-    /// The density at a number over the standard deviation.
+    /// Density at a number over the standard deviation.
     pub fn density(&self, x: f64) -> f64 {
         let Self { exponent: n, scale: l } = self;
         n / (2.0 * l * libm::tgamma(1.0 / n)) * (-(x.abs() / l).powf(*n)).exp()
     }
 }
 
-/// The position of the maximum of a unimodal function, by golden-section search.
+/// Position of the maximum of a unimodal function, by golden-section search.
 fn golden_sections(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..60 {

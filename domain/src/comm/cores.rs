@@ -1,16 +1,16 @@
-//! The number of cores of a rank.
+//! Number of cores of a rank.
 
 use super::{Backend, Comm, Launcher};
 
-/// The largest number of processors of a machine that is supported.
+/// Largest number of processors of a machine that is supported.
 const MOST: usize = 1024;
 
-/// Which processors a process may use, a bit for each.
+/// Processors that a process may use, one bit for each.
 type Mask = [u64; MOST / 64];
 
 impl Comm {
-    /// The number of cores for the threads of this rank: those that it is bound to, divided among the ranks of this
-    /// machine bound to the same ones, and at most what the batch queue grants. At least 1. Collective.
+    /// Number of cores for the threads of this rank: those to which it is bound, divided among the ranks on this
+    /// machine bound to the same ones, and at most the number granted by the batch queue. At least 1. Collective.
     pub fn cores(&self) -> usize {
         let granted = std::thread::available_parallelism().map_or(1, usize::from);
         let launcher = Launcher::of_this_process();
@@ -30,7 +30,7 @@ impl Comm {
     }
 }
 
-/// The processors of a mask, each divided by the number of masks that contain it.
+/// Number of processors of a mask, each divided by the number of masks that contain it.
 fn share(mine: &Mask, masks: &[Mask]) -> usize {
     let has = |mask: &Mask, core: usize| mask[core / 64] >> (core % 64) & 1 == 1;
     let part = |core: usize| 1.0 / masks.iter().filter(|mask| has(mask, core)).count() as f64;
@@ -46,7 +46,7 @@ fn mask() -> Option<Mask> {
     Some(mask)
 }
 
-/// Not known on other systems.
+/// Unknown on other systems.
 #[cfg(not(all(feature = "mpi", target_os = "linux")))]
 fn mask() -> Option<Mask> {
     None

@@ -1,11 +1,11 @@
-//! A failure that all ranks know of.
+//! A failure that is known to all ranks.
 
 /// An error of one rank, as all ranks return it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
-    /// The lowest rank that failed.
+    /// Lowest rank that failed.
     pub rank: usize,
-    /// How many ranks there are.
+    /// Number of ranks.
     pub ranks: usize,
     /// That rank's message.
     pub message: String,

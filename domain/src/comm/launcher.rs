@@ -1,39 +1,39 @@
-//! The environment variables by which a launcher such as `mpirun` or `srun` describes a process.
+//! Environment variables by which a launcher such as `mpirun` or `srun` describes a process.
 
-/// How this process was started.
+/// Description of how this process was started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Launcher {
     /// Processes of the job.
     pub(super) job: Job,
-    /// Whether the launcher gave them the means to find each other.
+    /// Whether the launcher enabled them to find each other.
     pub(super) connects: bool,
-    /// This process's number among them.
+    /// Rank of this process.
     rank: usize,
-    /// How many of them are on this machine.
+    /// Number of them on this machine.
     pub(super) ranks_here: usize,
-    /// Cores that a queue has for this process.
+    /// Cores that a batch queue granted to this process.
     pub(super) cores: Option<usize>,
 }
 
-/// The processes that a launcher started.
+/// Processes that a launcher started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Job {
-    /// This one, without a launcher.
+    /// This process alone, without a launcher.
     Alone,
     /// This number of them.
     Of(usize),
-    /// The launcher does not say how many.
+    /// An unknown number of them.
     Unknown,
 }
 
-/// Variables with the number of processes of a job: Open MPI, MVAPICH, Spectrum MPI, and launchers with PMI, which are
-/// MPICH, Intel MPI and Slurm.
+/// Variables with the number of processes of a job: Open MPI, MVAPICH, Spectrum MPI, and launchers with PMI, which
+/// are MPICH, Intel MPI and Slurm.
 const SIZES: [&str; 5] = ["OMPI_COMM_WORLD_SIZE", "MV2_COMM_WORLD_SIZE", "JSM_NAMESPACE_SIZE", "PMI_SIZE", "PMIX_SIZE"];
 const RANKS: [&str; 5] = ["OMPI_COMM_WORLD_RANK", "MV2_COMM_WORLD_RANK", "JSM_NAMESPACE_RANK", "PMI_RANK", "PMIX_RANK"];
 const RANKS_HERE: [&str; 4] =
     ["OMPI_COMM_WORLD_LOCAL_SIZE", "MV2_COMM_WORLD_LOCAL_SIZE", "JSM_NAMESPACE_LOCAL_SIZE", "MPI_LOCALNRANKS"];
 
-/// With any of these variables processes can find each other.
+/// Variables any of which means that processes can find each other.
 const CONNECTIONS: [&str; 6] = ["PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "PMI_CONTROL_PORT", "PALS_RANKID"];
 
 /// Slurm's steps from this number on are not started by `srun`: the batch script, the shell of `salloc`.
@@ -73,7 +73,7 @@ impl Launcher {
     }
 }
 
-/// An item of a list as Slurm writes it: `2(x3),1` stands for 2, 2, 2, 1.
+/// Item of a list in Slurm's notation: `2(x3),1` stands for 2, 2, 2, 1.
 fn item(list: &str, index: usize) -> Option<usize> {
     let mut left = index;
     for part in list.split(',') {
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// The variables of the job are there, but nothing started several processes.
+    /// The variables of the job are set, but nothing started several processes.
     #[test]
     fn scripts_and_shells_of_slurm_are_one_process() {
         let job = "SLURM_JOB_ID=5 SLURM_NTASKS=4 SLURM_NPROCS=4 SLURM_TASKS_PER_NODE=4 SLURM_PROCID=0";

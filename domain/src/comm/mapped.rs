@@ -1,5 +1,5 @@
-//! Anonymous shared memory, which other processes of the machine map through the process that made it. It is freed
-//! however the processes end, and limits on `/dev/shm` do not apply.
+//! Anonymous shared memory, which other processes of the machine map through the process that allocated it. It is
+//! freed however the processes end, and limits on `/dev/shm` do not apply.
 
 use rustix::fs::{FallocateFlags, MemfdFlags, Mode, OFlags};
 use rustix::io::Errno;
@@ -15,42 +15,42 @@ pub(super) struct Mapped {
     bytes: usize,
 }
 
-/// A page before the memory that identifies it.
+/// A page in front of the memory that identifies it.
 const HEADER: usize = 4096;
 
-/// What other processes need to map it.
+/// Address by which other processes map it.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Address {
     process: u64,
     descriptor: u64,
     bytes: u64,
-    /// The identification in the header, since another process can have the same number in another container.
+    /// Identification in the header, since another process can have the same number in another container.
     token: u64,
 }
 
 impl Mapped {
-    /// Allocates memory; others can map it as long as the descriptor is open.
+    /// Allocates memory; other processes can map it as long as the descriptor is open.
     pub fn create(bytes: usize) -> rustix::io::Result<(Self, OwnedFd, Address)> {
         let size = (HEADER + bytes) as u64;
-        // Beyond the limit on files the system would end the process.
+        // Beyond the limit on file sizes the system would kill the process.
         if rustix::process::getrlimit(Resource::Fsize).current.is_some_and(|limit| limit < size) {
             return Err(Errno::FBIG);
         }
         let token = RandomState::new().build_hasher().finish();
         let descriptor = rustix::fs::memfd_create("fcm-solve", MemfdFlags::CLOEXEC)?;
         rustix::fs::ftruncate(&descriptor, size)?;
-        // Memory that is not there fails here rather than at the first touch.
+        // Missing memory is reported here rather than at the first access.
         rustix::fs::fallocate(&descriptor, FallocateFlags::empty(), 0, size)?;
         let memory = Self::map(&descriptor, bytes)?;
-        // SAFETY: the header has room for the token, and nobody else knows of it yet.
+        // SAFETY: the header has room for the token, and no other process knows it yet.
         unsafe { memory.header().write(token) };
         let process = rustix::process::getpid().as_raw_nonzero().get() as u64;
         let address = Address { process, descriptor: descriptor.as_raw_fd() as u64, bytes: bytes as u64, token };
         Ok((memory, descriptor, address))
     }
 
-    /// Maps memory that another process made.
+    /// Maps memory that another process allocated.
     pub fn open(address: Address) -> rustix::io::Result<Self> {
         let path = format!("/proc/{}/fd/{}", address.process, address.descriptor);
         let descriptor = rustix::fs::open(path, OFlags::RDWR | OFlags::CLOEXEC, Mode::empty())?;
@@ -58,14 +58,14 @@ impl Mapped {
             return Err(Errno::NXIO);
         }
         let memory = Self::map(&descriptor, address.bytes as usize)?;
-        // SAFETY: the header is there, and was written before its address was sent.
+        // SAFETY: the header exists, and was written before its address was sent.
         let token = unsafe { memory.header().read() };
         if token == address.token { Ok(memory) } else { Err(Errno::NXIO) }
     }
 
     fn map(descriptor: impl AsFd, bytes: usize) -> rustix::io::Result<Self> {
         let (place, all) = (std::ptr::null_mut(), HEADER + bytes);
-        // SAFETY: the kernel chooses a place where nothing else is.
+        // SAFETY: the kernel chooses an unused address range.
         let start = unsafe {
             rustix::mm::mmap(place, all, ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED, descriptor, 0)?
         };
@@ -84,7 +84,7 @@ impl Mapped {
 
 impl Drop for Mapped {
     fn drop(&mut self) {
-        // SAFETY: it was mapped so, and its user does not outlive it.
+        // SAFETY: it was mapped with this size, and its user does not outlive it.
         let _ = unsafe { rustix::mm::munmap(self.start.cast(), HEADER + self.bytes) };
     }
 }

@@ -1,5 +1,5 @@
-//! The ranks. Only this folder knows how a rank is implemented: as a single process, as a thread of a test, or as a
-//! process under `mpirun`.
+//! Communication among ranks. Only this folder knows how a rank is implemented: as a single process, as a thread of a
+//! test, or as a process under `mpirun`.
 
 mod cores;
 mod failure;
@@ -30,10 +30,10 @@ pub use need::{Need, NotEnoughMemory};
 use window::Segment;
 pub use window::Window;
 
-/// Why the ranks could not be reached.
+/// Reason why the ranks could not be connected.
 #[derive(Debug, thiserror::Error)]
 pub enum CommError {
-    /// The launcher started several processes, the program was built for one.
+    /// The launcher started several processes, but the program was built for one.
     #[error(
         "a launcher started {} processes, but this program was built without MPI and every one of them would \
          run the whole scene; build with `cargo build --release --features mpi`, run without mpirun or srun, or say by \
@@ -55,7 +55,7 @@ pub enum CommError {
         /// Processes that Slurm announced.
         launched: usize,
     },
-    /// The launcher and the MPI library do not belong together.
+    /// The launcher and the MPI library do not match.
     #[error(
         "the launcher started {launched} processes, but the MPI library sees {seen}: the program was built for \
          another MPI than the one that runs it; build it again with this machine's mpicc first in PATH, or start it by \
@@ -67,15 +67,15 @@ pub enum CommError {
         /// Processes that the library found.
         seen: usize,
     },
-    /// A communicator of another library.
+    /// A communicator of another MPI library.
     #[error(
         "the communicator is of {theirs:?}, but this program was built with {ours:?}; build both with the same mpicc, and \
          start MPI before"
     )]
     OtherLibrary {
-        /// The library that this program was built with.
+        /// Library with which this program was built.
         ours: String,
-        /// The library that made the communicator.
+        /// Library of the communicator.
         theirs: String,
     },
     /// The MPI library does not support the threads that the program needs.
@@ -84,11 +84,11 @@ pub enum CommError {
 }
 
 /// A communicator: a group of ranks. Every call is collective: all ranks of the group make the same calls in the same
-/// order. Sums are taken in rank order, so that results do not depend on timing.
+/// order. Sums are taken in rank order, so results do not depend on timing.
 #[derive(Clone)]
 pub struct Comm {
     backend: Backend,
-    /// What this group and those that were split from it sent to other ranks.
+    /// Data that this group and those split from it sent to other ranks.
     sent: Arc<Sent>,
 }
 
@@ -115,7 +115,7 @@ impl Comm {
         Self { backend, sent: Arc::default() }
     }
 
-    /// All the processes that a launcher such as `mpirun` started, or one rank alone without a launcher.
+    /// All processes that a launcher such as `mpirun` started, or a single rank without a launcher.
     pub fn world() -> Result<Self, CommError> {
         let launcher = Launcher::of_this_process();
         match launcher.job {
@@ -125,21 +125,22 @@ impl Comm {
         }
     }
 
-    /// The ranks of an MPI communicator that another part of the process made, given by its Fortran handle, from
-    /// `MPI_Comm_c2f`, and the text of `MPI_Get_library_version` of its library. It has to be an intracommunicator and
-    /// is duplicated. MPI has to stay initialised until the last use. Collective among its ranks.
+    /// Ranks of an MPI communicator that another part of the process made, given by its Fortran handle, from
+    /// `MPI_Comm_c2f`, and the text of `MPI_Get_library_version` of its library. It has to be an intracommunicator
+    /// and is duplicated. MPI has to stay initialised until the last use. Collective among its ranks.
     #[cfg(feature = "mpi")]
     pub fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
         processes::Rank::of_handle(handle, library).map(|rank| Self::of(Backend::Processes(rank)))
     }
 
-    /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns what each returned in
-    /// rank order. A panic on one rank is a panic of the call. Two by two they stand for ranks on one machine.
+    /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns the results in rank
+    /// order. A panic on one rank is a panic of the call. Ranks 0 and 1, 2 and 3, and so on stand for ranks on one
+    /// machine.
     pub fn threads<R: Send>(ranks: usize, body: impl Fn(Self) -> R + Sync) -> Vec<R> {
         threads::run(ranks, |rank| body(Self::of(Backend::Threads(rank))))
     }
 
-    /// This rank's number, from 0.
+    /// Number of this rank, from 0.
     pub fn rank(&self) -> usize {
         match &self.backend {
             Backend::Alone => 0,
@@ -148,7 +149,7 @@ impl Comm {
         }
     }
 
-    /// The number of ranks.
+    /// Number of ranks.
     pub fn size(&self) -> usize {
         match &self.backend {
             Backend::Alone => 1,
@@ -162,7 +163,7 @@ impl Comm {
         self.rank() == 0
     }
 
-    /// The ranks that named the same `colour`, in their present order.
+    /// Subgroup of the ranks that passed the same `colour`, in their present order.
     #[must_use]
     #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
     pub fn split(&self, colour: usize) -> Self {
@@ -179,8 +180,8 @@ impl Comm {
         self.sent.bytes.load(Ordering::Relaxed)
     }
 
-    /// Messages that this rank has sent to others so far: lists of values that are not empty, to one rank each. What ranks on
-    /// a machine read from each other's memory is none.
+    /// Number of messages that this rank has sent to others so far: non-empty lists of values to one rank each.
+    /// Access to the memory of other ranks on the same machine does not count.
     pub fn messages_sent(&self) -> u64 {
         self.sent.messages.load(Ordering::Relaxed)
     }
@@ -194,8 +195,8 @@ impl Comm {
         }
     }
 
-    /// Memory of `bytes` on each rank that all ranks of the group on the same machine can reach. Where a machine does
-    /// not let its processes share memory, each of them counts as one of its own.
+    /// Memory of `bytes` on each rank that all ranks of the group on the same machine can access. If a machine does
+    /// not let its processes share memory, each of them counts as a machine of its own.
     pub fn window(&self, bytes: usize) -> Window {
         let machine = self.machine();
         let shared = match &machine.backend {
@@ -226,8 +227,8 @@ impl Comm {
         self.sent.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
     }
 
-    /// Sends to rank `r` the next `send_counts[r]` values of `send`, and fills `receive` with what the ranks sent here,
-    /// `receive_counts[r]` from rank `r`, in rank order.
+    /// Sends the next `send_counts[r]` values of `send` to each rank `r`, and fills `receive` with the values
+    /// received, `receive_counts[r]` from rank `r`, in rank order.
     pub fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
         let (room, counts) = receive;
         assert_eq!(send.0.len(), send.1.iter().sum::<usize>(), "send counts cover the values to send");
@@ -235,8 +236,8 @@ impl Comm {
         self.all_to_all_ranges((send.0, &consecutive(send.1)), (room, &consecutive(counts)));
     }
 
-    /// Sends to rank `r` the values `send_ranges[r]`, and puts into the places `receive_ranges[r]` what rank `r` sent
-    /// here. Nothing is received into a place twice.
+    /// Sends the values `send_ranges[r]` to each rank `r`, and writes the values from rank `r` to
+    /// `receive_ranges[r]`. These ranges must not overlap.
     pub fn all_to_all_ranges<T: Pod>(&self, send: (&[T], &[Range<usize>]), receive: (&mut [T], &[Range<usize>])) {
         let others = send.1.iter().enumerate().filter(|&(rank, range)| rank != self.rank() && !range.is_empty());
         let (messages, values) = others.fold((0, 0), |(count, sum), (_, range)| (count + 1, sum + range.len()));
@@ -249,7 +250,7 @@ impl Comm {
         }
     }
 
-    /// Sends one list to each rank and returns the list that each rank sent here.
+    /// Sends one list to each rank and returns the list received from each rank.
     pub fn exchange<T: Pod>(&self, send: &[Vec<T>]) -> Vec<Vec<T>> {
         let counts: Vec<usize> = send.iter().map(Vec::len).collect();
         let mut incoming = vec![0_usize; counts.len()];
@@ -267,12 +268,12 @@ impl Comm {
         lists
     }
 
-    /// The values of all ranks, joined in rank order, on every rank. Ranks may bring different numbers of values.
+    /// Values of all ranks, joined in rank order, on every rank. Ranks may contribute different numbers of values.
     pub fn all_gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
         self.exchange(&vec![values.to_vec(); self.size()]).concat()
     }
 
-    /// The values of all ranks, joined in rank order, on the first rank; nothing on the others.
+    /// Values of all ranks, joined in rank order, on the first rank; empty on the others.
     pub fn gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
         let mut send = vec![Vec::new(); self.size()];
         send[0] = values.to_vec();
@@ -312,7 +313,7 @@ impl Comm {
             return;
         }
         if values.len() > WIDE {
-            // Each rank combines a share of the values, so that none has more at a time than twice as many as these.
+            // Each rank combines a share of the values, so that none holds more than twice as many at a time.
             let shares: Vec<_> = (0..self.size()).map(|rank| block(values.len(), self.size(), rank)).collect();
             let parts = self.exchange(&shares.iter().map(|share| values[share.clone()].to_vec()).collect::<Vec<_>>());
             let own = shares[self.rank()].len();
@@ -331,8 +332,8 @@ impl Comm {
         value[0] > 0.0
     }
 
-    /// Makes an error of any rank an error of all: the result is `Ok` on every rank or on none. The message is that of
-    /// the lowest rank that failed.
+    /// Makes an error of any rank an error of all: the result is `Ok` on every rank or on none. The message is that
+    /// of the lowest rank that failed.
     pub fn agree<T, E: std::fmt::Display>(&self, result: Result<T, E>) -> Result<T, Failure> {
         let (value, message) = match result {
             Ok(value) => (Some(value), String::new()),
@@ -348,7 +349,7 @@ impl Comm {
     }
 }
 
-/// Values that are combined by shares if they are more.
+/// Number of values above which they are combined by shares.
 const WIDE: usize = 4096;
 
 /// The values of all ranks, `width` of each, combined in rank order.

@@ -22,34 +22,34 @@ pub struct Need {
     readable_bytes(*needed), readable_bytes(*to_come), readable_bytes(*left)
 )]
 pub struct NotEnoughMemory {
-    /// Ranks that share the limit.
+    /// Number of ranks that share the limit.
     pub ranks: usize,
     /// Bytes that they need.
     pub needed: f64,
-    /// Bytes that they have still to allocate.
+    /// Bytes that they have yet to allocate.
     pub to_come: f64,
     /// Bytes that are available.
     pub left: f64,
-    /// The limit, in words.
+    /// Description of the limit.
     pub limit: String,
 }
 
 impl Comm {
-    /// Refuses a need that exceeds the memory of this machine's ranks, or the limits of this process. Collective; the
-    /// result may differ among ranks.
+    /// Refuses needs that exceed the memory of the machine for all its ranks, or the limits of this process.
+    /// Collective; the result may differ among ranks.
     pub fn check_memory(&self, need: Need) -> Result<(), NotEnoughMemory> {
         let taken = ProcessMemory::now();
         let resident = taken.map_or(0.0, |taken| taken.resident);
         let to_come = (need.resident - resident).max(0.0);
         let machine = self.machine();
-        // A rank's share of the memory of others is counted by those.
+        // Memory of other ranks is counted by those.
         let mut sums = [need.resident - need.reached, (to_come - need.reached).max(0.0)];
         machine.sum(&mut sums);
         let of_all = Self::fits(machine.size(), sums, AvailableMemory::of_machine());
         of_all.and_then(|()| Self::fits(1, [need.resident, to_come], AvailableMemory::of_process(need.mapped)))
     }
 
-    /// Refuses the needs of ranks that are not started if they exceed the memory of this machine.
+    /// Refuses the needs of ranks that are not started yet if they exceed the memory of this machine.
     pub fn check_memory_of(needs: &[Need]) -> Result<(), NotEnoughMemory> {
         let needed = needs.iter().map(|need| need.resident - need.reached).sum();
         let fits = Self::fits(needs.len(), [needed; 2], AvailableMemory::of_machine());

@@ -1,4 +1,4 @@
-//! In place of the processes of MPI in a program that was built without it.
+//! Replacement for the processes of MPI in a program built without it.
 
 use super::window::Segment;
 use super::{Comm, CommError, Job, Launcher};

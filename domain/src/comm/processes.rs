@@ -23,7 +23,7 @@ pub(super) struct Rank {
     universe: Option<Rc<Universe>>,
 }
 
-/// A communicator that is freed when it is dropped, unless MPI was finalised before.
+/// A communicator that is freed when dropped, unless MPI was finalised before.
 struct Group(ManuallyDrop<SimpleCommunicator>);
 
 impl Group {
@@ -43,7 +43,7 @@ impl Deref for Group {
 impl Drop for Group {
     fn drop(&mut self) {
         if !mpi::environment::is_finalized() {
-            // SAFETY: nobody looks at it after this.
+            // SAFETY: it is not accessed after this.
             unsafe { ManuallyDrop::drop(&mut self.0) }
         }
     }
@@ -58,7 +58,8 @@ impl Rank {
             Job::Of(launched) if launched != seen => Err(CommError::Unconnected { launched }),
             _ => Ok(()),
         };
-        // Open MPI would end the program here with a page of its own; others go on, each process alone.
+        // Open MPI would end the program here with a page of its own messages; others continue, with each process
+        // alone.
         if !launcher.connects && mpi::environment::library_version().is_ok_and(|name| name.contains("Open MPI")) {
             disagree(1)?;
         }
@@ -73,7 +74,7 @@ impl Rank {
         Ok(Self { communicator: Group::of(world), universe: Some(Rc::new(universe)) })
     }
 
-    /// The ranks of a communicator that other code made, given by its Fortran handle and the version of its library.
+    /// Ranks of a communicator that other code made, given by its Fortran handle and the version of its library.
     /// Collective among them.
     pub(super) fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
         let plain = |name: &str| name.trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned();
@@ -85,7 +86,7 @@ impl Rank {
             return Err(CommError::NoThreads);
         }
         let mut copy = MaybeUninit::uninit();
-        // SAFETY: the handle is one of this library, which runs; the copy is ours alone.
+        // SAFETY: the handle belongs to this library, which is initialised; the copy is ours alone.
         let communicator = unsafe {
             mpi::ffi::MPI_Comm_dup(mpi::ffi::RSMPI_Comm_f2c(handle), copy.as_mut_ptr());
             SimpleCommunicator::from_raw(copy.assume_init())
@@ -130,7 +131,7 @@ impl Rank {
         let addresses = machine.all_gather(mine.as_ref().map(|(.., address)| *address).as_slice());
         let open = |address| Mapped::open(address).map(|memory| Arc::new(Segment::Mapped(memory))).ok();
         let all: Option<Vec<_>> = addresses.into_iter().map(open).collect();
-        // Whether it works is everybody's, and `mine` stays open until all have it.
+        // All ranks have to succeed, and `mine` stays open until all have mapped it.
         let everybody = !machine.any(all.as_ref().is_none_or(|all| all.len() < self.size()));
         all.filter(|_| everybody)
     }
@@ -159,7 +160,7 @@ impl Rank {
         let words = size_of::<T>() / size_of::<W>();
         let (send_counts, send_starts) = counts_and_starts(send.1, words);
         let (receive_counts, receive_starts) = counts_and_starts(receive.1, words);
-        // Rust puts an empty list of bytes at address 1, which Open MPI takes for its mark MPI_IN_PLACE.
+        // Rust places an empty list of bytes at address 1, which Open MPI mistakes for its constant MPI_IN_PLACE.
         let (nothing, mut no_room) = ([W::zeroed()], [W::zeroed()]);
         let from: &[W] = if send.0.is_empty() { &nothing } else { bytemuck::cast_slice(send.0) };
         let into: &mut [W] = if receive.0.is_empty() { &mut no_room } else { bytemuck::cast_slice_mut(receive.0) };
@@ -169,21 +170,21 @@ impl Rank {
     }
 }
 
-/// MPI's counts and displacements.
+/// Counts and displacements for MPI.
 fn counts_and_starts(ranges: &[Range<usize>], words: usize) -> (Vec<i32>, Vec<i32>) {
     let in_32_bits = |n: usize| i32::try_from(n * words).expect("a message of fewer than 2^31 words; use more ranks");
     ranges.iter().map(|range| (in_32_bits(range.len()), in_32_bits(range.start))).unzip()
 }
 
-/// Set for the first communicator that others made.
+/// Set for the first communicator that other code made.
 static ABORTS: Once = Once::new();
 
-/// Aborts the job when a rank panics: the others would wait for it for ever.
+/// Aborts the job when a rank panics: the others would wait for it forever.
 fn abort_all_on_panic(rank: i32) {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
         let message = "met a fault of the program itself and ends the run on all ranks; please report:";
-        // Whether anybody reads it or not.
+        // Whether or not it can be written.
         let _ = writeln!(std::io::stderr(), "rank {rank} {message}");
         print(info);
         SimpleCommunicator::world().abort(101);

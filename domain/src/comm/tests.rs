@@ -45,7 +45,7 @@ fn sums_are_the_same_bits_everywhere() {
     }
 }
 
-/// Of more values than are sent to every rank as they are, too.
+/// Also for more values than are sent to every rank directly.
 #[test]
 fn many_sums_have_the_bits_of_few() {
     let of_rank = |rank: usize| (0..10_007).map(move |k| 1.0 / (k * 17 % 101 + rank + 1) as f64);
@@ -123,7 +123,7 @@ fn ranks_on_one_machine_write_into_each_others_memory() {
             let number = |owner: usize, place: usize| unsafe { window.of::<u64>(owner).unwrap().add(place) };
             assert_eq!(unsafe { number(me, 0).read() }, 0);
             window.barrier();
-            // Two by two they are on one machine.
+            // Ranks 0 and 1, 2 and 3, and so on are on one machine.
             let reached: Vec<usize> = (0..ranks).filter(|&rank| window.of::<u64>(rank).is_some()).collect();
             assert_eq!(reached, (0..ranks).filter(|rank| rank / 2 == me / 2).collect::<Vec<_>>());
             assert_eq!(window.is_divided(), ranks > 2);
@@ -144,7 +144,7 @@ fn ranges_leave_places_free() {
         let me = comm.rank();
         let send: Vec<u32> = (0..6).map(|i| (10 * me + i) as u32).collect();
         let mut receive = [99_u32; 8];
-        // Nothing goes to oneself.
+        // No values go to the rank itself.
         let of = |rank: usize, wide: usize| if rank == me { 0..0 } else { wide * rank..wide * rank + 2 };
         let [from, into] = [2, 3].map(|wide| (0..3).map(|rank| of(rank, wide)).collect::<Vec<_>>());
         comm.all_to_all_ranges((&send, &from), (&mut receive, &into));

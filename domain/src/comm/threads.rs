@@ -14,7 +14,7 @@ pub(super) struct Rank {
     machine: usize,
 }
 
-/// What the threads of a group share: a barrier, and a mailbox from every rank to every other.
+/// Shared state of the threads of a group: a barrier, and a mailbox from every rank to every other.
 struct Group {
     size: usize,
     meeting: Mutex<Meeting>,
@@ -47,7 +47,7 @@ pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(Rank) -> R + Sync) -> Vec
     })
 }
 
-/// Releases the other threads when this rank panics; they would wait for it for ever.
+/// Releases the other threads when this rank panics; they would wait for it forever.
 struct BreakOnPanic(Arc<Group>);
 
 impl Drop for BreakOnPanic {
@@ -105,7 +105,7 @@ impl Rank {
         self.group.meet();
     }
 
-    /// The simulated machine that the rank is on.
+    /// Simulated machine of the rank.
     pub(super) fn machine(&self) -> usize {
         self.machine
     }

@@ -5,12 +5,12 @@ use bytemuck::{Pod, Zeroable};
 use std::cell::UnsafeCell;
 use std::sync::Arc;
 
-/// Memory of each rank of a group, zeros at first, which every rank on the same machine can read and write, made by
-/// [`Comm::window`]. It begins at a cache line.
+/// Memory of each rank of a group, initially zero, which every rank on the same machine can read and write, made by
+/// [`Comm::window`]. It is aligned to a cache line.
 ///
-/// What one rank has written is visible to another after both have called [`Window::barrier`].
+/// Values written by one rank are visible to another after both have called [`Window::barrier`].
 pub struct Window {
-    /// By ranks of the group; `None` for those on other machines.
+    /// By rank of the group; `None` for those on other machines.
     parts: Vec<Option<Arc<Segment>>>,
     machine: Comm,
 }
@@ -24,7 +24,7 @@ impl Window {
         Self { parts, machine }
     }
 
-    /// Where the memory of a rank of the group begins, if it is on this machine.
+    /// Pointer to the memory of a rank of the group, if it is on this machine.
     pub fn of<T: Pod>(&self, rank: usize) -> Option<*mut T> {
         self.parts[rank].as_ref().map(|segment| segment.start().cast())
     }
@@ -55,7 +55,7 @@ pub(super) enum Segment {
 #[repr(C, align(64))]
 pub(super) struct Line([u64; 8]);
 
-// SAFETY: it is but memory; who uses the pointer keeps to the barriers.
+// SAFETY: it is plain memory; users of the pointer synchronise by barriers.
 unsafe impl Send for Segment {}
 unsafe impl Sync for Segment {}
 

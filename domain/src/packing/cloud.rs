@@ -1,18 +1,18 @@
-//! Clouds: spheres at random in a ball.
+//! Clouds: randomly placed spheres in a ball.
 
 use super::{DENSEST_ONE_BY_ONE, Occupied, PackingError};
 use crate::{Boundaries, PeriodicBox, Random, Vector};
 
-/// Places that are tried for a sphere.
+/// Number of positions tried for a sphere.
 const TRIES: usize = 100_000;
 
-/// Random positions for spheres of the given radii, with their centres in a ball around the origin and gaps of at least `gap`
-/// between surfaces: random sequential addition, the largest first. They depend on the seed and the arguments only. The spheres with
-/// half the gap fill at most a quarter of the ball.
+/// Random positions for spheres of the given radii, with their centres in a ball around the origin and gaps of at
+/// least `gap` between surfaces: random sequential addition, the largest first. They depend on the seed and the
+/// arguments only. The spheres with half the gap fill at most a quarter of the ball.
 pub fn random_cloud(radius: f64, radii: &[f64], gap: f64, seed: u64) -> Result<Vec<Vector>, PackingError> {
     let sizes: Vec<f64> = radii.iter().map(|a| a + 0.5 * gap).collect();
     let fraction = sizes.iter().map(|size| (size / radius).powi(3)).sum::<f64>();
-    // A sphere alone has room whatever its size.
+    // A single sphere fits whatever its size.
     if fraction > DENSEST_ONE_BY_ONE && sizes.len() > 1 {
         return Err(PackingError::DenseCloud { fraction, radius, limit: DENSEST_ONE_BY_ONE });
     }
@@ -39,7 +39,7 @@ fn around(edge: f64) -> PeriodicBox {
     cube.with_boundaries(Boundaries::Open).expect("a cube is upright")
 }
 
-/// Random places in a ball.
+/// Random positions in a ball.
 fn in_ball(radius: f64, mut random: Random) -> impl Iterator<Item = Vector> {
     let in_cube = std::iter::repeat_with(move || 2.0 * random.point() - Vector::ONE);
     in_cube.filter(|place| place.length_squared() < 1.0).map(move |place| place * radius)
@@ -49,8 +49,9 @@ fn in_ball(radius: f64, mut random: Random) -> impl Iterator<Item = Vector> {
 mod tests {
     use super::*;
 
-    /// Places are off each other, and a ball is filled evenly: the mean square distance from its centre is `3/5 R^2`, within four
-    /// standard deviations, of which one place has `sqrt(3/7 - 9/25) = 0.262`, of so many.
+    /// Spheres do not overlap, and the ball is filled uniformly: the mean square distance from its centre is
+    /// `3/5 R^2`, within four standard deviations of the mean; that of one position is
+    /// `sqrt(3/7 - 9/25) = 0.262 R^2`.
     #[test]
     fn a_cloud_is_an_even_ball_without_overlap() {
         let radii: Vec<f64> = (0..900).map(|k| if k % 3 == 0 { 1.5 } else { 1.0 }).collect();

@@ -11,7 +11,7 @@ pub use cloud::random_cloud;
 use occupied::Occupied;
 use relax::relax;
 
-/// Why spheres could not be placed.
+/// Reason why spheres could not be placed.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PackingError {
     /// A sphere overlaps its own periodic image.
@@ -20,11 +20,11 @@ pub enum PackingError {
          take a larger box or smaller spheres"
     )]
     OwnImage {
-        /// The sphere's radius.
+        /// Radius of the sphere.
         radius: f64,
-        /// The gap that was asked for.
+        /// Gap between surfaces.
         gap: f64,
-        /// The box's shortest edge.
+        /// Shortest edge of the box.
         edge: f64,
     },
     /// A volume fraction above that of random packings.
@@ -35,10 +35,10 @@ pub enum PackingError {
     TooDense {
         /// Volume fraction of the spheres with half the gap added to their radii.
         fraction: f64,
-        /// The largest that is tried.
+        /// Largest volume fraction that is tried.
         limit: f64,
     },
-    /// A cloud in which there is no room.
+    /// A cloud without enough room.
     #[error(
         "spheres with the gap would fill {fraction:.3} of the ball of radius {radius}; a cloud at random has up to {limit}: take a \
          larger ball, fewer or smaller spheres, or a smaller gap"
@@ -48,37 +48,37 @@ pub enum PackingError {
         fraction: f64,
         /// Radius of the ball.
         radius: f64,
-        /// The most that is tried.
+        /// Largest volume fraction that is tried.
         limit: f64,
     },
-    /// Overlaps were left after the largest number of iterations.
+    /// Overlaps remain after the largest number of iterations.
     #[error(
         "no places without overlap found for {spheres} spheres at a volume fraction of {fraction:.3}; try another seed"
     )]
     NotFound {
-        /// How many spheres.
+        /// Number of spheres.
         spheres: usize,
         /// Volume fraction of the spheres with half the gap added to their radii.
         fraction: f64,
     },
 }
 
-/// The densest that is tried: just below random close packing of equal spheres.
+/// Largest volume fraction that is tried: just below random close packing of equal spheres.
 const DENSEST: f64 = 0.63;
-/// Up to this volume fraction spheres are added one after another (random sequential addition); above, that takes too
-/// many tries.
+/// Volume fraction up to which spheres are added one after another (random sequential addition); above, that takes
+/// too many tries.
 const DENSEST_ONE_BY_ONE: f64 = 0.25;
-/// Relative increase of the radii while overlaps are removed, so that none is left at the true radii.
+/// Relative increase of the radii while overlaps are removed, so that none remains at the true radii.
 const MARGIN: f64 = 1e-3;
-/// Monte Carlo moves of every sphere after overlaps were removed, so that the touching pairs left by that disappear.
+/// Monte Carlo moves of every sphere after overlaps were removed, to disperse the touching pairs that remain.
 const SWEEPS: u64 = 20;
 
-/// Random positions in a box for spheres of the given radii, with gaps of at least `gap` between surfaces. They depend
-/// on the seed and the arguments only.
+/// Random positions in a box for spheres of the given radii, with gaps of at least `gap` between surfaces. They
+/// depend on the seed and the arguments only.
 ///
-/// Up to a volume fraction of 1/4: random sequential addition, largest spheres first. Above: smaller spheres are added
-/// that way and enlarged at once, minimisation of the elastic energy removes the overlaps, and hard-sphere Monte Carlo
-/// moves follow.
+/// Up to a volume fraction of 1/4: random sequential addition, largest spheres first. Above: smaller spheres are
+/// added that way and enlarged at once, minimisation of the elastic energy removes the overlaps, and hard-sphere
+/// Monte Carlo moves follow.
 pub fn random_packing(cell: &PeriodicBox, radii: &[f64], gap: f64, seed: u64) -> Result<Vec<Vector>, PackingError> {
     let sizes: Vec<f64> = radii.iter().map(|a| a + 0.5 * gap).collect();
     let fraction = check(cell, sizes.iter().map(|&a| (a, 1)), gap)?;
@@ -107,9 +107,9 @@ fn one_by_one(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> (Vec<Vector>, boo
     (positions, all_free)
 }
 
-/// Where [`random_packing`] puts spheres in groups of one radius, those of the first group with the ids from 0 on, those of
-/// the next with the ids after these: this rank's spheres by id, in any order. No rank knows others than those of its share
-/// of the box and those that reach into it. Nothing where it takes more than adding one after another, beyond a volume
+/// The positions of [`random_packing`] for spheres in groups of one radius; the first group has the ids from 0 on,
+/// the next the following ids. Returns this rank's spheres by id, in any order. Each rank knows only the spheres in
+/// its share of the box and those that reach into it. `None` if sequential addition is not enough, beyond a volume
 /// fraction of 1/4. Collective.
 pub fn shared_random_packing(
     cell: &PeriodicBox,
@@ -132,7 +132,7 @@ pub fn shared_random_packing(
     Ok(all_free.then_some(own))
 }
 
-/// The volume fraction of so many spheres of each size, if they can be placed.
+/// Volume fraction of spheres given by size and number, if they can be placed.
 fn check(cell: &PeriodicBox, kinds: impl Iterator<Item = (f64, usize)> + Clone, gap: f64) -> Result<f64, PackingError> {
     let edge = cell.edges().min_element();
     if let Some((size, _)) = kinds.clone().find(|&(a, count)| count > 0 && 2.0 * a >= edge) {

@@ -1,13 +1,13 @@
-//! Where spheres are already.
+//! Cell lists of the spheres already placed.
 
 use crate::{Partition, PeriodicBox, Vector};
 
-/// Cell lists on several levels, one for each range of sizes, with cells about as wide as the spheres of that level, so
-/// that all spheres that another can touch are in a few cells, however much sizes differ. They are those of the whole box,
-/// or of a rank's share and of what is within reach around it.
+/// Cell lists on several levels, one for each range of sizes, with cells about as wide as the spheres of that level,
+/// so that all spheres that another can touch are in a few cells, however much sizes differ. They cover the whole
+/// box, or a rank's share and its surroundings within reach.
 pub(super) struct Occupied<'a> {
     cell: &'a PeriodicBox,
-    /// The largest size of all.
+    /// Largest size of all.
     largest: f64,
     levels: Vec<Level>,
     spheres: Vec<Sphere>,
@@ -20,23 +20,23 @@ struct Sphere {
     next: u32,
 }
 
-/// Cells for spheres of sizes that differ by a factor of two at most.
+/// Cells for spheres whose sizes differ by a factor of two at most.
 struct Level {
     largest: f64,
     counts: [usize; 3],
-    /// The first cell along y and along z that is here, and how many are.
+    /// First cell along y and along z that is stored here, and how many are.
     here: [[usize; 2]; 2],
     first: Vec<u32>,
 }
 
-/// Marks the end of a list of spheres.
+/// End of a list of spheres.
 const NONE: u32 = u32::MAX;
 
-/// Levels beyond which no difference is made between sizes.
+/// Largest number of levels; sizes below the last are not distinguished.
 const MOST_LEVELS: f64 = 40.0;
 
 impl<'a> Occupied<'a> {
-    /// Room for so many spheres of each size, in a rank's share or in the whole box; nothing is there yet.
+    /// Empty cell lists with room for `kinds` spheres (size and number), in a rank's share or in the whole box.
     pub fn new(cell: &'a PeriodicBox, kinds: &[(f64, usize)], share: Option<&Partition>) -> Self {
         let kinds: Vec<(f64, usize)> = kinds.iter().copied().filter(|kind| kind.1 > 0).collect();
         let largest = kinds.iter().map(|kind| kind.0).fold(f64::MIN_POSITIVE, f64::max);
@@ -56,7 +56,7 @@ impl<'a> Occupied<'a> {
         (self.largest / size).log2().clamp(0.0, MOST_LEVELS) as usize
     }
 
-    /// Adds a sphere, unless it is out of reach of the share; the first is number 0, the next number 1, and so on.
+    /// Adds a sphere, unless it is out of reach of the share; spheres are numbered from 0.
     pub fn insert(&mut self, size: f64, position: Vector) {
         let number = self.spheres.len() as u32;
         if let Some(first) = self.first_at(size, position) {
@@ -83,7 +83,7 @@ impl<'a> Occupied<'a> {
         self.spheres[number] = Sphere { position, size, next };
     }
 
-    /// The start of the list of a cell, if that is here.
+    /// Start of the list of a cell, if it is stored here.
     fn first_at(&mut self, size: f64, position: Vector) -> Option<&mut u32> {
         let place = self.level_of(size);
         let level = &mut self.levels[place];
@@ -93,7 +93,7 @@ impl<'a> Occupied<'a> {
         Some(&mut level.first[place])
     }
 
-    /// Whether a sphere at this position, which is in the share, would overlap no other than the one of a number.
+    /// Whether a sphere at this position, which is in the share, would overlap no sphere other than number `but`.
     pub fn is_free(&self, size: f64, position: Vector, but: Option<usize>) -> bool {
         let but = but.map_or(NONE, |number| number as u32);
         self.levels.iter().filter(|level| level.largest > 0.0).all(|level| {
@@ -107,7 +107,7 @@ impl<'a> Occupied<'a> {
         })
     }
 
-    /// Whether a sphere touches none of a list but the one of a number.
+    /// Whether a sphere touches none of a list, apart from sphere number `but`.
     fn is_clear(&self, mut other: u32, (size, position): (f64, Vector), but: u32) -> bool {
         while other != NONE {
             let there = &self.spheres[other as usize];
@@ -123,7 +123,8 @@ impl<'a> Occupied<'a> {
 }
 
 impl Level {
-    /// For so many spheres up to a size, where a share has what is within a distance of it. No cells without spheres.
+    /// Level for `number` spheres up to size `largest`; with a share, it covers the surroundings within `reach`.
+    /// Without spheres there are no cells.
     fn new(cell: &PeriodicBox, (largest, number): (f64, usize), (reach, share): (f64, Option<&Partition>)) -> Self {
         let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
         let counts = (cell.edges() / (cell.slant() * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
@@ -135,7 +136,7 @@ impl Level {
                 let (lines, count) = (partition.lines()[axis] as f64, counts[axis + 1]);
                 let owned = &partition.owned()[axis];
                 let [start, end] = [owned.start, owned.end].map(|line| (line as f64 / lines * count as f64) as usize);
-                // A cell more for what a rounding may do.
+                // One more cell to allow for rounding.
                 let beyond = cells[axis + 1] + 1;
                 let number = end - start + 1 + 2 * beyond;
                 if number < count { [(start + count - beyond) % count, number] } else { [0, count] }
@@ -150,7 +151,7 @@ impl Level {
         std::array::from_fn(|d| ((fractions[d] * self.counts[d] as f64).max(0.0) as usize).min(self.counts[d] - 1))
     }
 
-    /// The row along y or z of a cell, from the first that is here, if it is.
+    /// Index of a row along y or z, relative to the first that is stored here, if it is stored.
     fn row(&self, axis: usize, place: usize) -> Option<usize> {
         let ([first, number], count) = (self.here[axis], self.counts[axis + 1]);
         let row = if place >= first { place - first } else { place + count - first };
@@ -161,13 +162,13 @@ impl Level {
         (z * self.here[0][1] + y) * self.counts[0] + x
     }
 
-    /// How many cells along each axis reach as far as a distance.
+    /// Number of cells along each axis that span a distance.
     fn cells_within(&self, cell: &PeriodicBox, distance: f64) -> [usize; 3] {
         let reach = (cell.slant() * distance / cell.edges()).to_array();
         std::array::from_fn(|d| ((reach[d] * self.counts[d] as f64).ceil() as usize).min(self.counts[d]))
     }
 
-    /// The cells along each axis that may hold what is within a distance of a position: from which on, and how many.
+    /// First cell and number of cells along each axis that may hold spheres within a distance of a position.
     fn around(&self, cell: &PeriodicBox, position: Vector, distance: f64) -> [[usize; 2]; 3] {
         let (home, cells) = (self.coordinates(cell, position), self.cells_within(cell, distance));
         std::array::from_fn(|d| {

@@ -4,12 +4,12 @@ use crate::{Pairs, PeriodicBox, Vector};
 
 /// Iterations before the minimisation gives up.
 const STEPS: usize = 20_000;
-/// The skin of the pair list over the largest diameter.
+/// Skin of the pair list over the largest diameter.
 const SKIN: f64 = 0.2;
 
-/// Moves the spheres until none overlaps: minimises the energy `sum (contact - r)^2 / 2` of spheres whose sizes are
-/// larger by the factor `1 + margin` until every overlap is below that margin, by the fast inertial relaxation engine
-/// (Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006). `None` if it does not get there.
+/// Moves the spheres until none overlaps: minimises the energy `sum (contact - r)^2 / 2` of spheres enlarged by the
+/// factor `1 + margin` until every overlap is below that margin, by the fast inertial relaxation engine (Bitzek et
+/// al., Phys. Rev. Lett. 97, 170201, 2006). `None` if it does not converge.
 pub(super) fn relax(cell: &PeriodicBox, sizes: &[f64], margin: f64, positions: &mut [Vector]) -> Option<()> {
     let ids: Vec<u64> = (0..sizes.len() as u64).collect();
     let diameter = 2.0 * sizes.iter().copied().fold(0.0, f64::max) * (1.0 + margin);
@@ -70,8 +70,8 @@ fn push(
     worst
 }
 
-/// The state of the minimisation: Newtonian motion with unit masses, steered along the force and stopped when the
-/// energy rises.
+/// State of the minimisation: Newtonian motion with unit masses, steered along the force and stopped when the energy
+/// rises.
 struct Descent {
     forces: Vec<Vector>,
     velocities: Vec<Vector>,
@@ -81,7 +81,7 @@ struct Descent {
 }
 
 impl Descent {
-    /// Unit stiffness and mass: a pair's period is `pi sqrt(2)`; a dozen neighbours make it shorter by `sqrt(12)`.
+    /// For unit stiffness and mass a pair's period is `pi sqrt(2)`; a dozen neighbours shorten it by `sqrt(12)`.
     const LARGEST_DT: f64 = 0.5;
 
     fn new(count: usize) -> Self {

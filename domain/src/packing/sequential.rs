@@ -1,23 +1,24 @@
-//! Random sequential addition of spheres, shared out among ranks.
+//! Random sequential addition of spheres, distributed over ranks.
 
 use super::Occupied;
 use crate::{Comm, Partition, PeriodicBox, Place, Random, Vector};
 use rayon::prelude::*;
 
-/// Tries for one sphere before it is put where it overlaps others.
+/// Tries for one sphere before it is placed with overlaps.
 const TRIES: u64 = 20_000;
-/// Spheres that are looked for places for at a time.
+/// Number of spheres placed at a time.
 const BATCH: usize = 1 << 13;
-/// Tries of a sphere that are looked at at a time, at least and at most.
+/// Smallest and largest number of tries of a sphere that are tested at a time.
 const AT_ONCE: [f64; 2] = [2.0, 64.0];
 
-/// Puts every sphere, given by id and size and the largest first, at the first of its random positions that is free of
-/// those before it. Returns this rank's spheres, and whether all were put at such places. `kinds` are all sizes and how
-/// many spheres have each. The same on any number of ranks. Collective.
+/// Places every sphere, given by id and size and the largest first, at the first of its random positions that is free
+/// of those before it. Returns this rank's spheres, and whether all were placed without overlap. `kinds` are all
+/// sizes and the number of spheres with each. The result is the same on any number of ranks. Collective.
 ///
-/// The ranks take a batch of spheres at a time. Each looks which of their first positions is in its share and free of the
-/// spheres of former batches, of which it knows those of its share and those within reach around it. The first free
-/// position of all ranks is that of the sphere unless one before it in the batch is there: then the ranks look on.
+/// The ranks process a batch of spheres at a time. Each finds the first position of a sphere that is in its share and
+/// free of the spheres of former batches; it knows those in its share and within reach around it. The first free
+/// position over all ranks is that of the sphere unless one before it in the batch occupies it: then the ranks search
+/// on.
 pub(super) fn place(
     (cell, partition): (&PeriodicBox, &Partition),
     kinds: &[(f64, usize)],
@@ -43,13 +44,13 @@ pub(super) fn place(
     (own, all_free)
 }
 
-/// A sphere without a place.
+/// A sphere that is not placed yet.
 struct Waiting {
     id: u64,
     size: f64,
-    /// Tries that are known not to be free.
+    /// Number of tries known not to be free.
     tried: u64,
-    /// The first that is free of the spheres of former batches.
+    /// First try that is free of the spheres of former batches.
     free: Option<u64>,
 }
 
@@ -58,7 +59,7 @@ struct Placing<'a> {
     own: Own<'a>,
 }
 
-/// What a rank looks at for itself, with all its threads.
+/// Search of one rank, with all its threads.
 struct Own<'a> {
     cell: &'a PeriodicBox,
     place: &'a Place,
@@ -66,12 +67,12 @@ struct Own<'a> {
     seed: u64,
     /// Spheres of former batches.
     occupied: Occupied<'a>,
-    /// Tries of a sphere that are looked at at a time.
+    /// Number of tries of a sphere that are tested at a time.
     at_once: u64,
 }
 
 impl Placing<'_> {
-    /// Places for all spheres of a batch. Collective.
+    /// Positions for all spheres of a batch. Collective.
     fn settle(&mut self, batch: &mut [Waiting]) -> Vec<Vector> {
         self.look(batch);
         let kinds: Vec<(f64, usize)> = batch.iter().map(|sphere| (sphere.size, 1)).collect();
@@ -87,7 +88,7 @@ impl Placing<'_> {
         places
     }
 
-    /// The place of a sphere that is free of those before it in its batch too. Collective.
+    /// Position of a sphere that is also free of those before it in its batch. Collective.
     fn settle_one(&self, sphere: &mut [Waiting], mates: &Occupied) -> Vector {
         loop {
             let Waiting { id, size, free, .. } = sphere[0];
@@ -123,7 +124,7 @@ impl Own<'_> {
         self.place.owner(self.cell, position) == self.rank
     }
 
-    /// The first of the next few tries of a sphere that is in this rank's share and free; else the number of all tries.
+    /// First of the next few tries of a sphere that is in this rank's share and free; else the number of all tries.
     fn first_free(&self, &Waiting { id, size, tried, .. }: &Waiting) -> u64 {
         let until = (tried + self.at_once).min(TRIES);
         let mut tries = (tried..until).zip(self.tries((id, size), tried));
@@ -131,7 +132,7 @@ impl Own<'_> {
         free.map_or(TRIES, |(number, _)| number)
     }
 
-    /// The random positions of a sphere of some size, off walls, from one on.
+    /// Random positions of a sphere of a given size, clear of walls, from try number `first` on.
     fn tries(&self, (id, size): (u64, f64), first: u64) -> impl Iterator<Item = Vector> {
         let mut random = Random::new(self.seed, id);
         random.skip(3 * first);

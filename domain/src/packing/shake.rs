@@ -3,11 +3,11 @@
 use super::Occupied;
 use crate::{PeriodicBox, Random, Vector};
 
-/// Acceptance ratio that the length of the moves is adjusted to.
+/// Target of the acceptance ratio, to which the length of the moves is adjusted.
 const ACCEPTED: f64 = 0.4;
 
-/// Tries `sweeps` random moves of every sphere, one sphere after another, and accepts those without an overlap. Spheres
-/// that do not overlap before do not overlap afterwards.
+/// Tries `sweeps` random moves of every sphere, one sphere after another, and accepts those without an overlap.
+/// Spheres that do not overlap before do not overlap afterwards.
 pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector], (seed, sweeps): (u64, u64)) {
     let kinds: Vec<(f64, usize)> = sizes.iter().map(|&size| (size, 1)).collect();
     let mut occupied = Occupied::new(cell, &kinds, None);

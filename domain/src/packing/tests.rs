@@ -8,7 +8,7 @@ fn cube(radii: &[f64], fraction: f64) -> PeriodicBox {
     PeriodicBox::new(Vector::splat((volume / fraction).cbrt())).unwrap()
 }
 
-/// Distances of the pairs nearer than `cutoff` and the smallest gap between surfaces.
+/// Distances of the pairs nearer than `cutoff`, and the smallest gap between surfaces.
 fn distances(cell: &PeriodicBox, radii: &[f64], positions: &[Vector], cutoff: f64) -> (Vec<f64>, f64) {
     let ids: Vec<u64> = (0..radii.len() as u64).collect();
     let pairs = Pairs::find(cell, positions, &ids, ids.len(), cutoff);
@@ -50,7 +50,7 @@ fn a_seed_is_one_packing() {
 }
 
 /// The pair distribution is that of hard spheres: flat far away, and near contact no higher than the fluid's
-/// `g(2a) = (1 - phi/2)/(1 - phi)^3` (Carnahan & Starling 1969), with no heap of touching pairs.
+/// `g(2a) = (1 - phi/2)/(1 - phi)^3` (Carnahan & Starling 1969), without an excess of touching pairs.
 #[test]
 fn pairs_are_spread_as_in_a_fluid() {
     let radii = vec![1.0; 2000];
@@ -70,7 +70,7 @@ fn pairs_are_spread_as_in_a_fluid() {
     }
 }
 
-/// Sizes over three decades, each small sphere in the gaps of large ones, as places and as random moves leave them.
+/// Sizes over three decades, with small spheres in the gaps of large ones, after placement and after random moves.
 #[test]
 fn spheres_of_very_different_sizes_do_not_overlap() {
     let radii: Vec<f64> =
@@ -100,7 +100,7 @@ fn what_cannot_be_is_refused() {
     assert_eq!(random_packing(&cell, &[], 0.0, 1), Ok(vec![]));
 }
 
-/// One by one, and dense.
+/// By sequential addition, and dense.
 #[test]
 fn powers_of_two_of_lengths_are_powers_of_two_of_places() {
     for fraction in [0.2_f64, 0.4] {
@@ -136,7 +136,7 @@ fn by_definition(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> Vec<Vector> {
     positions
 }
 
-/// Batches, ranks and shares of the box change nothing: also where most tries meet spheres of the same batch.
+/// Batches, ranks and shares of the box change nothing, even if most tries hit spheres of the same batch.
 #[test]
 fn places_are_those_of_the_definition_on_any_ranks() {
     let one = vec![(1.0, 500)];

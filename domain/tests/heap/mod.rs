@@ -1,4 +1,4 @@
-//! Counts what is allocated. A test that uses it has a program of its own, with no other test beside it.
+//! Counts allocations. A test that uses it has a program of its own, with no other test beside it.
 
 use domain::Bytes;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -12,7 +12,7 @@ static MOST: AtomicUsize = AtomicUsize::new(0);
 #[global_allocator]
 static HEAP: Counting = Counting;
 
-// SAFETY: the system's allocator does it all.
+// SAFETY: all work is done by the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         MOST.fetch_max(NOW.fetch_add(layout.size(), Relaxed) + layout.size(), Relaxed);
@@ -26,7 +26,7 @@ unsafe impl GlobalAlloc for Counting {
         unsafe { System.dealloc(place, layout) }
     }
 
-    /// In place, where there is room behind it.
+    /// In place, if there is room behind it.
     unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         NOW.fetch_sub(layout.size(), Relaxed);
         MOST.fetch_max(NOW.fetch_add(size, Relaxed) + size, Relaxed);
@@ -35,7 +35,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// What comes of a call, and what it has allocated.
+/// Result of a call, and the memory that it has allocated.
 pub fn measured<T>(call: impl FnOnce() -> T) -> (T, Bytes) {
     let before = NOW.load(Relaxed);
     MOST.store(before, Relaxed);

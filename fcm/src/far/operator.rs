@@ -1,4 +1,4 @@
-//! From forces to velocities on the grid of a plan.
+//! Operator from force density to velocity on the grid of a plan.
 
 use crate::envelope::Common;
 use crate::plan::Plan;
@@ -7,13 +7,13 @@ use crate::window::Window;
 use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
 use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
 
-/// Wavenumbers in units of the inverse width beyond which a Gaussian of the component along a sheared lattice is no number, or a
-/// rough one, by itself: it is `exp(-684)`, and `f64` ends at `exp(-708)`.
+/// Wavenumbers in units of the inverse width beyond which the Gaussian factor along a sheared lattice direction loses
+/// precision or underflows: it is `exp(-684)`, and `f64` ends at `exp(-708)`.
 const FARTHEST_FACTOR: f64 = 37.0;
 
-/// The Stokes solve; with the split method times the common Gaussian and over the window's transform, once for
-/// spreading and once for interpolating. A window on the grid has no units, a force density has: the volume of a point,
-/// which is taken in units of [`unit_volume`] here.
+/// The Stokes solve. With the split method it includes the common Gaussian, and is divided by the window's transform
+/// once for spreading and once for interpolation. A window on the grid is dimensionless, a force density is not: the
+/// difference is the volume of a grid point, here in units of [`unit_volume`].
 pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<T> {
     let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
         return Stokes::new(grid, plan.viscosity);
@@ -21,7 +21,7 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     let (spacing, strain) = (grid.spacing(), grid.strain());
     let volume = spacing.x * spacing.y * spacing.z;
     let unit = unit_volume(plan, grid);
-    // In a lattice that leans the Gaussian is no product of functions along the axes: the solve has it.
+    // In a tilted lattice the Gaussian is no product of functions along the axes: the solve applies it.
     let width = if grid.cell().is_upright() { 0.0 } else { common.width };
     let width_in_plane = if width > 0.0 { 0.0 } else { common.width };
     let gaussian = |exponent: f64| if width > 0.0 { 1.0 } else { exponent.exp() };
@@ -29,7 +29,7 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
         let amplitude = gaussian(-0.5 * (k * common.width).powi(2));
         amplitude / window.transform(k * spacing)
     };
-    // The window stands along the lattice, the Gaussian does not.
+    // The window is a product along the lattice vectors, the Gaussian is not.
     let plane = |k1: f64, k2: f64| {
         let along = k2 + strain * k1;
         if along.abs() * width_in_plane > FARTHEST_FACTOR {
@@ -56,8 +56,8 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     }
 }
 
-/// What walls, and the fluid beyond open faces, add to the periodic solve. The common Gaussian and its bracket act on it as
-/// `1 + (Sigma^2 - D)/2 lap`.
+/// Flow of walls, or of the fluid beyond open faces, which is added to the periodic solve. The common Gaussian and
+/// its bracket act on it as `1 + (Sigma^2 - D)/2 lap`.
 fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, common): (Window, Common)) -> Channel<T> {
     let spacing = grid.spacing();
     let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
@@ -77,7 +77,7 @@ fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, co
     Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
 }
 
-/// The lattice of the grid's copies: that of the box, unless that does not repeat along all axes.
+/// Lattice of the grid's periodic copies: that of the box if it is periodic along all axes.
 pub(super) fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
     match plan.boundaries {
         Boundaries::Periodic => *cell,
@@ -85,9 +85,9 @@ pub(super) fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
     }
 }
 
-/// The unit in which an operator takes the volume of a point of the grid: that volume to a power of two with the split
-/// method, whose grids may be far coarser than a radius, as in a box of a few particles that are far apart. What comes
-/// out is the larger by its square.
+/// Unit in which the operator measures the volume of a grid point: with the split method that volume rounded to a
+/// power of two, since grids may be far coarser than a radius, as in a box of a few particles that are far apart.
+/// Results are larger by the square of the unit.
 pub(super) fn unit_volume(plan: &Plan, grid: &Grid) -> f64 {
     let spacing = grid.spacing();
     if plan.method == Method::Direct { 1.0 } else { power_of_two(spacing.x * spacing.y * spacing.z) }

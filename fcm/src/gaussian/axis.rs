@@ -4,9 +4,8 @@ use crate::gaussian::shape::{Shape, Sources};
 use solver::simd::{Vector as Lanes, exponential};
 use solver::{Memory, Real};
 
-/// The points of a stencil along one axis: their distances from the particle, and the Gaussians
-/// `exp(-distance^2 / (2 width^2))` of the monopole and of the dipole, those that a shape has. A few points more than
-/// were asked for, whole vectors.
+/// Points of a stencil along one axis: their distances from the particle, and the Gaussians
+/// `exp(-distance^2 / (2 width^2))` of the monopole and the dipole, if the shape has them. Padded to whole vectors.
 #[derive(Default)]
 pub(crate) struct Axis<T> {
     /// 0, 1, 2, ...
@@ -16,8 +15,8 @@ pub(crate) struct Axis<T> {
 }
 
 impl<T: Real> Axis<T> {
-    /// `count` points, `spacing` apart, from the distance `offset` on. Distances are `stretch` times as long for the
-    /// Gaussians.
+    /// Fills in `count` points at the distances `offset + i spacing`. In the Gaussians, distances are multiplied by
+    /// `stretch`.
     #[inline(always)]
     pub fn fill<S: Shape, V: Lanes<T>>(
         &mut self,
@@ -64,13 +63,13 @@ impl<T: Real> Axis<T> {
         }
     }
 
-    /// The distances.
+    /// Distances of the points from the particle.
     #[inline(always)]
     pub fn distances(&self) -> &[T] {
         self.distances.values()
     }
 
-    /// The Gaussians of the monopole and of the dipole.
+    /// Gaussians of the monopole and of the dipole.
     #[inline(always)]
     pub fn gaussians(&self) -> [&[T]; 2] {
         self.gaussians.each_ref().map(Memory::values)

@@ -1,4 +1,4 @@
-//! Stencils of Gaussians: each envelope itself on the grid.
+//! Spreading and interpolation with the Gaussian envelopes themselves.
 
 use crate::gaussian::axis::Axis;
 use crate::gaussian::passes::{Pass, Point, passes};
@@ -11,7 +11,7 @@ use solver::simd::Vector as Lanes;
 use solver::{Grid, Memory, Real};
 use std::marker::PhantomData;
 
-/// The grid as a stencil sees it, the passes over a stencil, and the envelopes by class of radius.
+/// Grid, passes over a stencil, and envelopes by class of radius.
 pub(crate) struct Lattice {
     pub points: [usize; 3],
     pub spacing: Vector,
@@ -21,7 +21,7 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// For values of `T`.
+    /// For a grid of values of type `T`.
     pub fn new<T: Real>(grid: &Grid, support: Support, sources: Vec<Sources>) -> Self {
         let (points, spacing) = (grid.points(), grid.spacing());
         let passes = passes(&support, spacing, grid.cell().strain(), T::LANES);
@@ -29,33 +29,34 @@ impl Lattice {
     }
 }
 
-/// The kernel with some of the terms.
+/// Kernel for some of the multipole terms.
 pub(crate) struct Gaussians<'a, S> {
     pub lattice: &'a Lattice,
     pub shape: PhantomData<S>,
 }
 
-/// Vectors by plane of a stencil: one for each component, and one that begins with the peaks of the monopole and of the
+/// Vectors per plane of a stencil: one for each component, and one that begins with the peaks of the monopole and the
 /// dipole.
 const OF_PLANE: usize = 4;
 const PEAKS: usize = 3;
 
-/// A stencil along its axes, where it is in the slab, and what a pass over it needs.
+/// Stencil of one particle along its axes, its position in the slab, and tables for the current pass.
 #[derive(Default)]
 pub(crate) struct Scratch<T: Real> {
     axes: [Axis<T>; 3],
     starts: Starts,
-    /// Those rows of a pass that the slab has, where it does not have all.
+    /// Rows of the current pass that are in the slab, if not all are.
     some: Vec<Point>,
-    /// What the weights on the rows of a pass are made of, by row.
+    /// Per row: factors of the weights of the pass.
     tables: Memory<T>,
-    /// What the rows of a plane share, by plane.
+    /// Per plane: factors that its rows share.
     levels: Memory<T>,
     totals: Totals<T>,
 }
 
 impl<T: Real> Scratch<T> {
-    /// Prepares the particle's passes; returns where its last row ends in the slab, or nothing if it touches none.
+    /// Prepares the passes of a particle; returns the end of its last row in the slab, or `None` if no row is in the
+    /// slab.
     #[inline(always)]
     fn prepare<S: Shape, V: Lanes<T>, X>(
         &mut self,
@@ -75,7 +76,7 @@ impl<T: Real> Scratch<T> {
         Some(last + place.first[0] as usize + columns)
     }
 
-    /// Tabulates the rows and the planes of a pass.
+    /// Tabulates the rows and planes of a pass.
     #[inline(always)]
     fn tabulate<S: Shape, V: Lanes<T>>(&mut self, pass: &Pass, sources: &Sources) {
         let [x, y, z] = &self.axes;
@@ -101,7 +102,7 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    /// Prepares a pass.
+    /// Begins a pass: tabulates it and finds its rows in the slab.
     #[inline(always)]
     fn begin<S: Shape, V: Lanes<T>>(&mut self, pass: &Pass, sources: &Sources) {
         self.tabulate::<S, V>(pass, sources);
@@ -117,13 +118,13 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    /// The rows of a pass that the slab has.
+    /// Rows of a pass that are in the slab.
     #[inline(always)]
     fn rows<'a>(&'a self, pass: &'a Pass) -> &'a [Point] {
         if self.starts.whole { &pass.rows } else { &self.some }
     }
 
-    /// A row of the pass that has begun.
+    /// A row of the current pass.
     ///
     /// # Safety
     /// The row is one of [`Scratch::rows`].
@@ -141,7 +142,7 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    /// The columns of a pass.
+    /// Distances along x of the columns of a pass.
     #[inline(always)]
     fn columns<V: Lanes<T>>(&self, pass: &Pass) -> V {
         let columns = &self.axes[0].distances()[pass.column..pass.column + V::LANES];
@@ -150,8 +151,8 @@ impl<T: Real> Scratch<T> {
     }
 }
 
-/// A row of the stencil: where it begins in a component, apart from its first column, its distances from the particle,
-/// its table and what its plane has.
+/// A row of the stencil: offset of its first column in a component, distances from the particle along y and z, its
+/// table, and the factors of its plane.
 struct At<T> {
     start: usize,
     y: T,
@@ -162,7 +163,7 @@ struct At<T> {
 
 impl<T: Real> At<T> {
     /// # Safety
-    /// The pass has begun with vectors of this kind.
+    /// The current pass began with vectors of type `V`.
     #[inline(always)]
     unsafe fn weights<S: Shape, V: Lanes<T>>(&self) -> [V; 2] {
         unsafe {
@@ -191,7 +192,7 @@ impl<T: Real, S: Shape> Kernel<T> for Gaussians<'_, S> {
             return;
         };
         let [x, y, z] = slab.components.each_mut().map(|component| {
-            // Checked once a particle, not at every row.
+            // Checked once per particle, not at every row.
             assert!(end <= component.len(), "a stencil ends within its planes");
             component.as_mut_ptr()
         });
@@ -241,7 +242,7 @@ impl<T: Real, S: Shape> Kernel<T> for Gaussians<'_, S> {
     }
 }
 
-/// Adds the load to the rows of a pass, whose first columns follow `components`.
+/// Adds the load to the rows of a pass, whose first columns are at `components`.
 ///
 /// # Safety
 /// All its rows can be read and written.
@@ -294,7 +295,8 @@ unsafe fn deposit_pass<T: Real, S: Shape, V: Lanes<T>>(
     }
 }
 
-/// Weighs the rows of a pass, whose first columns follow `components`.
+/// Sums of the velocity over the rows of a pass, with the weights of the stencil. The rows' first columns are at
+/// `components`.
 ///
 /// # Safety
 /// All its rows can be read.
@@ -307,7 +309,7 @@ unsafe fn collect_pass<T: Real, S: Shape, V: Lanes<T>>(
 ) {
     scratch.begin::<S, V>(pass, sources);
     let zero = V::splat(T::default());
-    // Weighed by `a`, and by `b` times 1, y and z.
+    // Sums with the weights `a`, and with `b` times 1, y and z.
     let (mut velocity, mut level, mut across, mut up) = ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
     for &point in scratch.rows(pass) {
         unsafe {

@@ -1,4 +1,4 @@
-//! The direct method's kernel: every envelope itself on the grid.
+//! Kernel of the direct method: every envelope itself on the grid.
 
 mod axis;
 mod kernel;

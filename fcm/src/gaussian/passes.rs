@@ -1,28 +1,27 @@
-//! Which rows of a stencil's box its ball cuts, and how wide each row needs to be.
+//! Rows of a stencil's box that intersect its ball, and their widths.
 //!
-//! An envelope is a function of the distance alone, so that what lies outside a ball around the particle is left out,
-//! not what lies outside a box. Rows far from the particle are short then, and shorter vectors do. The ball is that of
-//! a particle in the middle between grid points, for all alike: which rows belong to it is decided once, and the loops
-//! over them have the same lengths for every particle.
+//! An envelope depends on the distance alone, so points outside of a ball around the particle are left out. Rows far
+//! from the particle are short then, and shorter vectors suffice. All particles use the ball of a particle midway
+//! between grid points: the rows are chosen once, and the loops over them have the same lengths for every particle.
 
 use crate::stencil::Support;
 use domain::Vector;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Columns by which the width of rows grows: half a vector of `f32`, a vector of `f64`.
+/// Increment of the width of rows, in columns: half a vector of `f32`, a vector of `f64`.
 pub(crate) const STEP: usize = 8;
 
-/// Rows that are worked on with one vector, at the same columns of each.
+/// Rows that are processed with one vector at the same columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Pass {
-    /// First of the columns.
+    /// First column.
     pub column: usize,
-    /// Whether half a vector covers them.
+    /// Whether half a vector covers the columns.
     pub half: bool,
     /// The rows, plane by plane.
     pub rows: Vec<Point>,
-    /// The points along y of all rows lie within.
+    /// Range that contains the points along y of all rows.
     pub span: Range<usize>,
 }
 
@@ -33,7 +32,7 @@ pub(crate) struct Point {
     pub z: u32,
 }
 
-/// The passes over a stencil in a box of the given strain, with vectors of so many lanes.
+/// Passes over a stencil in a box of the given strain, with vectors of `lanes` lanes.
 pub(crate) fn passes(support: &Support, spacing: Vector, strain: f64, lanes: usize) -> Vec<Pass> {
     let mut passes = Vec::new();
     for (steps, rows) in (Ball { support, spacing, strain }).rows().into_iter().enumerate() {
@@ -51,7 +50,7 @@ pub(crate) fn passes(support: &Support, spacing: Vector, strain: f64, lanes: usi
     passes
 }
 
-/// The time that the passes over a stencil take, in rows of whole vectors.
+/// Time of the passes over a stencil, in units of a row of one whole vector.
 pub(crate) fn length(support: &Support, spacing: Vector, strain: f64, lanes: usize) -> f64 {
     if support.support > COUNTED {
         let radii = Vector::splat(support.reach) / spacing;
@@ -61,13 +60,14 @@ pub(crate) fn length(support: &Support, spacing: Vector, strain: f64, lanes: usi
     passes(support, spacing, strain, lanes).iter().map(rows).sum()
 }
 
-/// Stencils of more points along an axis are not counted row by row, but by their volume.
+/// Largest number of points along an axis for which rows are counted; beyond that their number is estimated from the
+/// volume.
 const COUNTED: usize = 128;
 
-/// The time for half a vector over that for a whole one.
+/// Time for half a vector over that for a whole one.
 const OF_HALF: f64 = 0.7;
 
-/// What a particle in the middle between grid points reaches.
+/// Ball of a particle midway between grid points.
 struct Ball<'a> {
     support: &'a Support,
     spacing: Vector,
@@ -75,19 +75,19 @@ struct Ball<'a> {
 }
 
 impl Ball<'_> {
-    /// The rows by the columns that they need, in steps of [`STEP`].
+    /// Rows of the ball by the columns that they need, in steps of [`STEP`].
     fn rows(&self) -> Vec<Vec<Point>> {
         let mut rows = vec![Vec::new(); self.support.lanes / STEP + 1];
         let points = 0..self.support.support;
         for (y, z) in points.clone().flat_map(|z| points.clone().map(move |y| (y, z))) {
             rows[self.width(y, z) / STEP].push(Point { y: y as u32, z: z as u32 });
         }
-        // Those that need none are outside the ball.
+        // Rows without columns are outside the ball.
         rows[0].clear();
         rows
     }
 
-    /// The columns that a row needs: a multiple of [`STEP`], or none.
+    /// Columns that a row needs: a multiple of [`STEP`], or none.
     fn width(&self, row: usize, plane: usize) -> usize {
         let distance = |point: usize, spacing: f64| (point as f64 + 0.5 - 0.5 * self.support.support as f64) * spacing;
         let (y, z) = (distance(row, self.spacing.y), distance(plane, self.spacing.z));
@@ -95,7 +95,7 @@ impl Ball<'_> {
         if square < 0.0 {
             return 0;
         }
-        // In a sheared lattice the rows do not begin above each other.
+        // In a sheared lattice the rows are shifted against each other.
         let half = square.sqrt() + (self.strain * y).abs();
         let columns = (2.0 * half / self.spacing.x - 1e-9).ceil() as usize;
         columns.next_multiple_of(STEP).clamp(STEP, self.support.lanes)
@@ -106,7 +106,7 @@ impl Ball<'_> {
 mod tests {
     use super::*;
 
-    /// How often each point of the box is visited.
+    /// Number of visits of each point of the stencil's box.
     fn visits(support: &Support, strain: f64, lanes: usize) -> Vec<Vec<Vec<usize>>> {
         let mut visits = vec![vec![vec![0; support.lanes]; support.support]; support.support];
         for pass in passes(support, Vector::ONE, strain, lanes) {

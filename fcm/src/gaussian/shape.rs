@@ -1,21 +1,22 @@
-//! How a load becomes values along a row of the grid, and how those values are weighed on the way back.
+//! Weights of a load along a row of the grid, for spreading and interpolation.
 //!
-//! At the point `(x, y, z)` relative to a particle, what is spread of component `c` is
+//! At the point `(x, y, z)` relative to a particle, component `c` of its force density is
 //!
 //! ```text
 //! F_c a + (G_c . r) b,     a = m g(r),     b = q g'(r)
 //! ```
 //!
-//! with Gaussians `g`, `g'`. In a lattice sheared by `s`, `x = X + s y` where `X` belongs to the column of the grid
-//! alone. So `G_c . r = (G_cx X + G_cz z) + (s G_cx + G_cy) y`, of which the bracket is the same for the rows of a
-//! plane, and the weights `a` and `b` are the same for all components: a row takes three fused multiplications a
-//! component. Interpolation weighs the velocity with the same products, which makes it the exact adjoint of spreading.
+//! with Gaussians `g`, `g'`. In a lattice sheared by `s`, `x = X + s y`, where `X` depends on the column of the grid
+//! alone. So `G_c . r = (G_cx X + G_cz z) + (s G_cx + G_cy) y`, of which the bracket is the same for all rows of a
+//! plane, and the weights `a` and `b` are the same for all components: a row takes three fused multiply-adds per
+//! component. Interpolation weights the velocity with the same products, which makes it the exact adjoint of
+//! spreading.
 
 use crate::envelope::Source;
 use solver::Real;
 use solver::simd::{Vector as Lanes, exponential};
 
-/// A particle's sources and the lattice's strain.
+/// Gaussians of a particle, and the strain of the lattice.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sources {
     pub monopole: Source,
@@ -23,7 +24,7 @@ pub(crate) struct Sources {
     pub strain: f64,
 }
 
-/// Which terms are spread or asked for, known where the kernels are compiled.
+/// Terms that are spread or interpolated, known at compile time of the kernels.
 pub(crate) trait Shape: Sync {
     /// Forces, or velocities.
     const FORCES: bool;
@@ -31,7 +32,7 @@ pub(crate) trait Shape: Sync {
     const DIPOLES: bool;
 }
 
-/// The terms by name.
+/// The terms as const parameters.
 pub(crate) struct Terms<const FORCES: bool, const DIPOLES: bool>;
 
 impl<const FORCES: bool, const DIPOLES: bool> Shape for Terms<FORCES, DIPOLES> {
@@ -39,7 +40,7 @@ impl<const FORCES: bool, const DIPOLES: bool> Shape for Terms<FORCES, DIPOLES> {
     const DIPOLES: bool = DIPOLES;
 }
 
-/// Some columns of the stencil: their `X`, and `exp(-X^2 / (2 width^2))` for the monopole and the dipole.
+/// Columns of the stencil: their `X`, and `exp(-X^2 / (2 width^2))` for the monopole and the dipole.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Columns<V> {
     pub x: V,
@@ -53,10 +54,10 @@ pub(crate) struct Row<T> {
     pub gaussians: [T; 2],
 }
 
-/// Vectors that [`tabulate`] writes for a row.
+/// Number of vectors that [`tabulate`] writes for a row.
 pub(crate) const OF_ROW: usize = 2;
 
-/// Writes what the weights on a row are made of, apart from what depends on `z`: the two Gaussians.
+/// Writes the factors of the weights on a row that do not depend on `z`: the two Gaussians.
 ///
 /// # Safety
 /// There is room for [`OF_ROW`] vectors.
@@ -75,7 +76,7 @@ pub(crate) unsafe fn tabulate<T: Real, S: Shape, V: Lanes<T>>(
     }
 }
 
-/// `exp(-((X + s y)^2 + y^2) / (2 width^2))`: in a straight box the product of Gaussians of `X` and of `y`.
+/// `exp(-((X + s y)^2 + y^2) / (2 width^2))`: in an orthogonal box the product of Gaussians of `X` and of `y`.
 #[inline(always)]
 fn gaussian<T: Real, V: Lanes<T>>(
     (source, kind): (&Source, usize),
@@ -92,8 +93,8 @@ fn gaussian<T: Real, V: Lanes<T>>(
     exponential(x.mul_add(x, y.mul(y)).mul(factor))
 }
 
-/// The weights `a` and `b` on a row that was tabulated, in a plane with the given peaks, `m` and `q` times the
-/// Gaussians of `z`; of those that the shape does not have, nothing is computed.
+/// Weights `a` and `b` on a tabulated row, in a plane with the given peaks, which are `m` and `q` times the Gaussians
+/// of `z`. Terms that the shape does not have are not computed.
 ///
 /// # Safety
 /// The table is that of a row.

@@ -1,7 +1,8 @@
-//! The flow of the fluid between the particles, where the box does not repeat along all axes.
+//! Velocity of the fluid between the particles, in boxes that are not periodic along all axes.
 //!
-//! A point of the fluid is a sphere of radius zero: its envelope's transform is 1. The grid has the common Gaussian and a
-//! bracket in its place, and between a sphere and a point is what that leaves out, as between two spheres.
+//! A point of the fluid is a sphere of radius zero, whose envelope has the transform 1. The grid carries the common
+//! Gaussian and a bracket in its place, and the pair correction between a sphere and a point makes up the difference,
+//! as between two spheres.
 
 use super::Mobility;
 use crate::envelope::Envelope;
@@ -13,7 +14,7 @@ use crate::table::{PairFunctions, Table};
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 
-/// The flow that loads cause, at points of a box.
+/// Flow of given loads, at points of a box.
 pub struct Flow<'a> {
     mobility: &'a mut Mobility,
     forces: Vec<Vector>,
@@ -22,11 +23,11 @@ pub struct Flow<'a> {
 }
 
 impl Mobility {
-    /// The flow of loads, as of [`Mobility::apply`], at points of the fluid. Particles are in place; the box is one that does
-    /// not repeat along all axes, and the plan [`Plan::with_points`]. Collective.
+    /// Flow of loads, as of [`Mobility::apply`], at points of the fluid. Particles are arranged; the box is not
+    /// periodic along all axes, and the plan is one [`Plan::with_points`]. Collective.
     ///
     /// # Panics
-    /// In a periodic box, and if the plan is of no split method.
+    /// In a periodic box, and if the plan does not use the split method.
     pub fn flow(&mut self, loads: &Loads) -> Flow<'_> {
         assert!(self.near.is_some(), "a box that does not repeat along all axes has the split method");
         self.work.evaluations += 1;
@@ -44,8 +45,8 @@ impl Mobility {
 }
 
 impl Flow<'_> {
-    /// The velocities relative to the background flow at the points of the `k`-th plane of a raster across z, rows along x; on
-    /// all ranks. Collective.
+    /// Velocities relative to the background flow at the points of the `k`-th plane of a raster across z, row by row
+    /// along x; on all ranks. Collective.
     pub fn plane(&mut self, raster: &Raster, k: usize) -> Vec<Vector> {
         let inverse = 1.0 / self.mobility.units.length;
         let raster = Raster { first: raster.first * inverse, spacing: raster.spacing * inverse, points: raster.points };
@@ -60,7 +61,7 @@ impl Flow<'_> {
         velocities
     }
 
-    /// What this rank's own particles add besides the grid, in the order of the particles.
+    /// Adds the near field of this rank's own particles, in the order of the particles.
     fn add_near(&self, raster: &Raster, k: usize, velocities: &mut [Vector]) {
         let (near, images) = (&self.near, self.images(raster, k));
         velocities.par_chunks_mut(raster.points[0]).enumerate().for_each(|(j, row)| {
@@ -86,7 +87,7 @@ impl Flow<'_> {
         });
     }
 
-    /// Particles and their images along axes along which the box repeats, from which the near field reaches a plane.
+    /// Particles, and their images along periodic axes, whose near field reaches a plane.
     fn images(&self, raster: &Raster, k: usize) -> Vec<Image> {
         let arrangement = &self.mobility.arrangement;
         let (cell, reach) = (&arrangement.cell, Vector::splat(self.near.cutoff));
@@ -114,7 +115,7 @@ impl Flow<'_> {
     }
 }
 
-/// A particle that applies loads, or an image of one.
+/// A particle that applies loads, or a periodic image of one.
 struct Image {
     place: Vector,
     class: u32,
@@ -122,7 +123,7 @@ struct Image {
     dipole: Tensor,
 }
 
-/// What the grid leaves out between spheres of each radius and points.
+/// Pair corrections between spheres of each radius and points.
 struct NearPoints {
     cutoff: f64,
     inverse_viscosity: f64,
@@ -140,7 +141,7 @@ impl NearPoints {
         Self { cutoff, inverse_viscosity: 1.0 / plan.viscosity, functions: plan.radii.iter().map(of_radius).collect() }
     }
 
-    /// What a particle adds to the velocity at `x` from it, as in [`crate::near`].
+    /// Near-field velocity at `x` from a particle, as in [`crate::near`].
     fn velocity(&self, from: &Image, x: Vector) -> Vector {
         let (square, (exact, table)) = (x.length_squared(), &self.functions[from.class as usize]);
         let f = table.as_ref().map_or_else(|| exact.exact(square), |table| table.evaluate(square));

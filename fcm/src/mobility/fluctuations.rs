@@ -1,4 +1,4 @@
-//! Random motions whose covariance is the mobility, and its divergence.
+//! Random motions whose covariance is the mobility, and the divergence of the mobility.
 
 use super::{Evaluation, Mobility};
 use crate::far::Wanted;
@@ -10,21 +10,22 @@ use domain::{Boundaries, Particles, PeriodicBox, Tensor, Traceless, Vector};
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
-/// Iterations for a root at most: that of the near field is well conditioned, and takes ten or twenty, as that of the whole mobility
-/// does where spheres are not many or momentum is lost to walls.
+/// Largest number of iterations for a square root. The near field is well conditioned and takes ten or twenty, and so
+/// does the whole mobility if there are not many spheres or walls absorb momentum.
 const MOST_ITERATIONS: usize = 100;
 
-/// Components of a motion with dipoles and of one without.
+/// Number of components of a motion with dipoles, and without.
 const WITH_DIPOLES: usize = 11;
 const WITHOUT: usize = 3;
 
 impl Mobility {
-    /// Random motions of the particles of these ids, which are in place, whose covariance is the mobility itself: velocities, and
-    /// with dipoles angular velocities and rates of strain. Collective.
+    /// Random motions of the arranged particles with these ids, whose covariance is the mobility itself: velocities,
+    /// and with dipoles angular velocities and rates of strain. Collective.
     ///
-    /// In a box that repeats along all axes the far field has its root mode by mode, see [`solver::Transform::noise`], and
-    /// interpolation is the adjoint of spreading; the near field's root, if there is one, is applied by Lanczos's iteration, to a
-    /// tolerance. In all other boxes the root of the whole mobility is, for an evaluation in each iteration.
+    /// In a box that is periodic along all axes the square root of the far field is taken mode by mode, see
+    /// [`solver::Transform::noise`], and interpolation is the adjoint of spreading; the square root of the near
+    /// field, if there is one, is applied by Lanczos' iteration, to a tolerance. In all other boxes Lanczos'
+    /// iteration applies the square root of the whole mobility, with one evaluation per iteration.
     pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
         if self.plan.boundaries != Boundaries::Periodic {
             return self.whole_noise(ids, tolerance, stream);
@@ -44,7 +45,7 @@ impl Mobility {
             sum
         });
         let mut motion = noise::motion(sum);
-        // The unit of a velocity's variance is that of the mobility.
+        // The variance of a velocity has the unit of the mobility.
         let [velocity, rate] =
             [self.units.length, self.units.length.powi(3)].map(|size| (size * self.units.viscosity).sqrt().recip());
         motion.velocities.iter_mut().for_each(|v| *v *= velocity);
@@ -53,7 +54,7 @@ impl Mobility {
         (self.with_dipoles_or_not(motion), drawn)
     }
 
-    /// The near field's part. Collective.
+    /// Near-field part. Collective.
     fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Vec<Components>, Drawn) {
         let Some(near) = &self.near else { return (Vec::new(), Drawn::default()) };
         let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
@@ -82,7 +83,7 @@ impl Mobility {
         (scales.times(&root), drawn)
     }
 
-    /// By the root of the whole mobility. Collective.
+    /// Random motions by the square root of the whole mobility. Collective.
     fn whole_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
         let (comm, has_dipoles) = (self.partition.comm().clone(), self.has_dipoles());
         let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
@@ -116,8 +117,8 @@ impl Mobility {
         (self.with_dipoles_or_not(noise::motion(scales.times(&root).into_iter())), drawn)
     }
 
-    /// The divergence of the mobility from forces to motions, by the coordinates of all particles, which is not zero where walls are:
-    /// that of each in itself, by its images. None without walls.
+    /// Divergence of the mobility from forces to motions with respect to the positions of all particles. It vanishes
+    /// without walls (`None`); near walls it is that of each sphere's own images.
     pub fn divergence_at_walls(&mut self, cell: &PeriodicBox, particles: &Particles) -> Option<Motion> {
         if self.plan.boundaries.walls() == 0 {
             return None;
@@ -134,7 +135,7 @@ impl Mobility {
         self.plan.multipoles == Multipoles::Dipole
     }
 
-    /// How many of the components of a motion there are.
+    /// Number of components of a motion.
     fn components(&self) -> usize {
         if self.has_dipoles() { WITH_DIPOLES } else { WITHOUT }
     }
@@ -146,7 +147,7 @@ impl Mobility {
         motion
     }
 
-    /// The random numbers that a root is applied to.
+    /// Random numbers to which a square root is applied.
     fn start(&self, ids: &[u64], stream: Stream) -> Vec<Components> {
         let kept = self.components();
         let numbers = |&id: &u64| {
@@ -158,7 +159,7 @@ impl Mobility {
     }
 }
 
-/// The roots of the mobilities of single spheres, by which all components are about equally large.
+/// Square roots of the mobilities of single spheres, by which components are scaled to similar size.
 struct Scales(Vec<[f64; 3]>);
 
 impl Scales {
@@ -187,7 +188,7 @@ impl Scales {
     }
 }
 
-/// A velocity and its gradient by components.
+/// Velocity, angular velocity and rate of strain as components, from a velocity and its gradient.
 fn components((velocity, gradient): &(Vector, Tensor)) -> Components {
     let (turn, strain) = (angular_velocity(gradient), noise::orthonormal(Traceless::part_of(gradient)));
     let mut components = [0.0; WITH_DIPOLES];

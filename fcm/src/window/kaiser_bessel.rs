@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-/// Derivatives of a window that are needed at most, its value among them.
+/// Largest number of derivatives of a window that are needed, its value included.
 pub(crate) const DERIVATIVES: usize = 4;
 
-/// `I_0(beta sqrt(1 - (2x/P)^2)) / I_0(beta)` for `|x| <= P/2`, in units of the grid's spacing, and zero beyond (Kaiser
-/// & Schafer 1980; as a gridding window Jackson et al. 1991). Within its support it is an entire function of `x`.
+/// `I_0(beta sqrt(1 - (2x/P)^2)) / I_0(beta)` for `|x| <= P/2`, in units of the grid's spacing, and zero beyond
+/// (Kaiser & Schafer 1980; as a gridding window Jackson et al. 1991). Within its support it is an entire function of
+/// `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Window {
     points: usize,
@@ -17,29 +18,29 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// Least and most points that a window can have.
+    /// Smallest and largest number of points of a window.
     pub const POINTS: [usize; 2] = [2, 16];
 
-    /// The window of so many points that serves a Gaussian of the width `Sigma`, `resolution` grid spacings, best.
+    /// Window of `points` points that suits a Gaussian of width `Sigma`, `resolution` grid spacings, best.
     ///
-    /// The transform of the window is compact up to `2 beta / P`. What folds onto a wavenumber `k` comes from
-    /// `2 pi - k` on, and matters where `exp(-k^2 Sigma^2 / 2)` does, which is up to some `k Sigma`, the larger the
-    /// smaller the error that so many points can have: a fit, whose errors
+    /// The transform of the window is compact up to `2 beta / P`. Wavenumbers from `2 pi - k` on alias onto `k`,
+    /// which matters where `exp(-k^2 Sigma^2 / 2)` does: up to some `k Sigma` that is the larger, the smaller the
+    /// error that the number of points permits. The shape is a fit, whose errors
     /// `cargo run --release -p fcm --example errors` prints for 4 to 16 points.
     pub fn new(points: usize, resolution: f64) -> Self {
         let highest = (0.86 + (0.4 * points as f64 - 1.38) / resolution) / resolution;
         let shape = 0.5 * points as f64 * (2.0 * PI - highest);
-        // So that the transform has no zero up to the highest wavenumber, pi.
+        // Keeps the transform free of zeros up to the highest wavenumber, pi.
         let shape = shape.max(1.7 * points as f64);
         Self { points, shape, peak: bessel_i0(shape) }
     }
 
-    /// Its points.
+    /// Number of points `P`.
     pub fn points(self) -> usize {
         self.points
     }
 
-    /// Its value and its first three derivatives at a distance `x` of at most `P/2`.
+    /// Value and first three derivatives at a distance `x` of at most `P/2`.
     ///
     /// `I_0(z) = h_0(z^2/4)` with `h_m' = h_(m+1)`, and `z^2/4` is a parabola of `x`.
     pub fn derivatives(self, x: f64) -> [f64; DERIVATIVES] {
@@ -53,8 +54,8 @@ impl Window {
         [f, slope * f1, second, third].map(|value| value / self.peak)
     }
 
-    /// Its transform, `P sinh(v) / (v I_0(beta))`, `v^2 = beta^2 - (k P / 2)^2`, at the wavenumber `k` in units of the
-    /// inverse spacing.
+    /// Fourier transform, `P sinh(v) / (v I_0(beta))`, `v^2 = beta^2 - (k P / 2)^2`, at the wavenumber `k` in units
+    /// of the inverse spacing.
     pub fn transform(self, k: f64) -> f64 {
         let half = 0.5 * self.points as f64;
         let square = self.shape * self.shape - k * k * half * half;
@@ -69,7 +70,7 @@ impl Window {
         2.0 * half * quotient / self.peak
     }
 
-    /// Its transform at the imaginary wavenumber `i k`, and `k` times the logarithmic derivative of that by `k`.
+    /// Transform at the imaginary wavenumber `i k`, and `k` times its logarithmic derivative by `k`.
     pub fn growth(self, k: f64) -> [f64; 2] {
         let half = 0.5 * self.points as f64;
         let root = (self.shape * self.shape + k * k * half * half).sqrt();
@@ -77,7 +78,7 @@ impl Window {
         [2.0 * half * root.sinh() / (root * self.peak), level]
     }
 
-    /// The mean of `x^2` over it.
+    /// Mean of `x^2` over the window.
     pub fn second_moment(self) -> f64 {
         let half = 0.5 * self.points as f64;
         half * half * (1.0 / self.shape.tanh() - 1.0 / self.shape) / self.shape
@@ -88,13 +89,13 @@ impl Window {
         self.shape
     }
 
-    /// What the window has at its ends: about the least error that it can have.
+    /// Value of the window at its ends: about the least error that it can have.
     pub fn end(self) -> f64 {
         1.0 / self.peak
     }
 }
 
-/// The modified Bessel function of the first kind.
+/// Modified Bessel function `I_0` of the first kind.
 fn bessel_i0(x: f64) -> f64 {
     hypergeometric(0.25 * x * x)[0]
 }
@@ -168,7 +169,7 @@ mod tests {
             (0..count).map(|i| weight(x(i)) * window.derivatives(x(i))[0]).sum::<f64>() * step
         };
         let [transform, level] = window.growth(k);
-        // The midpoint rule errs by the jumps of the window's slope at its ends.
+        // The midpoint rule has an error by the jumps of the window's slope at its ends.
         assert!((transform / integral(&|x| (k * x).exp()) - 1.0).abs() < 1e-7);
         assert!((level * transform / integral(&|x| k * x * (k * x).exp()) - 1.0).abs() < 1e-7);
         assert!((window.second_moment() * integral(&|_| 1.0) / integral(&|x| x * x) - 1.0).abs() < 1e-7);

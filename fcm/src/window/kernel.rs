@@ -1,14 +1,15 @@
-//! Stencils of windows.
+//! Spreading and interpolation with windows.
 //!
-//! What a particle spreads of component `c` at the point `(X, y, z)` of the lattice relative to it is a sum
+//! Component `c` of a particle's spread load at the point `(X, y, z)` of the lattice relative to it is a sum
 //!
 //! ```text
 //! sum_nml  K_c,nml  p_n(X) p_m(y) p_l(z),      n + m + l <= ORDER
 //! ```
 //!
-//! of products of the window's derivatives `p_n`, with few coefficients `K` that the load and the class decide. On a
-//! row that is a sum over `n` of the vectors `p_n(X)`, whose coefficients are worked out for all rows of a plane at
-//! once, out of coefficients that are worked out for all planes at once. Interpolation goes the same way back.
+//! of products of the window's derivatives `p_n`, with a few coefficients `K` that depend on the load and the class.
+//! On a row that is a sum over `n` of the vectors `p_n(X)`. Their coefficients are computed for all rows of a plane
+//! at once, from coefficients that are computed for all planes at once. Interpolation runs through the same steps in
+//! reverse.
 
 use crate::kernel::{ELSEWHERE, Kernel, Load, Slab, Starts, Weighed};
 use crate::stencil::Place;
@@ -19,26 +20,26 @@ use crate::window::lattice::{SECOND, Slants, UPRIGHT};
 use solver::simd::Vector as Lanes;
 use solver::{Memory, Real};
 
-/// The kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for
-/// forces and dipoles of envelopes of other widths.
+/// Kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for forces
+/// and dipoles of envelopes of other widths.
 pub(crate) struct Windowed<'a, T, const ORDER: usize>(pub &'a Lattice<T>);
 
-/// The window's derivatives along the axes, where the stencil is in the slab, and coefficients.
+/// Derivatives of the window along the axes, offsets of the stencil in the slab, and coefficients.
 #[derive(Default)]
 pub(crate) struct Scratch<T: Real> {
     axes: [Memory<T>; 3],
     starts: Starts,
-    /// For all planes, by pair of derivatives along x and y and by component.
+    /// Coefficients for all planes, by pair of derivatives along x and y and by component.
     of_planes: Memory<T>,
-    /// For all rows of a plane, by derivative along x and by component.
+    /// Coefficients for all rows of a plane, by derivative along x and by component.
     of_rows: Memory<T>,
     totals: Totals<T>,
 }
 
-/// Pairs of orders of derivatives whose sum is at most three.
+/// Number of pairs of orders of derivatives whose sum is at most three.
 const PAIRS: usize = 10;
 
-/// The place of a pair.
+/// Index of a pair.
 const fn pair(first: usize, second: usize) -> usize {
     [0, 4, 7, 9][first] + second
 }
@@ -47,10 +48,11 @@ const fn pair(first: usize, second: usize) -> usize {
 type Coefficients<T> = [[[[T; 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
 
 impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
-    /// Orders of derivatives, 0 among them.
+    /// Number of orders of derivatives, 0 included.
     const ORDERS: usize = ORDER + 1;
 
-    /// Prepares a particle's stencil; returns where its last row ends in the slab, or nothing if it touches none.
+    /// Prepares a particle's stencil; returns the end of its last row in the slab, or `None` if no row is in the
+    /// slab.
     #[inline(always)]
     fn prepare<V: Lanes<T>, const WIDTH: usize, X>(
         &self,
@@ -77,7 +79,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         Some(last + lanes)
     }
 
-    /// The coefficients of a load of a particle of a class.
+    /// Coefficients of a load of a particle of a class.
     #[inline(always)]
     fn coefficients(&self, class: u32, load: &Load<T>) -> Coefficients<T> {
         let mut all = [[[[T::default(); 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
@@ -98,7 +100,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         all
     }
 
-    /// Works out what the planes need of the coefficients.
+    /// Computes the coefficients of the planes.
     #[inline(always)]
     fn write_planes<V: Lanes<T>, const WIDTH: usize>(scratch: &mut Scratch<T>, coefficients: &Coefficients<T>) {
         let lanes = WIDTH * V::LANES;
@@ -123,7 +125,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         }
     }
 
-    /// Works out what the rows of a plane need.
+    /// Computes the coefficients of the rows of a plane.
     #[inline(always)]
     fn write_rows<V: Lanes<T>, const WIDTH: usize>(scratch: &mut Scratch<T>, plane: usize) {
         let lanes = WIDTH * V::LANES;
@@ -158,7 +160,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             return;
         };
         let components = slab.components.each_mut().map(|component| {
-            // Checked once a particle, not at every row.
+            // Checked once per particle, not at every row.
             assert!(end <= component.len(), "a stencil ends within its planes");
             component.as_mut_ptr()
         });
@@ -265,7 +267,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         self.weighed(scratch.totals.of(&totals))
     }
 
-    /// The window's derivatives along x.
+    /// Derivatives of the window along x.
     #[inline(always)]
     fn columns<V: Lanes<T>, const WIDTH: usize>(axis: &Memory<T>) -> [[V; WIDTH]; DERIVATIVES] {
         let mut columns = [[V::splat(T::default()); WIDTH]; DERIVATIVES];
@@ -279,7 +281,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         columns
     }
 
-    /// From derivatives along the lattice to those along the axes.
+    /// Converts derivatives along the lattice to those along the axes.
     #[inline(always)]
     fn weighed(&self, totals: [T; 12]) -> Weighed<T> {
         let ([x, y, z], Slants { s, r, f }) = self.0.slopes();

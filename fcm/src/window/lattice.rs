@@ -1,18 +1,18 @@
-//! The grid as a window sees it.
+//! Grid and window in lattice coordinates.
 
 use crate::envelope::{Common, Envelope};
 use crate::window::Window;
 use crate::window::pieces::Pieces;
 use solver::{Grid, Real};
 
-/// The derivatives of second order that the Laplacian has in lattice coordinates; the last two, where the lattice leans.
+/// Second derivatives of the Laplacian in lattice coordinates; the last two only in a tilted lattice.
 pub(crate) const SECOND: [[usize; 3]; 6] = [[2, 0, 0], [1, 1, 0], [0, 2, 0], [0, 0, 2], [1, 0, 1], [0, 1, 1]];
 
-/// How many of these a lattice has whose third vector is upright.
+/// Number of these for a lattice that is not tilted.
 pub(crate) const UPRIGHT: usize = 4;
 
-/// A window on a grid: derivatives along its lattice coordinates `X`, `Y` and `Z`, in units of the spacings. By those, along
-/// the box's axes,
+/// Window on a grid. Its derivatives are along the lattice coordinates `X`, `Y` and `Z`, in units of the spacings.
+/// The derivatives along the box's axes are
 ///
 /// ```text
 /// d/dx = d/dX,      d/dy = d/dY - s d/dX,      d/dz = d/dZ - r d/dY - f d/dX,      f = t - s r
@@ -20,20 +20,21 @@ pub(crate) const UPRIGHT: usize = 4;
 #[derive(Debug, Clone)]
 pub(crate) struct Lattice<T> {
     pub points: [usize; 3],
-    /// Points along x by which a row begins before the last one, see [`Grid::row_shift`].
+    /// Points along x by which each row begins before the previous one, see [`Grid::row_shift`].
     pub row_shift: usize,
     pub window: Window,
     pub pieces: Pieces<T>,
     /// Inverse spacings.
     pub inverse: [f64; 3],
     pub slants: Slants<f64>,
-    /// Whether the third lattice vector is not upright.
+    /// Whether the third lattice vector is tilted.
     pub leans: bool,
-    /// Those of `1 - (d - D)/2 lap` beyond the 1, by [`SECOND`], of the monopole and the dipole by class of radius.
+    /// Coefficients of `1 - (d - D)/2 lap` apart from the 1, by [`SECOND`], of the monopole and the dipole by class
+    /// of radius.
     smoothing: Vec<[[T; SECOND.len()]; 2]>,
 }
 
-/// How a lattice slants: `s`, `r` and `f`.
+/// Strain and tilts of a lattice: `s`, `r` and `f`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slants<T> {
     pub s: T,
@@ -71,19 +72,19 @@ impl<T: Real> Lattice<T> {
         Self { points, row_shift, window, pieces, inverse, slants, leans, smoothing }
     }
 
-    /// The highest order of derivatives that forces or dipoles or both need.
+    /// Highest order of derivatives that forces, dipoles or both need.
     pub fn order(&self, forces: bool, dipoles: bool) -> usize {
         let of_forces = if self.is_common(0) { 0 } else { 2 };
         let of_dipoles = if self.is_common(1) { 1 } else { 3 };
         usize::max(if forces { of_forces } else { 0 }, if dipoles { of_dipoles } else { 0 })
     }
 
-    /// Whether all monopoles, 0, or all dipoles, 1, are the common Gaussian without more.
+    /// Whether all monopoles (0), or all dipoles (1), have the common Gaussian without a bracket of their own.
     fn is_common(&self, multipole: usize) -> bool {
         self.smoothing.iter().all(|class| class[multipole][2].to_f64().abs() < 1e-14)
     }
 
-    /// `1/h` along each axis, and how the lattice slants.
+    /// `1/h` along each axis, and the strain and tilts of the lattice.
     #[inline(always)]
     pub fn slopes(&self) -> ([T; 3], Slants<T>) {
         let ([x, y, z], Slants { s, r, f }) = (self.inverse, self.slants);
@@ -91,7 +92,7 @@ impl<T: Real> Lattice<T> {
         ([T::from_f64(x), T::from_f64(y), T::from_f64(z)], slants)
     }
 
-    /// `1 - (d - D)/2 lap` beyond the 1, by [`SECOND`], for a class's monopole, 0, or dipole, 1.
+    /// Coefficients of `1 - (d - D)/2 lap` apart from the 1, by [`SECOND`], for a class's monopole (0) or dipole (1).
     #[inline(always)]
     pub fn smoothing(&self, class: u32, multipole: usize) -> [T; SECOND.len()] {
         self.smoothing[class as usize][multipole]

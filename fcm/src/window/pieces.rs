@@ -1,4 +1,4 @@
-//! A window as polynomials.
+//! Piecewise polynomial approximation of a window.
 
 use crate::window::Window;
 use crate::window::kaiser_bessel::DERIVATIVES;
@@ -6,18 +6,18 @@ use solver::simd::Vector as Lanes;
 use solver::{Memory, Real};
 use std::f64::consts::PI;
 
-/// A window's values and derivatives at the points of a stencil: for each point a polynomial of where the particle is
-/// between two points of the grid, the same place for all, so that a vector of points is worked out at once.
+/// Values and derivatives of a window at the points of a stencil: for each point a polynomial in the particle's
+/// offset between two grid points, which is the same for all points, so that a vector of points is evaluated at once.
 #[derive(Debug, Clone)]
 pub(crate) struct Pieces<T> {
     points: usize,
-    /// Points of whole vectors; those that the window has not are zero.
+    /// Points padded to whole vectors; the padding is zero.
     lanes: usize,
-    /// By derivative.
+    /// Polynomials by order of derivative.
     series: [Series<T>; DERIVATIVES],
 }
 
-/// Polynomials of one degree: their coefficients from the highest on, each a row of lanes.
+/// Polynomials of one degree: coefficients from the highest on, each a row of lanes.
 #[derive(Debug, Clone)]
 struct Series<T> {
     rows: usize,
@@ -25,7 +25,7 @@ struct Series<T> {
 }
 
 impl<T: Real> Pieces<T> {
-    /// Of polynomials that are as exact as the window is good.
+    /// Polynomials as accurate as the window itself.
     pub fn new(window: Window) -> Self {
         let points = window.points();
         let lanes = if points <= T::LANES / 2 { T::LANES / 2 } else { points.next_multiple_of(T::LANES) };
@@ -44,13 +44,13 @@ impl<T: Real> Pieces<T> {
         Self { points, lanes, series: std::array::from_fn(series) }
     }
 
-    /// Points of whole vectors.
+    /// Points padded to whole vectors.
     pub fn lanes(&self) -> usize {
         self.lanes
     }
 
-    /// Writes so many derivatives, the value among them, at the points of stencils along three axes, whose first are
-    /// `offsets` spacings from the particle, each a row of lanes.
+    /// Writes the derivatives of `orders` orders, the value included, at the points of stencils along three axes,
+    /// whose first points are at `offsets` spacings from the particle; each order is a row of lanes.
     ///
     /// # Safety
     /// The lanes are `WIDTH` vectors, and there is room.
@@ -83,11 +83,12 @@ impl<T: Real> Pieces<T> {
     }
 }
 
-/// Chebyshev nodes by which a window is sampled between two points of the grid.
+/// Number of Chebyshev nodes at which a window is sampled between two grid points.
 const NODES: usize = 32;
 
-/// The window and its derivatives at a point of the stencil as polynomials of `t`, from -1, where the first point is
-/// half the window away from the particle, to 1, where it is a spacing nearer: coefficients from the constant on.
+/// Polynomials in `t` of the window and its derivatives at a point of the stencil: `t` runs from -1, where the first
+/// point is half the window away from the particle, to 1, where it is one spacing nearer. Coefficients begin with the
+/// constant.
 fn polynomials(window: Window, point: usize) -> [Vec<f64>; DERIVATIVES] {
     let half = 0.5 * window.points() as f64;
     let angle = |i: usize| PI * (i as f64 + 0.5) / NODES as f64;
@@ -100,7 +101,7 @@ fn polynomials(window: Window, point: usize) -> [Vec<f64>; DERIVATIVES] {
     std::array::from_fn(|derivative| monomials(&(0..NODES).map(|n| chebyshev(derivative, n)).collect::<Vec<_>>()))
 }
 
-/// A Chebyshev series, without what is round-off, as a polynomial.
+/// Chebyshev series as a polynomial in powers, without terms at round-off.
 fn monomials(series: &[f64]) -> Vec<f64> {
     let scale = series.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     let last = series.iter().rposition(|c| c.abs() > 1e-15 * scale).unwrap_or(0);
@@ -118,7 +119,7 @@ fn monomials(series: &[f64]) -> Vec<f64> {
     polynomial
 }
 
-/// The degree from which on a polynomial adds less than `enough`.
+/// Degree beyond which a polynomial's terms add less than `enough`.
 fn degree(polynomial: &[f64], enough: f64) -> usize {
     let mut rest = 0.0;
     for (power, coefficient) in polynomial.iter().enumerate().rev() {

@@ -5,8 +5,8 @@ use domain::Traceless;
 use fcm::{Loads, Motion};
 
 impl Suspension {
-    /// The stresslets that cancel the background's and the loads' rate of strain in every particle, and the motion that
-    /// follows.
+    /// Stresslets that cancel the rate of strain of the background and the loads in every particle, and the resulting
+    /// motion.
     pub fn rigid(&self, loads: &Loads, background: Traceless) -> (Vec<Traceless>, Motion) {
         let size = 5 * self.positions.len();
         let mut matrix = vec![vec![0.0; size + 1]; size];

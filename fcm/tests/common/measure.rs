@@ -1,11 +1,11 @@
-//! The error of an answer: the 2-norm of its difference from the exact one over the 2-norm of that, over all particles
-//! and components.
+//! Error of an answer: 2-norm of its difference from the exact one, over the 2-norm of the exact one, over all
+//! particles and components.
 
 use super::Suspension;
 use domain::{Traceless, Vector};
 use fcm::Motion;
 
-/// `|found - exact| / |exact|`; zero where both are.
+/// `|found - exact| / |exact|`; zero if both vanish.
 pub fn error(found: &[f64], exact: &[f64]) -> f64 {
     assert_eq!(found.len(), exact.len());
     let difference: f64 = found.iter().zip(exact).map(|(a, b)| (a - b) * (a - b)).sum();
@@ -31,13 +31,13 @@ pub fn errors(found: &Motion, exact: &Motion) -> [f64; 3] {
     ]
 }
 
-/// The largest of the three; infinite where one is no number.
+/// Largest of the three errors; infinite if one is NaN.
 pub fn worst(found: &Motion, exact: &Motion) -> f64 {
     let infinite = |error: f64| if error.is_nan() { f64::INFINITY } else { error };
     errors(found, exact).into_iter().map(infinite).fold(0.0, f64::max)
 }
 
-/// One motion less another.
+/// Difference of two motions.
 pub fn difference(found: &Motion, exact: &Motion) -> Motion {
     let mut difference = found.clone();
     difference.velocities.iter_mut().zip(&exact.velocities).for_each(|(a, b)| *a -= b);
@@ -46,7 +46,7 @@ pub fn difference(found: &Motion, exact: &Motion) -> Motion {
     difference
 }
 
-/// The sizes of the parts of a motion at the surfaces of the particles, `(V, a Omega, a E)`: comparable, whatever moves
+/// Norms of the parts of a motion at the surfaces of the particles, `(V, a Omega, a E)`: comparable, whatever moves
 /// the particles.
 pub fn at_surfaces(suspension: &Suspension, motion: &Motion) -> [f64; 3] {
     let mut squares = [0.0; 3];

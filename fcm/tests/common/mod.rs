@@ -1,5 +1,5 @@
-//! What the tests have in common: suspensions, exact answers that share nothing with the library but its types, and the
-//! measure of an error.
+//! Common parts of the tests: suspensions, exact answers that share only types with the library, and measures of the
+//! error.
 
 #![allow(dead_code, unused_imports, reason = "each test uses a part of it")]
 

@@ -1,11 +1,11 @@
-//! Answers of several ranks, put together.
+//! Collected answers of several ranks.
 
 use super::Suspension;
 use domain::{Comm, Particles, Partition, Traceless, Vector};
 use fcm::{Loads, Motion, Plan};
 
-/// Shares out the particles and loads of a suspension among a table of ranks, lets each answer with motions and
-/// stresslets of the particles that it owns, and puts the answers in the order of the suspension.
+/// Distributes the particles and loads of a suspension over a table of ranks, calls `answer` on each for motions and
+/// stresslets of the particles that it owns, and returns the answers in the order of the suspension.
 pub fn on_ranks(
     suspension: &Suspension,
     (plan, table): (&Plan, [usize; 2]),

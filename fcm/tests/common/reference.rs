@@ -1,10 +1,10 @@
-//! Tables of spheres, what acts on them and how they move.
+//! Tables of spheres with their loads and motions.
 
 use super::Suspension;
 use domain::{PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 
-/// Rigid spheres of radius, position, force and torque, and their velocities, angular velocities and stresslets.
+/// Rigid spheres with radius, position, force and torque, and their velocities, angular velocities and stresslets.
 pub struct Reference {
     pub suspension: Suspension,
     pub loads: Loads,
@@ -13,7 +13,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// From the text of a table, in a box.
+    /// Parses the text of a table of spheres in a box.
     pub fn read(text: &str, cell: PeriodicBox) -> Self {
         let rows: Vec<Vec<f64>> = text
             .lines()
@@ -21,7 +21,7 @@ impl Reference {
             .map(|line| line.split(',').map(|number| number.trim().parse().unwrap()).collect())
             .collect();
         let vectors = |first: usize| rows.iter().map(|row| Vector::from_slice(&row[first..first + 3])).collect();
-        // xx, xy, xz, yy and yz of six.
+        // Columns xx, xy, xz, yy and yz of six.
         let stresslets = rows.iter().map(|row| Traceless(std::array::from_fn(|i| row[16 + i]))).collect();
         Self {
             suspension: Suspension {

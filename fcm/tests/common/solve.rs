@@ -1,4 +1,4 @@
-//! Rigid spheres by the library, on one rank.
+//! Rigid spheres solved by the library, on one rank.
 
 use super::{Suspension, error, tensors, vectors};
 use domain::{Comm, Partition, Traceless};

@@ -1,4 +1,4 @@
-//! Particles in a box, what acts on them, and how the library moves them.
+//! Particles in a box, their loads, and their motion by the library.
 
 use domain::{Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector, random_packing};
 use fcm::{Costs, Evaluation, Fixed, Loading, Loads, Mobility, Motion, Multipoles, Plan, Problem};
@@ -13,20 +13,20 @@ pub struct Suspension {
 }
 
 impl Suspension {
-    /// `count` particles of radii 1 and `ratio` in turn at random places without overlap.
+    /// `count` particles of radii 1 and `ratio` alternately at random positions without overlap.
     pub fn random(count: usize, ratio: f64, cell: PeriodicBox, seed: u64) -> Self {
         let radii: Vec<f64> = (0..count).map(|i| if i % 2 == 0 { 1.0 } else { ratio }).collect();
         let positions = random_packing(&cell, &radii, 0.0, seed).unwrap();
         Self { cell, viscosity: 1.3, positions, radii }
     }
 
-    /// One particle of radius 1 somewhere between the points of any grid.
+    /// One particle of radius 1 at a position that is no point of any grid.
     pub fn single(edge: f64) -> Self {
         let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
         Self { cell, viscosity: 0.7, positions: vec![Vector::new(0.123, 0.456, 0.789) * edge], radii: vec![1.0] }
     }
 
-    /// Random loads of the sizes that matter: forces like `a`, torques and stresslets like `a^2`.
+    /// Random loads of comparable effect: forces proportional to `a`, torques and stresslets to `a^2`.
     pub fn loads(&self, seed: u64) -> Loads {
         let mut random = Random::new(seed, 0xABCD);
         let mut loads = Loads::default();
@@ -39,7 +39,7 @@ impl Suspension {
         loads
     }
 
-    /// What a planner is asked.
+    /// Problem for the planner.
     pub fn problem(&self, tolerance: f64) -> Problem {
         Problem {
             edges: self.cell.edges(),
@@ -63,24 +63,24 @@ impl Suspension {
         }
     }
 
-    /// The plan for a tolerance.
+    /// Plan for a tolerance.
     pub fn plan(&self, tolerance: f64, fixed: Fixed) -> Plan {
         Plan::choose(&Problem { fixed, ..self.problem(tolerance) }).unwrap()
     }
 
-    /// The mobility of these particles, on one rank.
+    /// Mobility of these particles, on one rank.
     pub fn mobility(&self, plan: &Plan) -> Mobility {
         let mut mobility = Mobility::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
         mobility.arrange(&self.cell, &self.particles());
         mobility
     }
 
-    /// The motion by the library, on one rank.
+    /// Motion by the library, on one rank.
     pub fn evaluate(&self, plan: &Plan, loads: &Loads) -> Motion {
         self.mobility(plan).apply(loads, Evaluation::All)
     }
 
-    /// The particles as a store, their ids those of their rows here.
+    /// The particles as a store, with their rows as ids.
     pub fn particles(&self) -> Particles {
         let mut particles = Particles::default();
         for (id, (&position, &radius)) in self.positions.iter().zip(&self.radii).enumerate() {
@@ -89,7 +89,7 @@ impl Suspension {
         particles
     }
 
-    /// The same particles displaced all alike, brought back into the box.
+    /// The same particles, all displaced by the same vector and wrapped into the box.
     #[must_use]
     pub fn displaced(&self, by: Vector) -> Self {
         let positions = self.positions.iter().map(|&p| self.cell.wrap(p + by).0).collect();

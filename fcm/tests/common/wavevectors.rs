@@ -1,4 +1,4 @@
-//! The force-coupling method by a plain sum over wavevectors: no grid, no splitting.
+//! Force-coupling method by a plain sum over wavevectors, without grid or splitting.
 
 use super::Suspension;
 use domain::{Tensor, Traceless, Vector};
@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 /// The sum ends where `exp(-k^2 sigma'^2)` of the smallest dipole envelope is `exp(-34)`, 2e-15.
 const EXPONENT: f64 = 34.0;
 
-/// What a particle applies, `F` and `G`, and the widths of its envelopes.
+/// Load `F` and `G` of a particle, and the widths of its envelopes.
 struct Source {
     position: Vector,
     force: Vector,
@@ -25,7 +25,7 @@ impl Suspension {
         for k in self.wavevectors() {
             add_mode(k, &sources, &mut factors, &mut flow);
         }
-        // Each wavevector stands for its opposite, too.
+        // Each wavevector also stands for its opposite.
         let scale = 2.0 / (self.cell.volume() * self.viscosity);
         let gradients: Vec<Tensor> = flow.iter().map(|f| f.1 * scale).collect();
         Motion {
@@ -47,7 +47,7 @@ impl Suspension {
         }
     }
 
-    /// One of each pair of opposite wavevectors, up to where nothing is left.
+    /// One of each pair of opposite wavevectors, up to where the envelopes vanish.
     fn wavevectors(&self) -> impl Iterator<Item = Vector> {
         let smallest = self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = EXPONENT.sqrt() / (smallest / (6.0 * PI.sqrt()).cbrt());
@@ -70,7 +70,7 @@ impl Suspension {
 }
 
 /// Adds `Re[u exp(i k.Y)]` and its gradient with `u = (I - k k/k^2)/k^2 sum (F w + i G.k w') exp(-i k.Y)`, averaged
-/// over the envelopes. `factors` is room for `w cos, w sin, w' cos, w' sin` of each particle.
+/// over the envelopes. `factors` is working memory for `w cos, w sin, w' cos, w' sin` of each particle.
 fn add_mode(k: Vector, sources: &[Source], factors: &mut Vec<[f64; 4]>, flow: &mut [(Vector, Tensor)]) {
     let square = k.length_squared();
     factors.clear();
@@ -92,7 +92,7 @@ fn add_mode(k: Vector, sources: &[Source], factors: &mut Vec<[f64; 4]>, flow: &m
     }
 }
 
-/// Of a gradient whose column `j` is `d_j u`.
+/// Half the curl from a gradient whose column `j` is `d_j u`.
 fn half_curl(d: &Tensor) -> Vector {
     0.5 * Vector::new(d.y_axis.z - d.z_axis.y, d.z_axis.x - d.x_axis.z, d.x_axis.y - d.y_axis.x)
 }

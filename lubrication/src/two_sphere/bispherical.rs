@@ -1,25 +1,25 @@
 //! Two moving spheres in bispherical coordinates: the exact solution, for any gap.
 //!
 //! Lengths in units of the focal distance `c`, `z = sinh(xi)/(cosh(xi) - cos(eta))`,
-//! `rho = sin(eta)/(cosh(xi) - cos(eta))`; sphere 1 is `xi = -alpha_1`, sphere 2 `xi = alpha_2`.
-//! With `m` the azimuthal order, the flow is `u = x Q/2 + v`, where the pressure `Q`, `v_z`, `v_rho + v_phi` and
-//! `v_rho - v_phi` are harmonic of orders `m`, `m`, `m + 1` and `m - 1` (Jeffery 1922; Dean & O'Neill 1963;
-//! O'Neill & Majumdar 1970), so each is
+//! `rho = sin(eta)/(cosh(xi) - cos(eta))`; sphere 1 is `xi = -alpha_1`, sphere 2 `xi = alpha_2`. With `m` the
+//! azimuthal order, the flow is `u = x Q/2 + v`, where the pressure `Q`, `v_z`, `v_rho + v_phi` and `v_rho - v_phi`
+//! are harmonic of orders `m`, `m`, `m + 1` and `m - 1` (Jeffery 1922; Dean & O'Neill 1963; O'Neill & Majumdar 1970),
+//! so each is
 //!
 //! ```text
 //! sqrt(cosh xi - cos eta) sum_n [a_n exp((n+1/2)(xi - alpha_2)) + b_n exp(-(n+1/2)(xi + alpha_1))] P_n^m(cos eta),
 //! ```
 //!
-//! the family `a` with its sources inside sphere 2, the family `b` inside sphere 1. On a sphere, the boundary condition
-//! gives all four from one unknown series, `y_n` of `z Q/2`. That `u` has no divergence is a recurrence for each family
-//! that couples `y_{n-1}`, `y_n`, `y_{n+1}` of both spheres: a block tridiagonal system, solved directly. Digits are
-//! lost like a power of `1/alpha`, hence the double-double numbers.
+//! with the sources of the family `a` inside sphere 2 and those of the family `b` inside sphere 1. On a sphere, the
+//! boundary condition gives all four from one unknown series, `y_n` of `z Q/2`. Incompressibility is a recurrence for
+//! each family that couples `y_{n-1}`, `y_n`, `y_{n+1}` of both spheres: a block tridiagonal system, solved directly.
+//! Digits are lost like a power of `1/alpha`, hence the double-double numbers.
 
 use super::double_double::DoubleDouble;
 use super::geometry::{Geometry, side};
 use super::tridiagonal::{self, Block, Row};
 
-/// A velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over
+/// Velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over
 /// `sqrt 2`.
 #[derive(Debug, Clone, Copy)]
 pub struct Drive {
@@ -61,7 +61,7 @@ impl Shape {
     }
 }
 
-/// Moments of the traction on one sphere about its centre, on the fluid, in units of viscosity and `c`.
+/// Moments of the traction of one sphere on the fluid about its centre, in units of viscosity and `c`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Load {
     /// Along `z` for `m = 0`, along `x` for `m = 1`.
@@ -72,7 +72,7 @@ pub struct Load {
     pub stresslet: DoubleDouble,
 }
 
-/// Loads on both spheres for each drive of azimuthal order `order`.
+/// Loads of both spheres for each drive of azimuthal order `order`.
 pub fn solve(geometry: &Geometry, order: usize, drives: &[Drive]) -> Vec<[Load; 2]> {
     let problem = Problem::new(geometry, order);
     let mut rows: Vec<Row> = (order..problem.decays.len() - 2).map(|n| problem.row(n, drives)).collect();
@@ -102,7 +102,7 @@ impl Problem<'_> {
         Problem { geometry, order, amplitudes: amplitudes.collect(), decays }
     }
 
-    /// The two equations (one a family) of degree `n`.
+    /// Two equations of degree `n`, one per family.
     fn row(&self, n: usize, drives: &[Drive]) -> Row {
         let mut row = Row::new(drives.len());
         for family in 0..2 {
@@ -119,7 +119,7 @@ impl Problem<'_> {
         row
     }
 
-    /// Degrees that enter the divergence at degree `n`, with the factor that refers their amplitudes to `n`.
+    /// Degrees in the divergence at degree `n`, with the factor that refers their amplitudes to `n`.
     fn neighbours(&self, n: usize, family: usize) -> impl Iterator<Item = (usize, DoubleDouble)> {
         let e = self.geometry.exponential[family];
         let one = DoubleDouble::from(1.0);
@@ -127,7 +127,8 @@ impl Problem<'_> {
         below.into_iter().chain([(n, one), (n + 1, one / e)])
     }
 
-    /// Adds what the unknowns of one sphere, through degree `k` of the four functions, give to the divergence at `n`.
+    /// Adds the contribution of the unknowns of one sphere, through degree `k` of the four functions, to the
+    /// divergence at `n`.
     fn couple(&self, row: &mut Row, (n, k): (usize, usize), (family, sphere): (usize, usize), amplitude: DoubleDouble) {
         let (x, m) = (n as f64, self.order as f64);
         let sign = side(family);
@@ -149,7 +150,7 @@ impl Problem<'_> {
         }
     }
 
-    /// What the prescribed velocity, through degree `k`, gives to the divergence at `n`.
+    /// Contribution of the prescribed velocity, through degree `k`, to the divergence at `n`.
     fn known(&self, n: usize, k: usize, family: usize, drive: &Drive) -> DoubleDouble {
         let (x, m) = (n as f64, self.order as f64);
         let (axial, raised, lowered) = if k == n + 1 {
@@ -195,7 +196,7 @@ impl Problem<'_> {
         stencil * (2.0 * side(sphere)) / self.geometry.sinh[sphere]
     }
 
-    /// Moments about the origin turned into loads about the sphere's centre.
+    /// Loads about the sphere's centre from moments about the origin.
     fn about_centre(&self, family: usize, [first, second, third]: [DoubleDouble; 3]) -> Load {
         let pi = DoubleDouble::pi();
         let sign = side(family);
@@ -218,7 +219,7 @@ impl Problem<'_> {
     }
 }
 
-/// Adds degree `n` to the sums that give force, stresslet and torque.
+/// Adds degree `n` to the sums of force, stresslet and torque.
 fn accumulate(sum: &mut [DoubleDouble; 3], order: usize, n: f64, [q, w]: [DoubleDouble; 2]) {
     let pair = n * (n + 1.0);
     match order {
@@ -239,9 +240,10 @@ fn ratio(x: DoubleDouble, numerator: f64, denominator: f64) -> DoubleDouble {
     x * numerator / DoubleDouble::from(denominator)
 }
 
-/// Torques along the line of centres, `[spinning sphere][sphere that bears]`, for unit angular velocity (Jeffery 1915).
+/// Torques along the line of centres, `[rotating sphere][sphere with the torque]`, for unit angular velocity (Jeffery
+/// 1915).
 ///
-/// The velocity is harmonic by itself, of order 1, so the two families follow from its values on the spheres.
+/// The velocity itself is harmonic, of order 1, so the two families follow from its values on the spheres.
 pub fn spin(geometry: &Geometry) -> [[f64; 2]; 2] {
     let problem = Problem::new(geometry, 1);
     let mut sums = [[DoubleDouble::default(); 2]; 2];
@@ -258,7 +260,7 @@ pub fn spin(geometry: &Geometry) -> [[f64; 2]; 2] {
 mod tests {
     use super::*;
 
-    /// Associated Legendre functions without the sign of Condon and Shortley.
+    /// Associated Legendre functions without the Condon-Shortley phase.
     fn legendre(n: usize, m: usize, x: f64) -> f64 {
         let sectoral = |l: usize| (0..l).map(|i| (2 * i + 1) as f64 * (1.0 - x * x).sqrt()).product::<f64>();
         if n < m {
@@ -272,7 +274,7 @@ mod tests {
         value
     }
 
-    /// The harmonic function of a family, degree and order, with coefficient 1, at `(rho, z)`.
+    /// Harmonic function of a family, degree and order, with coefficient 1, at `(rho, z)`.
     fn harmonic((family, n, m): (usize, usize, usize), [rho, z]: [f64; 2]) -> f64 {
         let square = rho * rho + z * z;
         let (xi, eta) = ((2.0 * z / (square + 1.0)).atanh(), (2.0 * rho).atan2(square - 1.0));
@@ -280,8 +282,8 @@ mod tests {
         (xi.cosh() - eta.cos()).sqrt() * growth * legendre(n, m, eta.cos())
     }
 
-    /// `d v_z/dz + d v_rho/drho + (v_rho + m v_phi) / rho` of one component by central differences, against the degrees
-    /// that `known` says it has.
+    /// `d v_z/dz + d v_rho/drho + (v_rho + m v_phi) / rho` of one component by central differences, against the
+    /// degrees of `known`.
     #[test]
     fn the_divergence_of_each_component_is_that_of_its_derivatives() {
         let (geometry, h) = (Geometry::new(1.5, 0.3), 1e-4);

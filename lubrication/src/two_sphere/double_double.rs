@@ -1,6 +1,6 @@
 //! Numbers of twice the precision of `f64` (about 31 digits), as an unevaluated sum of two.
 //!
-//! Dekker (1971) and Knuth's error-free sums and products.
+//! Error-free sums and products of Dekker (1971) and Knuth.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -28,7 +28,7 @@ impl DoubleDouble {
         root + (self - root * root) / (root + root)
     }
 
-    /// Normalise, where `|high| >= |low|`.
+    /// Normalises a sum with `|high| >= |low|`.
     fn fast(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: low - (sum - high) }

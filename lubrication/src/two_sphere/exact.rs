@@ -1,4 +1,4 @@
-//! The resistance functions at one gap, from the solution in bispherical coordinates.
+//! Resistance functions at one gap, from the solution in bispherical coordinates.
 
 use std::f64::consts::PI;
 
@@ -11,7 +11,7 @@ pub fn resistance(ratio: f64, gap: f64) -> ResistanceFunctions {
     of(&Geometry::new(ratio, gap), ratio)
 }
 
-/// Those of a sphere of radius 1 that moves at a positive, finite `gap` from a plane wall at rest.
+/// Functions of a sphere of radius 1 that moves at a positive, finite `gap` from a fixed plane wall.
 pub fn wall_resistance(gap: f64) -> WallFunctions {
     let both = of(&Geometry::at_wall(gap), 1.0);
     WallFunctions(both.0.map(|pairwise| pairwise[0][0]))
@@ -27,7 +27,7 @@ fn of(geometry: &Geometry, ratio: f64) -> ResistanceFunctions {
     functions
 }
 
-/// From `[moves][bears]` in units of the focal distance to the hatted normalisation, `[bears][moves]`.
+/// Converts `[moves][bears]` in units of the focal distance to the hatted normalisation, `[bears][moves]`.
 struct Scales {
     focus: f64,
     ratio: f64,

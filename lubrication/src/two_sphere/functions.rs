@@ -7,13 +7,13 @@ use std::ops::Index;
 pub enum Function {
     /// Force along the line of centres against velocity.
     XA,
-    /// Force across the line of centres against velocity.
+    /// Force normal to the line of centres against velocity.
     YA,
     /// Torque against velocity.
     YB,
     /// Torque along the line of centres against angular velocity.
     XC,
-    /// Torque across the line of centres against angular velocity.
+    /// Torque normal to the line of centres against angular velocity.
     YC,
     /// Axisymmetric stresslet against velocity.
     XG,
@@ -30,38 +30,38 @@ pub enum Function {
 }
 
 impl Function {
-    /// All of them, in the order of the tables.
+    /// All functions, in the order of the tables.
     pub const ALL: [Self; 11] =
         [Self::XA, Self::YA, Self::YB, Self::XC, Self::YC, Self::XG, Self::YG, Self::YH, Self::XM, Self::YM, Self::ZM];
 
-    /// Whether the sign of 12 and 22 flips when the spheres change names.
+    /// Whether the signs of 12 and 22 flip when the spheres are exchanged.
     pub(crate) fn is_odd(self) -> bool {
         matches!(self, Self::YB | Self::XG | Self::YG)
     }
 }
 
-/// Values of a function for the sphere that bears the load and the sphere that moves: `[bears][moves]`.
+/// Values of a function by the sphere with the load and the sphere that moves: `[bears][moves]`.
 pub type Pairwise = [[f64; 2]; 2];
 
-/// The resistance functions at one gap, in the hatted normalisation of Jeffrey & Onishi (1984), section 1, and
-/// Jeffrey (1992), section 2.
+/// Resistance functions at one gap, in the hatted normalisation of Jeffrey & Onishi (1984), section 1, and Jeffrey
+/// (1992), section 2.
 ///
 /// With `s = a_i + a_j`, resistance over viscosity is `3 pi s` times a function A, `pi s²` times B or G, `pi s³`
-/// times C or H, `5/6 pi s³` times M. The unit vector `d` points from sphere 1 to sphere 2, and loads are those
-/// that the spheres exert on the fluid. A sphere alone has A11 = C11 = M11 = 1.
+/// times C or H, `5/6 pi s³` times M. The unit vector `d` points from sphere 1 to sphere 2, and loads are those of
+/// the spheres on the fluid. An isolated sphere has A11 = C11 = M11 = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResistanceFunctions(pub(crate) [Pairwise; 11]);
 
-/// The mobility functions at one gap, `(U, Omega, S)` from `(F, T, E)`, in the hatted normalisation.
+/// Mobility functions at one gap, `(U, Omega, S)` from `(F, T, E)`, in the hatted normalisation.
 ///
-/// With `s = a_i + a_j`, mobility times viscosity is a function `a` over `3 pi s`, `b` over `pi s²`, `c` over `pi s³`;
-/// the stresslet in a force- and torque-free pair is `g` times `s/2` times the force, `h` times the torque, and `m`
-/// times `5/6 pi s³` times viscosity and strain rate. A sphere alone has a11 = c11 = m11 = 1.
+/// With `s = a_i + a_j`, mobility times viscosity is a function `a` over `3 pi s`, `b` over `pi s²`, `c` over
+/// `pi s³`; the stresslet in a force- and torque-free pair is `g` times `s/2` times the force, `h` times the torque,
+/// and `m` times `5/6 pi s³` times viscosity and strain rate. An isolated sphere has a11 = c11 = m11 = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MobilityFunctions(pub(crate) [Pairwise; 11]);
 
-/// The resistance functions of a sphere at one gap from a plane wall at rest, in the same normalisation with `s = 2 a`: loads by
-/// the sphere's own motion, with `d` from its centre to the wall. A sphere alone has A = C = M = 1.
+/// Resistance functions of a sphere at one gap from a fixed plane wall, in the same normalisation with `s = 2 a`:
+/// loads by the sphere's own motion, with `d` from its centre to the wall. An isolated sphere has A = C = M = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallFunctions(pub(crate) [f64; 11]);
 
@@ -86,12 +86,12 @@ impl Index<Function> for MobilityFunctions {
     }
 }
 
-/// Every function with the name that output files use: `XA11`, `XA12`, `XA21`, `XA22`, `YA11`, and so on.
+/// All functions with their names in output files: `XA11`, `XA12`, `XA21`, `XA22`, `YA11`, and so on.
 pub fn named(functions: &ResistanceFunctions) -> Vec<(&'static str, f64)> {
     NAMES.into_iter().zip(functions.0.as_flattened().as_flattened().iter().copied()).collect()
 }
 
-/// Every mobility function with its name, `xa11` to `zm22`.
+/// All mobility functions with their names, `xa11` to `zm22`.
 pub fn named_mobility(functions: &MobilityFunctions) -> Vec<(&'static str, f64)> {
     MOBILITY_NAMES.into_iter().zip(functions.0.as_flattened().as_flattened().iter().copied()).collect()
 }

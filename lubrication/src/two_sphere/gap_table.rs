@@ -1,4 +1,4 @@
-//! Functions of a gap between two surfaces, from contact to any distance.
+//! Tables of functions of the gap between two surfaces, from contact to any distance.
 
 use rayon::prelude::*;
 
@@ -6,30 +6,31 @@ use super::near::NearContact;
 use super::singular::Singularity;
 use crate::chebyshev::{Chebyshev, Samples};
 
-/// Smallest gap, over the smaller radius, where values are computed; closer, the near-contact expansion holds.
+/// Smallest gap, over the smaller radius, at which values are computed; the near-contact expansion holds below.
 const NEAREST: f64 = 2e-3;
-/// Intervals of interpolation grow by this factor.
+/// Factor by which consecutive intervals of interpolation grow.
 const GROWTH: f64 = 4.0;
-/// Points of interpolation in each.
+/// Interpolation points per interval.
 const NODES: usize = 14;
 
-/// What functions have in common.
+/// Common parameters of the functions.
 #[derive(Debug, Clone, Copy)]
 pub struct Tabulated<const N: usize> {
     /// Distance at contact: the sum of the radii, or the distance of a sphere's centre from a wall.
     pub size: f64,
-    /// The smaller radius.
+    /// Smaller radius.
     pub least: f64,
-    /// By what the singularities count the gap: the mean radius, or that of a sphere at a wall.
+    /// Unit of the gap in the singularities: the mean radius, or the radius of a sphere at a wall.
     pub unit: f64,
-    /// Whether a function over its leading power of `t`, `size` over the distance, is even in it.
+    /// Whether each function over its leading power of `t`, `size` over the distance, is even in `t`.
     pub is_even: bool,
-    /// Lowest power of `t` in each.
+    /// Lowest power of `t` in each function.
     pub leading: [usize; N],
 }
 
-/// From contact to 2e-3 of the smaller radius the near-contact expansion, then Chebyshev series in the logarithm of the gap, and
-/// beyond a gap of about the distance at contact a Chebyshev series in `t`, or in its square.
+/// Functions of a gap: the near-contact expansion from contact to 2e-3 of the smaller radius, then Chebyshev series
+/// in the logarithm of the gap, and beyond a gap of about the distance at contact a Chebyshev series in `t` or its
+/// square.
 #[derive(Debug, Clone)]
 pub struct GapTable<const N: usize> {
     tabulated: Tabulated<N>,
@@ -40,7 +41,7 @@ pub struct GapTable<const N: usize> {
 }
 
 impl<const N: usize> GapTable<N> {
-    /// Computes the tables of functions with some singularities at contact.
+    /// Computes the tables of functions with given singularities at contact.
     pub fn compute(
         tabulated: Tabulated<N>,
         singularities: [Singularity; N],
@@ -51,7 +52,7 @@ impl<const N: usize> GapTable<N> {
         let count = (size / nearest).log(GROWTH).ceil() as usize;
         let edges: Vec<f64> = (0..=count).map(|k| nearest * GROWTH.powi(k as i32)).collect();
         let far_from = edges[count];
-        // Over the leading power of t: smooth down to t = 0.
+        // Divided by the leading power of t: smooth down to t = 0.
         let reduced = |gap: f64| tabulated.times_leading(&exact(gap), (size + gap) / size);
         let piece = |edge: &[f64]| {
             let (from, to) = (edge[0].ln(), edge[1].ln());
@@ -83,7 +84,7 @@ impl<const N: usize> GapTable<N> {
         }
     }
 
-    /// Where the last series begins.
+    /// Gap at which the last series begins.
     #[cfg(test)]
     pub fn far_from(&self) -> f64 {
         self.far_from
@@ -104,7 +105,7 @@ impl<const N: usize> Tabulated<N> {
     }
 }
 
-/// Values at the nodes of an interval, in parallel.
+/// Values at the nodes of an interval, computed in parallel.
 fn sampled<const N: usize>(from: f64, to: f64, function: impl Fn(f64) -> [f64; N] + Send + Sync) -> Samples<N, NODES> {
     let values: Vec<_> = Chebyshev::<N, NODES>::nodes(from, to).into_par_iter().map(function).collect();
     std::array::from_fn(|j| values[j])

@@ -1,4 +1,4 @@
-//! Bispherical coordinates that fit two spheres.
+//! Bispherical coordinates of two spheres.
 
 use super::double_double::DoubleDouble;
 
@@ -13,22 +13,24 @@ pub struct Geometry {
     pub sinh: [DoubleDouble; 2],
     /// `exp alpha_i`
     pub exponential: [DoubleDouble; 2],
-    /// Degrees that matter.
+    /// Number of degrees of the series.
     degrees: usize,
 }
 
-/// Radius of the sphere that stands for a plane wall: at a distance of 1000 the slightest function, YB, is off by 1e-11.
+/// Radius of the sphere that stands for a plane wall: at a distance of 1000 the smallest function, YB, has an error
+/// of 1e-11.
 const FLAT: f64 = 1e20;
 
 impl Geometry {
-    /// Spheres of radii 1 and `ratio`, a positive `gap` apart.
+    /// Spheres of radii 1 and `ratio` at a positive `gap`.
     pub fn new(ratio: f64, gap: f64) -> Self {
-        // Until the square of the slower decay is below 1e-18.
+        // Up to the degree at which the square of the slower decay is below 1e-18.
         Self::counted(ratio, gap, |exponential| 21.0 / exponential[0].min(exponential[1]).ln())
     }
 
-    /// A sphere of radius 1 at a positive `gap` from a plane wall, the second sphere: of that nothing decays, but what the first
-    /// feels has the square of its own decay, which ends below 1e-38. Only the first sphere's loads by its own motion are right.
+    /// A sphere of radius 1 at a positive `gap` from a plane wall, which is the second sphere. The factors of the
+    /// wall do not decay, but loads of the first sphere contain the square of its own decay, which ends below 1e-38.
+    /// Only the loads of the first sphere by its own motion are valid.
     pub fn at_wall(gap: f64) -> Self {
         Self::counted(FLAT, gap, |exponential| 44.0 / exponential[0].ln())
     }
@@ -47,7 +49,7 @@ impl Geometry {
         Self { focus, cosh, sinh, exponential, degrees }
     }
 
-    /// `exp(-(n+1/2) alpha_i)` for every degree that matters.
+    /// `exp(-(n+1/2) alpha_i)` for all degrees of the series.
     pub fn decays(&self) -> Vec<[DoubleDouble; 2]> {
         let one = DoubleDouble::from(1.0);
         let factor = self.exponential.map(|e| one / e);

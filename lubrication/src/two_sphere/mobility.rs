@@ -8,9 +8,9 @@ use crate::dense::{Square, inverse, product, transpose};
 
 /// Mobility functions for radii 1 and `ratio`.
 ///
-/// Loads are given, strains are the ambient one, `E`: with `R` the resistance of motions `(U, Omega)` and `G`, `M`
-/// those of the stresslets, `U = R^-1 F + (G R^-1)^T E` and `S = G R^-1 F - (M - G R^-1 G^T) E`, where `S` is the
-/// moment of the loads on the fluid.
+/// Loads are given, and `E` is the ambient strain: with `R` the resistance of motions `(U, Omega)` and `G`, `M` those
+/// of the stresslets, `U = R^-1 F + (G R^-1)^T E` and `S = G R^-1 F - (M - G R^-1 G^T) E`, where `S` is the moment of
+/// the loads on the fluid.
 pub fn mobility(resistance: &ResistanceFunctions, ratio: f64) -> MobilityFunctions {
     let blocks = Blocks::exact(resistance, [1.0, ratio]);
     let hat = |part: Square<2>, power: i32, factor: f64| -> Pairwise {
@@ -35,7 +35,7 @@ pub fn mobility(resistance: &ResistanceFunctions, ratio: f64) -> MobilityFunctio
     MobilityFunctions(functions)
 }
 
-/// Velocities from forces, stresslets from forces, stresslets from strains; eliminated in gap coordinates.
+/// Velocities from forces, stresslets from forces, and stresslets from strains, by elimination in gap coordinates.
 fn axial(block: &Square<4>, radii: [f64; 2]) -> (Square<2>, Square<2>, Square<2>) {
     let from = from_gap_coordinates(radii);
     let block = change(block, &from);

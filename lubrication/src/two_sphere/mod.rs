@@ -1,9 +1,9 @@
 //! Exact resistance and mobility functions of two rigid spheres in unbounded Stokes flow.
 //!
 //! [`TwoSphere::with_ratio`] gives the tables of one ratio of radii; [`TwoSphere::resistance`] and
-//! [`TwoSphere::mobility`] evaluate them at any positive gap to a relative 1e-8 (an absolute one where a function
-//! changes sign). Radii may differ by a factor of up to 20. A sphere at a plane wall, the limit of a flat second sphere, is
-//! [`SphereWall`].
+//! [`TwoSphere::mobility`] evaluate them at any positive gap to a relative 1e-8 (an absolute error where a function
+//! changes sign). Radii may differ by a factor of up to 20. A sphere at a plane wall, the limit of a large second
+//! sphere, is [`SphereWall`].
 //!
 //! ```
 //! use lubrication::two_sphere::{Function, TwoSphere, named};

@@ -1,4 +1,4 @@
-//! Resistance functions closer than any gap where they are computed: the near-contact expansion.
+//! Near-contact expansion of the resistance functions, below the smallest gap at which they are computed.
 
 use super::singular::Singularity;
 use crate::dense;
@@ -7,18 +7,18 @@ use rayon::prelude::*;
 /// Terms of the regular part: `1, x, x² L, x², x³ L, x³, x⁴ L, x⁴`, with `x` the gap and `L = ln 1/x`.
 const TERMS: usize = 8;
 
-/// `g1/xi + g2 ln(1/xi) + g3 xi ln(1/xi)` of `N` functions plus a regular part fitted to exact values, with `xi` the gap over
-/// the mean radius, or over the radius of a sphere at a wall.
+/// `g1/xi + g2 ln(1/xi) + g3 xi ln(1/xi)` for `N` functions plus a regular part fitted to exact values, with `xi` the
+/// gap over the mean radius, or over the radius of a sphere at a wall.
 #[derive(Debug, Clone)]
 pub struct NearContact<const N: usize> {
-    /// That radius.
+    /// Radius that is the unit of `xi`.
     unit: f64,
     singular: [Singularity; N],
     regular: [[f64; N]; TERMS],
 }
 
 impl<const N: usize> NearContact<N> {
-    /// Fitted to values at gaps from `start` up to 16 times that.
+    /// Fit to values at gaps from `start` to 16 times that.
     pub fn fit(
         unit: f64,
         singular: [Singularity; N],

@@ -5,15 +5,15 @@
 //! section 6 for XC; Jeffrey (1992) eqs. (19b), (27b), (35b), (48b), (64b), (79b); with the corrections of Townsend
 //! (2023), Phys. Fluids 35, 127126.
 //!
-//! In the last coefficient of YM12, 748 stands twice where the sources print 728: only then has the exact function,
-//! less these terms, no `xi ln xi` left (found at ratios 1, 2, 2.5 and 4, to 7 digits).
+//! In the last coefficient of YM12, 748 replaces the 728 that the sources print twice: only then does the exact
+//! function minus these terms have no term in `xi ln xi` (verified at ratios 1, 2, 2.5 and 4, to 7 digits).
 
 use super::functions::Function;
 
 /// `[g1, g2, g3]`.
 pub type Singularity = [f64; 3];
 
-/// Singularity of the load on the first sphere from its own motion.
+/// Singularity of the load on the first sphere by its own motion.
 pub fn own(function: Function, l: f64) -> Singularity {
     let d1 = 1.0 / (1.0 + l);
     let (d2, d3) = (d1 * d1, d1 * d1 * d1);
@@ -50,7 +50,7 @@ pub fn own(function: Function, l: f64) -> Singularity {
     }
 }
 
-/// Singularity of the load on the first sphere from the motion of the second.
+/// Singularity of the load on the first sphere by the motion of the second.
 pub fn other(function: Function, l: f64) -> Singularity {
     let d1 = 1.0 / (1.0 + l);
     let (d2, d3) = (d1 * d1, d1 * d1 * d1);
@@ -71,7 +71,7 @@ pub fn other(function: Function, l: f64) -> Singularity {
         ],
         _ => own(function, l),
     };
-    // The hatted normalisation, with the mean radius in place of the first one.
+    // Hatted normalisation, with the mean radius in place of the first one.
     let hat = match function {
         Function::XA | Function::YA => -2.0 * d1,
         Function::YB | Function::XG | Function::YG => -4.0 * d2,
@@ -81,9 +81,9 @@ pub fn other(function: Function, l: f64) -> Singularity {
     series.map(|g| g * hat)
 }
 
-/// Singularity of the load on a sphere from its own motion at a wall, in powers of the gap over its radius, `h`: the limit of
-/// [`own`] for a second sphere that is flat, where `xi = 2 h/(1 + lambda)` vanishes for any `h`. What is left of the logarithm
-/// of the ratio is a constant.
+/// Singularity of the load on a sphere by its own motion at a wall, in powers of the gap over its radius, `h`: the
+/// limit of [`own`] for a large second sphere, where `xi = 2 h/(1 + lambda)` vanishes for any `h`. The remaining
+/// logarithm of the ratio is a constant, part of the regular terms.
 pub fn at_wall(function: Function) -> Singularity {
     match function {
         Function::XA => [1.0, 1.0 / 5.0, 1.0 / 21.0],
@@ -108,8 +108,8 @@ fn poly(x: f64, coefficients: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// `g1/xi`, `g2 ln(1/xi)` and `g3 xi ln(1/xi)` with `xi = 2 h/(1 + lambda)`: for a ratio of 1e7, `1 + lambda` is as good as
-    /// infinite but for one part in 1e7 times the largest coefficient of a polynomial, 1322.
+    /// `g1/xi`, `g2 ln(1/xi)` and `g3 xi ln(1/xi)` with `xi = 2 h/(1 + lambda)`: at a ratio of 1e7 the limit is
+    /// reached to one part in 1e7 times the largest coefficient of a polynomial, 1322.
     #[test]
     fn a_wall_is_a_sphere_of_any_large_radius() {
         let ratio = 1e7;

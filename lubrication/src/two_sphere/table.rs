@@ -12,7 +12,7 @@ use super::gap_table::{GapTable, Tabulated};
 use super::mobility::mobility;
 use super::singular::{self, Singularity};
 
-/// Radii may differ by at most this factor.
+/// Largest ratio of the radii.
 pub const LARGEST_RATIO: f64 = 20.0;
 
 /// Two spheres whose radii have a given ratio: their exact resistance functions at any gap.
@@ -26,22 +26,22 @@ pub struct TwoSphere {
     table: GapTable<44>,
 }
 
-/// The tables of one ratio, computed by whoever asks first while others wait.
+/// Table of one ratio, computed by the first thread that needs it while others wait.
 type Entry = Arc<OnceLock<Arc<TwoSphere>>>;
 
-/// A question about two spheres that has no answer.
+/// Invalid argument of the two-sphere functions.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TwoSphereError {
     /// The ratio of the radii is outside the range of the tables.
     #[error("ratio a2/a1 is {}; the two-sphere functions are tabulated for ratios from 0.05 to 20", Number(*.0))]
     Ratio(f64),
-    /// The spheres touch, overlap or are not anywhere.
+    /// The gap is zero, negative or NaN.
     #[error("gap is {}; the two-sphere functions need spheres that do not touch: give a gap above 0", Number(*.0))]
     Gap(f64),
 }
 
 impl TwoSphere {
-    /// Tables for radii 1 and `ratio`; computed at the first call for a ratio, then shared. Not to be called from a
+    /// Tables for radii 1 and `ratio`; computed at the first call for a ratio, then shared. Must not be called from a
     /// rayon task, since the first call waits for rayon.
     pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
         static TABLES: OnceLock<Mutex<HashMap<u64, Entry>>> = OnceLock::new();
@@ -84,7 +84,7 @@ impl TwoSphere {
     }
 }
 
-/// Lowest power of `t = (a1 + a2)/r` in a function: of a sphere's own motion, of the other's.
+/// Lowest power of `t = (a1 + a2)/r` in a function: for the sphere's own motion, and for that of the other.
 const LEADING: [[usize; 2]; Function::ALL.len()] =
     [[0, 1], [0, 1], [3, 2], [0, 3], [0, 3], [3, 2], [5, 4], [6, 3], [0, 3], [0, 3], [0, 5]];
 
@@ -127,7 +127,7 @@ mod tests {
         }
     }
 
-    /// Where the last piece ends, rounding of the logarithm counts one piece too many.
+    /// At the end of the last piece, round-off of the logarithm may count one piece too many.
     #[test]
     fn tables_have_no_gap_where_the_far_one_begins() {
         for ratio in [0.5, 1.25, 2.0] {

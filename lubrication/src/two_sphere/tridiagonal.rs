@@ -8,18 +8,18 @@ pub type Block = [[DoubleDouble; 2]; 2];
 /// Two equations: `below y_{n-1} + middle y_n + above y_{n+1} = right`, with several right-hand sides.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// Factor of the row before.
+    /// Coefficients of the previous unknowns.
     pub below: Block,
-    /// Factor of this row.
+    /// Coefficients of the unknowns of this row.
     pub middle: Block,
-    /// Factor of the row after.
+    /// Coefficients of the next unknowns.
     pub above: Block,
     /// `[equation][right-hand side]`
     pub right: [Vec<DoubleDouble>; 2],
 }
 
 impl Row {
-    /// Zeros, for `count` right-hand sides.
+    /// Zero row for `count` right-hand sides.
     pub fn new(count: usize) -> Self {
         let zeros = vec![DoubleDouble::default(); count];
         Self {

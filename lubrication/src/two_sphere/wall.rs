@@ -8,22 +8,23 @@ use super::gap_table::{GapTable, Tabulated};
 use super::singular;
 use super::table::TwoSphereError;
 
-/// A sphere that moves at a plane wall at rest, in fluid that is at rest far away: its exact resistance functions at any gap, to
-/// a relative 1e-8 as those of [`TwoSphere`](super::TwoSphere), of which they are the limit of a flat second sphere.
+/// A sphere that moves at a fixed plane wall in fluid at rest far away: its exact resistance functions at any gap, to
+/// a relative 1e-8. They are the limit of those of [`TwoSphere`](super::TwoSphere) for a large second sphere.
 ///
-/// Brenner (1961), Jeffery (1915), O'Neill (1964), Goldman, Cox & Brenner (1967) have series and tables of XA, XC, YA, YB and
-/// YC.
+/// Brenner (1961), Jeffery (1915), O'Neill (1964), Goldman, Cox & Brenner (1967) have series and tables of XA, XC,
+/// YA, YB and YC.
 #[derive(Debug)]
 pub struct SphereWall {
     table: GapTable<11>,
 }
 
-/// Lowest power of the radius over the distance from the wall in each function, less that of a sphere alone.
+/// Lowest power of the radius over the distance from the wall in each function, without the constant of an isolated
+/// sphere.
 const LEADING: [usize; Function::ALL.len()] = [0, 0, 4, 0, 0, 2, 2, 3, 0, 0, 0];
 
 impl SphereWall {
-    /// The tables, computed at the first call, then shared. Not to be called from a rayon task, since the first call waits for
-    /// rayon.
+    /// Tables, computed at the first call, then shared. Must not be called from a rayon task, since the first call
+    /// waits for rayon.
     pub fn get() -> Arc<Self> {
         static TABLE: OnceLock<Arc<SphereWall>> = OnceLock::new();
         Arc::clone(TABLE.get_or_init(|| Arc::new(Self::compute())))
@@ -59,7 +60,7 @@ mod tests {
             let (found, exact) = (wall.at(gap), exact::wall_resistance(gap));
             for function in Function::ALL {
                 let (found, exact) = (found[function], exact[function]);
-                // YH changes sign near contact: absolute there, as what it is subtracted from.
+                // YH changes sign near contact: an absolute error there, like the terms from which it is subtracted.
                 assert!((found - exact).abs() < 1e-8 * exact.abs().max(1e-3), "{function:?} {gap}: {found} {exact}");
             }
         }

@@ -1,32 +1,33 @@
-//! The part of a channel's Stokes kernel that its walls make, for one wavevector in its plane.
+//! Wall part of a channel's Stokes kernel, for one wavevector in the plane of the walls.
 
-/// Functions of z of the two walls: `b0 = exp(-k z)`, `b1 = k z b0`, and `t0`, `t1` the same of the distance `H - z`.
+/// Number of functions of z by the two walls: `b0 = exp(-k z)`, `b1 = k z b0`, and `t0`, `t1` the same of the
+/// distance `H - z`.
 pub(crate) const FUNCTIONS: usize = 4;
 
-/// Coefficients of the functions of the component along the wavevector, then of that along z.
+/// Coefficients of the functions for the component along the wavevector, then for the one along z.
 pub(crate) type Coefficients = [f64; 2 * FUNCTIONS];
 
-/// `K(z, z') = sum_pq K_pq f_p(z) f_q(z')`, by what the force along the wavevector and the one along z, over `i`, at `z'`
-/// drive at `z`; and of the force across both, in `b0` and `t0` alone.
+/// Kernel `K(z, z') = sum_pq K_pq f_p(z) f_q(z')`. It maps the forces at `z'` along the wavevector and, over `i`,
+/// along z to the velocities at `z`; and the force normal to both, in `b0` and `t0` alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Kernel {
     pub along: [Coefficients; 2 * FUNCTIONS],
     pub across: [[f64; 2]; 2],
 }
 
-/// Walls and the grid around them.
+/// Walls of a channel, and the period of the grid around them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Faces {
-    /// How many: 0, 1 at `z = 0`, or another one at `z = height`.
+    /// Number of walls: 0, 1 at `z = 0`, or 2 with the other at `z = height`.
     pub walls: usize,
-    /// The place of the second, or any that the functions are measured from.
+    /// Position of the second wall, or any reference position for its functions.
     pub height: f64,
-    /// After which the grid repeats along z.
+    /// Period of the grid along z.
     pub period: f64,
 }
 
 impl Faces {
-    /// The kernel between the walls less that of the grid, for `k > 0` and the viscosity 1.
+    /// Kernel between the walls minus that of the grid, for `k > 0` and viscosity 1.
     ///
     /// With `e = exp(-k |zeta|)`, `zeta = z - z'`, and z-components over `i`, unbounded fluid has
     ///
@@ -35,16 +36,16 @@ impl Faces {
     ///            [  -k zeta    1 + k|zeta|  ]
     /// ```
     ///
-    /// Tractions on the walls that bring the fluid to rest there add `-P C P^T`, where `P` is what they drive and `C` the
-    /// inverse of `G` among walls: the Schur complement. The grid has `sum_m G(zeta + m period)` instead of `G`; what is
-    /// too much of that is in the span of the same functions.
+    /// Tractions on the walls that enforce no slip there add `-P C P^T`, where `P` is the flow of unit tractions and
+    /// `C` the inverse of `G` among the walls: the Schur complement. The grid has `sum_m G(zeta + m period)` instead
+    /// of `G`; the excess is in the span of the same functions.
     pub fn kernel(&self, k: f64) -> Kernel {
         let mut kernel = of_walls(k, self.walls, self.height);
         self.without_copies(k, &mut kernel);
         kernel
     }
 
-    /// Subtracts what the grid's copies of forces drive, sums over `m` of `e` and of `m e`.
+    /// Subtracts the flow of the grid's periodic copies, by sums over `m` of `e` and of `m e`.
     fn without_copies(&self, k: f64, kernel: &mut Kernel) {
         let (length, height) = (k * self.period, k * self.height);
         let less = -(-length).exp_m1();
@@ -64,7 +65,7 @@ impl Faces {
     }
 }
 
-/// What walls add to unbounded fluid, for `k > 0` and the viscosity 1.
+/// Wall correction to the kernel of unbounded fluid, for `k > 0` and viscosity 1.
 fn of_walls(k: f64, walls: usize, height: f64) -> Kernel {
     let mut kernel = Kernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
     match walls {
@@ -75,15 +76,15 @@ fn of_walls(k: f64, walls: usize, height: f64) -> Kernel {
     kernel
 }
 
-/// The velocity across the walls at `z` that they add to that of a unit force across them at `z'`, both in a wave along them of
-/// wavenumber `k > 0`, for the viscosity 1: with the entries `K_pq` it is `sum_pq K_pq f_p(z) f_q(z')` in the functions
-/// `exp(-k z)`, `k z exp(-k z)` and the same of the distance `height - z`.
+/// Correction by walls to the normal velocity at `z` of a unit normal force at `z'`, both in a wave along the walls
+/// of wavenumber `k > 0`, for viscosity 1. With the entries `K_pq` it is `sum_pq K_pq f_p(z) f_q(z')` in the
+/// functions `exp(-k z)`, `k z exp(-k z)` and the same of the distance `height - z`.
 pub fn across_walls(walls: usize, height: f64, k: f64) -> [[f64; FUNCTIONS]; FUNCTIONS] {
     let Kernel { along, .. } = of_walls(k, walls, height);
     std::array::from_fn(|p| std::array::from_fn(|q| along[FUNCTIONS + p][FUNCTIONS + q]))
 }
 
-/// What unit tractions along the wavevector and along z drive, times `4k`: those of the wall below, then above.
+/// Flow of unit tractions along the wavevector and along z, times `4k`: of the lower wall, then of the upper.
 const DRIVEN: [[Coefficients; 2]; 2] = [
     [[1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]],
     [[0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0]],
@@ -105,7 +106,7 @@ fn one_wall(k: f64, kernel: &mut Kernel) {
     kernel.across[0][0] = -0.5 / k;
 }
 
-/// Tractions on both walls that are mirror images (`sign = 1`), or the opposite of mirror images, do not know of each other.
+/// Tractions on both walls that are symmetric (`sign = 1`) or antisymmetric under reflection decouple.
 fn two_walls(k: f64, height: f64, kernel: &mut Kernel) {
     let e = (-height).exp();
     for sign in [1.0, -1.0] {
@@ -132,7 +133,7 @@ fn two_walls(k: f64, height: f64, kernel: &mut Kernel) {
     }
 }
 
-/// `1 - 2 sign x e - e^2` with `e = exp(-x)`, which for small `x` is `x^3/3` if the sign is positive.
+/// `1 - 2 sign x e - e^2` with `e = exp(-x)`; for a positive sign and small `x` it is `x^3/3`.
 fn determinant(x: f64, sign: f64) -> f64 {
     let e = (-x).exp();
     if sign < 0.0 || x > 0.5 {
@@ -148,10 +149,12 @@ fn determinant(x: f64, sign: f64) -> f64 {
     2.0 * e * sum
 }
 
-/// The kernel of the forces' mean over the plane, which drive a flow along it, between the walls less that of the grid, in
-/// the functions 1, `z` and `z^2`: `-|zeta|/2` and what is linear, less `-|zeta|/2 + zeta^2/(2 period) + period/12`.
+/// Kernel of the mean force over the plane, which drives a flow along it: between the walls minus that of the grid,
+/// in the functions 1, `z` and `z^2`. It is `-|zeta|/2` plus a linear function, minus
+/// `-|zeta|/2 + zeta^2/(2 period) + period/12`.
 ///
-/// Without walls the fluid at a distance of half a height from a force rests, so that the kernel is positive definite.
+/// Without walls the fluid is taken to be at rest at a distance of half a height from a force, so that the kernel is
+/// positive definite.
 pub(crate) fn mean_kernel(faces: &Faces) -> [[f64; 3]; 3] {
     let Faces { walls, height, period } = *faces;
     let mut kernel = [[0.0; 3]; 3];
@@ -179,7 +182,7 @@ mod tests {
         [b, k * z * b, t, k * (height - z) * t]
     }
 
-    /// The kernel of the grid with its copies, of unbounded fluid, by components.
+    /// Kernel of unbounded fluid with the grid's periodic copies, by components.
     fn grid(k: f64, zeta: f64, period: f64) -> [[f64; 3]; 3] {
         let mut sum = [[0.0; 3]; 3];
         for copy in -400..=400 {

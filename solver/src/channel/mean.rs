@@ -1,11 +1,11 @@
-//! The update of the mean over the plane, which has no wavevector.
+//! Channel update of the mean over the plane, the mode without a wavevector.
 
 use super::kernel::mean_kernel;
 use super::{ChannelFaces, ChannelWeights, Faces};
 use crate::fourier::At;
 use crate::{Grid, Real};
 
-/// Weights of the planes for 1, `z` and `z^2`, and the matrix between them. Nothing flows through the plane.
+/// Weights of the planes for 1, `z` and `z^2`, and the kernel between them. There is no flow across the plane.
 pub(crate) struct Mean {
     planes: Vec<[f64; 3]>,
     kernel: [[f64; 3]; 3],
@@ -29,7 +29,7 @@ impl Mean {
         Self { planes: (0..grid.points()[2]).map(at).collect(), kernel }
     }
 
-    /// The amplitudes of x and of y.
+    /// Amplitudes for x and y.
     ///
     /// # Safety
     /// The columns can be read.
@@ -37,7 +37,7 @@ impl Mean {
         [x, y].map(|column| {
             let mut moments = [0.0; 3];
             for (plane, weights) in self.planes.iter().enumerate() {
-                // SAFETY: the caller's promise. The mean is the first lane, and real.
+                // SAFETY: guaranteed by the caller. The mean is the first lane, and real.
                 let force = unsafe { (*column.first.add(plane * column.stride)).to_f64() };
                 moments.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * force);
             }
@@ -45,7 +45,7 @@ impl Mean {
         })
     }
 
-    /// Adds flows of these amplitudes.
+    /// Adds the flows of these amplitudes.
     ///
     /// # Safety
     /// The columns can be written.
@@ -53,7 +53,7 @@ impl Mean {
         for (amplitudes, column) in amplitudes.iter().zip([x, y]) {
             for (plane, weights) in self.planes.iter().enumerate() {
                 let more: f64 = amplitudes.iter().zip(weights).map(|(amplitude, weight)| amplitude * weight).sum();
-                // SAFETY: the caller's promise.
+                // SAFETY: guaranteed by the caller.
                 unsafe {
                     let place = column.first.add(plane * column.stride);
                     *place = T::from_f64((*place).to_f64() + more);

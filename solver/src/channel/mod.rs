@@ -1,11 +1,12 @@
-//! Flow between walls, above a wall, or in a layer that is open on both sides: the grid's periodic solve and an exact
-//! update of few terms for each wavevector in the plane of the walls.
+//! Flow between walls, above a wall, or in a layer that is open on both sides: the grid's periodic solve plus an
+//! exact low-rank update for each wavevector in the plane of the walls.
 //!
-//! The velocity that walls add to that of unbounded fluid, and what the grid's copies along z drive too much, are sums of
-//! `exp(-k z)`, `k z exp(-k z)` and the same of the distance from the other wall, for each wavevector of length `k` in the
-//! plane. So are, by symmetry, the weights of the forces. On columns along z, before they are transformed, forces are
-//! weighed with these functions; a small symmetric matrix makes amplitudes of the weights, and what they stand for is added
-//! to the velocities when the columns have been transformed back.
+//! The difference between the velocity in the channel and that of the periodic grid comes from the walls and from the
+//! grid's copies along z. For each wavevector of length `k` in the plane it is a sum of `exp(-k z)`, `k z exp(-k z)`
+//! and the same of the distance from the other wall. By symmetry so are the weights of the forces. On columns along
+//! z, before they are transformed, forces are summed with these functions as weights; a small symmetric matrix turns
+//! the sums into amplitudes, and the corresponding flow is added to the velocities when the columns have been
+//! transformed back.
 
 mod kernel;
 mod mean;
@@ -22,41 +23,42 @@ use domain::Place;
 use mean::Mean;
 use update::Amplitudes;
 
-/// The faces of a grid along z, whose points there begin below the first wall and end above the second.
+/// Faces of a channel along z. The grid's points begin below the first wall and end above the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelFaces {
-    /// Walls: none, one at `z = 0`, or another one at `z = height`.
+    /// Number of walls: none, one at `z = 0`, or two with the other at `z = height`.
     pub walls: usize,
-    /// The extent along z of what is in the fluid, from wall to wall if there are two.
+    /// Extent of the fluid along z: from wall to wall if there are two, otherwise that of its contents.
     pub height: f64,
     /// `z` of the grid's first plane.
     pub first: f64,
 }
 
-/// What stands for a force on the grid, for which the update is: a window as of [`crate::Multiplier`], whose Gaussian and
-/// brackets act on the flow of walls, on which the Laplacian of the Laplacian is zero, as `1 + smoothing/2 lap`.
+/// Function that represents a force on the grid, for which the update corrects: a window as of [`crate::Multiplier`].
+/// Its Gaussian and brackets act on the flow of walls, which is biharmonic, as `1 + smoothing/2 lap`.
 #[derive(Debug, Clone, Copy)]
 pub struct ChannelWeights<P, A> {
-    /// The factor of `k1` and `k2`, as that of a multiplier but for the Gaussian.
+    /// Factor of `k1` and `k2`, like that of a multiplier but without the Gaussian.
     pub plane: P,
-    /// The transform of the window along z at the imaginary wavenumber `i k` and `k` times its logarithmic derivative by `k`.
+    /// Transform of the window along z at the imaginary wavenumber `i k`, and `k` times its logarithmic derivative by
+    /// `k`.
     pub axis: A,
-    /// The window's second moment along z.
+    /// Second moment of the window along z.
     pub second_moment: f64,
-    /// `smoothing`.
+    /// Coefficient `smoothing`.
     pub smoothing: f64,
-    /// The wavenumber from which on there is no update: windows have nothing there that makes them exact.
+    /// Wavenumber from which on there is no update, since windows are inaccurate there.
     pub highest: f64,
 }
 
-/// The update of a grid in `T`.
+/// Channel update of a grid of values of type `T`.
 pub struct Channel<T> {
     update: Update<T>,
     mean: Option<Mean>,
 }
 
 impl<T: Real> Channel<T> {
-    /// The update for a rank's share of the spectrum.
+    /// Update for a rank's share of the spectrum.
     pub fn new<P, A>(
         grid: &Grid,
         place: &Place,
@@ -78,7 +80,7 @@ impl<T: Real> Channel<T> {
         }
     }
 
-    /// The amplitudes of what is to be added to columns whose forces these are.
+    /// Amplitudes of the flow to add, from columns that hold forces.
     ///
     /// # Safety
     /// The columns can be read.
@@ -87,7 +89,7 @@ impl<T: Real> Channel<T> {
         place: [usize; 2],
         components: [At<T>; 3],
     ) -> Option<(Amplitudes, [[f64; 3]; 2])> {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let mean = match &self.mean {
                 Some(mean) if place == [0, 0] => mean.amplitudes(components),
@@ -97,7 +99,7 @@ impl<T: Real> Channel<T> {
         }
     }
 
-    /// Adds what the amplitudes stand for.
+    /// Adds the flow of the amplitudes.
     ///
     /// # Safety
     /// The columns can be read and written.
@@ -107,7 +109,7 @@ impl<T: Real> Channel<T> {
         (amplitudes, mean): &(Amplitudes, [[f64; 3]; 2]),
         components: [At<T>; 3],
     ) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             self.update.add(place, amplitudes, components);
             if place == [0, 0]

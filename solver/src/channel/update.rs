@@ -1,4 +1,4 @@
-//! The update of columns of the grid with a wavevector in the plane.
+//! Channel update of the grid's columns with a wavevector in the plane.
 
 use super::kernel::{FUNCTIONS, Kernel};
 use super::{ChannelFaces, ChannelWeights, Faces};
@@ -9,23 +9,25 @@ use crate::{Grid, Real};
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// Columns that are worked on at once, in `f64` whatever the grid's precision: for long waves the walls' part and that of
-/// unbounded fluid nearly cancel.
+/// Columns processed at once, in `f64` whatever the grid's precision: for long waves the contribution of the walls
+/// and that of unbounded fluid nearly cancel.
 const LANES: usize = 8;
 
 type Lanes = [f64; LANES];
 
-/// Entries of a symmetric matrix of the functions of two components, and of a third that has half of them.
+/// Number of entries of a symmetric matrix for the functions of two components, and for a third that has half of
+/// them.
 const ALONG: usize = FUNCTIONS * (2 * FUNCTIONS + 1);
 const ACROSS: usize = 3;
 
-/// A group of neighbouring columns. In the number `i` of a plane, counted from either wall's end of the grid, the functions
-/// are `s^i` and `i s^i`, `s = exp(-k h)`, from which matrices make those of the distance from the wall.
+/// A group of neighbouring columns. In the index `i` of a plane, counted from either end of the grid, the functions
+/// are `s^i` and `i s^i`, `s = exp(-k h)`; the matrices include the conversion to functions of the distance from the
+/// walls.
 struct Group {
-    /// Planes from either end after which the functions are gone; none if there is nothing to do.
+    /// Number of planes from either end beyond which the functions are negligible; 0 if there is no update.
     planes: usize,
     step: Lanes,
-    /// The direction of the wavevector.
+    /// Direction of the wavevector.
     direction: [Lanes; 2],
     along: [Lanes; ALONG],
     across: [Lanes; ACROSS],
@@ -34,12 +36,12 @@ struct Group {
 /// Sums over planes, or amplitudes: by wall, by function, by component, real and imaginary.
 type OfGroup = [[[[Lanes; 2]; 3]; 2]; 2];
 
-/// Those of all groups of a panel.
+/// Amplitudes of all groups of a panel.
 pub(crate) type Amplitudes = [OfGroup; 2];
 
 const NOTHING: OfGroup = [[[[[0.0; LANES]; 2]; 3]; 2]; 2];
 
-/// The groups of a rank's share of the spectrum.
+/// Groups of a rank's share of the spectrum.
 pub(crate) struct Update<T> {
     blocks: Range<usize>,
     modes: Range<usize>,
@@ -49,7 +51,7 @@ pub(crate) struct Update<T> {
 }
 
 impl<T: Real> Update<T> {
-    /// Groups of a panel.
+    /// Groups per panel.
     const GROUPS: usize = T::LANES / LANES;
 
     pub fn new<P, A>(
@@ -71,7 +73,7 @@ impl<T: Real> Update<T> {
         Self { blocks, modes, points: grid.points()[2], groups, precision: PhantomData }
     }
 
-    /// Bytes for each column of a rank's share.
+    /// Bytes per column of a rank's share.
     pub const BYTES: usize = size_of::<Group>() / LANES;
 
     fn panel(&self, [block, mode]: [usize; 2]) -> &[Group] {
@@ -79,7 +81,7 @@ impl<T: Real> Update<T> {
         &self.groups[panel * Self::GROUPS..(panel + 1) * Self::GROUPS]
     }
 
-    /// The amplitudes of what is to be added to columns whose forces these are; none if nothing is.
+    /// Amplitudes of the flow to add, from columns that hold forces; `None` if there is nothing to add.
     ///
     /// # Safety
     /// The columns can be read.
@@ -92,7 +94,7 @@ impl<T: Real> Update<T> {
         for (number, (group, found)) in groups.iter().zip(&mut amplitudes).enumerate() {
             if group.planes > 0 {
                 let ends = self.ends(number, components);
-                // SAFETY: the caller's promise.
+                // SAFETY: guaranteed by the caller.
                 vectorised(
                     #[inline(always)]
                     || unsafe { weigh(group, ends, found) },
@@ -103,7 +105,7 @@ impl<T: Real> Update<T> {
         Some(amplitudes)
     }
 
-    /// Adds what the amplitudes stand for.
+    /// Adds the flow of the amplitudes.
     ///
     /// # Safety
     /// The columns can be read and written.
@@ -111,7 +113,7 @@ impl<T: Real> Update<T> {
         for (number, (group, amplitudes)) in self.panel(place).iter().zip(amplitudes).enumerate() {
             if group.planes > 0 {
                 let ends = self.ends(number, components);
-                // SAFETY: the caller's promise.
+                // SAFETY: guaranteed by the caller.
                 vectorised(
                     #[inline(always)]
                     || unsafe { add(group, ends, amplitudes) },
@@ -120,7 +122,7 @@ impl<T: Real> Update<T> {
         }
     }
 
-    /// A group's columns from both ends: the first places, and the distances to the next.
+    /// A group's columns from both ends: the first values, and the distances to the next.
     fn ends(&self, group: usize, components: [At<T>; 3]) -> [[(*mut T, isize); 3]; 2] {
         let end = |last: bool| {
             components.map(|column| {
@@ -133,7 +135,7 @@ impl<T: Real> Update<T> {
     }
 }
 
-/// Adds up forces over the planes from each end, times `s^i` and `i s^i`.
+/// Sums the forces over the planes from each end, times `s^i` and `i s^i`.
 #[inline(always)]
 unsafe fn weigh<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], sums: &mut OfGroup) {
     for end in 0..2 {
@@ -145,7 +147,7 @@ unsafe fn weigh<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], sums: &
                 let (first, stride) = ends[end][component];
                 for part in 0..2 {
                     for lane in 0..LANES {
-                        // SAFETY: the caller's promise.
+                        // SAFETY: guaranteed by the caller.
                         let force =
                             unsafe { *first.offset(plane as isize * stride).add(part * T::LANES + lane) }.to_f64();
                         let weighed = power[lane] * force;
@@ -162,7 +164,7 @@ unsafe fn weigh<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], sums: &
     }
 }
 
-/// Adds to the velocities of the planes from each end.
+/// Adds the flow to the velocities on the planes from each end.
 #[inline(always)]
 unsafe fn add<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], amplitudes: &OfGroup) {
     for end in 0..2 {
@@ -175,7 +177,7 @@ unsafe fn add<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], amplitude
                 for part in 0..2 {
                     for lane in 0..LANES {
                         let level = number.mul_add(of[1][component][part][lane], of[0][component][part][lane]);
-                        // SAFETY: the caller's promise.
+                        // SAFETY: guaranteed by the caller.
                         unsafe {
                             let place = first.offset(plane as isize * stride).add(part * T::LANES + lane);
                             *place = T::from_f64(power[lane].mul_add(level, (*place).to_f64()));
@@ -210,7 +212,7 @@ impl Group {
             across: [[0.0; LANES]; ACROSS],
         };
         let [nx, _, nz] = grid.points();
-        // Planes beyond the walls, where exponentials grow.
+        // Planes beyond the walls, where the exponentials grow.
         let beyond = nz as f64 - faces.height / grid.spacing().z;
         for lane in 0..LANES {
             let wavevector = grid.wavevector([first + lane, mode, 0]);
@@ -236,7 +238,7 @@ impl Group {
         group
     }
 
-    /// From sums to amplitudes.
+    /// Turns sums into amplitudes.
     fn solve(&self, sums: &mut OfGroup) {
         vectorised(
             #[inline(always)]
@@ -253,7 +255,7 @@ impl Group {
                             across[wall][part][lane] = n1 * y[part] - n2 * x[part];
                         }
                     }
-                    // The component along z, over i.
+                    // Component along z, over i.
                     along[FUNCTIONS + place][0][lane] = z[1];
                     along[FUNCTIONS + place][1][lane] = -z[0];
                 }
@@ -296,15 +298,15 @@ fn indices() -> impl Iterator<Item = (usize, usize, usize)> {
     (0..2).flat_map(|wall| (0..2).flat_map(move |function| (0..LANES).map(move |lane| (wall, function, lane))))
 }
 
-/// The exponent beyond which an exponential is round-off.
+/// Exponent beyond which an exponential is below round-off.
 fn gone<T: Real>() -> f64 {
     4.0 - T::EPSILON.ln()
 }
 
-/// The kernel in the functions `s^i` and `i s^i` of the planes' numbers from either end.
+/// Kernel in the functions `s^i` and `i s^i` of the planes' indices from either end.
 ///
-/// A sum over planes of the window times `exp(-k z)/Phi`, where `Phi` is its transform at `i k`, is `exp(-k z)` at the
-/// particle; times `(k z + k Phi'/Phi) exp(-k z)/Phi` it is `k z exp(-k z)`, of which `1 + c/2 lap` makes
+/// The sum over planes of the window times `exp(-k z)/Phi`, where `Phi` is its transform at `i k`, is `exp(-k z)` at
+/// the particle; with `(k z + k Phi'/Phi) exp(-k z)/Phi` it is `k z exp(-k z)`, which `1 + c/2 lap` turns into
 /// `(k z - c k^2) exp(-k z)`.
 fn kernel_of_planes<P, A: Fn(f64) -> [f64; 2]>(
     grid: &Grid,

@@ -5,7 +5,7 @@ use super::gathered::Gathered;
 use super::{Direction, is_product_of};
 use crate::Real;
 
-/// A plan for columns of `n` elements: the lane kernels where all factors of `n` are theirs, and rustfft for the rest.
+/// Plan for columns of `n` elements: lane kernels if they support all prime factors of `n`, otherwise rustfft.
 pub(crate) enum AnyLength<T> {
     Lanes(Columns<T>),
     Gathered(Gathered<T>),
@@ -16,7 +16,7 @@ impl<T: Real> AnyLength<T> {
         if is_product_of(&[2, 3, 5, 7], length) { Self::Lanes(Columns::new(length)) } else { Self::by_rustfft(length) }
     }
 
-    /// By rustfft, also where the lane kernels could.
+    /// Plan by rustfft, even if lane kernels are available.
     pub fn by_rustfft(length: usize) -> Self {
         Self::Gathered(Gathered::new(length))
     }
@@ -28,7 +28,7 @@ impl<T: Real> AnyLength<T> {
         }
     }
 
-    /// Reals that each buffer needs to hold.
+    /// Number of values that each buffer needs to hold.
     pub fn room(&self) -> usize {
         match self {
             Self::Lanes(plan) => 2 * T::LANES * plan.length(),
@@ -39,10 +39,10 @@ impl<T: Real> AnyLength<T> {
     /// Transforms the columns at `from` into those at `to`, which may be the same.
     ///
     /// # Safety
-    /// The elements at `from` can be read, those at `to` written, and nobody else touches them meanwhile; each of the
-    /// two buffers has [`Self::room`].
+    /// The elements at `from` can be read, those at `to` written, with no concurrent access; each of the two buffers
+    /// has [`Self::room`].
     pub unsafe fn run(&self, direction: Direction, from: At<T>, to: At<T>, buffers: [*mut T; 2]) {
-        // SAFETY: as promised.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             match self {
                 Self::Lanes(plan) => plan.run(direction, from, to, buffers),

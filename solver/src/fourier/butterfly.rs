@@ -25,7 +25,7 @@ impl<T: Real, V: Vector<T>> Pair<V, T> {
     /// Both can be read.
     #[inline(always)]
     pub unsafe fn load(from: *const T, [re, im]: [usize; 2]) -> Self {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { Self::new(V::load(from.add(re)), V::load(from.add(im))) }
     }
 
@@ -35,7 +35,7 @@ impl<T: Real, V: Vector<T>> Pair<V, T> {
     /// Both can be written.
     #[inline(always)]
     pub unsafe fn store(self, to: *mut T, [re, im]: [usize; 2]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             self.re.store(to.add(re));
             self.im.store(to.add(im));
@@ -86,7 +86,7 @@ impl<T: Real, V: Vector<T>> Pair<V, T> {
     }
 }
 
-/// The discrete Fourier transform `y_j = sum_k x_k exp(-2 pi i j k / R)` of a few elements.
+/// Discrete Fourier transform `y_j = sum_k x_k exp(-2 pi i j k / R)` of a few elements.
 pub(super) trait Butterfly {
     fn transform(self) -> Self;
 }
@@ -130,8 +130,8 @@ impl<T: Real, V: Vector<T>> Butterfly for [Pair<V, T>; 8] {
     }
 }
 
-/// The transform of an odd number of elements from the sums and differences of opposite ones, with the cosines and
-/// sines of `2 pi k / R`, `0 < k < R/2`.
+/// Transform of an odd number of elements from the sums and differences of opposite ones, with the cosines and sines
+/// of `2 pi k / R`, `0 < k < R/2`.
 macro_rules! odd_butterfly {
     ($radix:literal, $cosines:expr, $sines:expr) => {
         impl<T: Real, V: Vector<T>> Butterfly for [Pair<V, T>; $radix] {

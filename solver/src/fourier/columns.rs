@@ -6,7 +6,7 @@ use crate::Real;
 use crate::simd::{Vector, Work, prefetch};
 use num_complex::Complex;
 
-/// A plan for columns of `n` elements: Stockham's passes of radix 8, 4, 2, 3, 5, 7, which end in natural order. Neither
+/// Plan for columns of `n` elements: Stockham passes of radix 8, 4, 2, 3, 5, 7, which end in natural order. Neither
 /// direction scales. Element `i` of the columns is a vector of real parts followed by one of imaginary parts.
 pub(crate) struct Columns<T> {
     length: usize,
@@ -23,7 +23,7 @@ struct Pass<T> {
     twiddles: Vec<Complex<T>>,
 }
 
-/// A place of columns in memory, and the distance in reals from one element to the next.
+/// Position of columns in memory, and the distance in values from one element to the next.
 #[derive(Clone, Copy)]
 pub(crate) struct At<T> {
     pub first: *mut T,
@@ -51,8 +51,8 @@ impl<T: Real> Columns<T> {
     /// Transforms the columns at `from` into those at `to`, which may be the same.
     ///
     /// # Safety
-    /// The `length` elements at `from` can be read, those at `to` written, and nobody else touches them meanwhile; each
-    /// of the two buffers has room for as many.
+    /// The `length` elements at `from` can be read, those at `to` written, with no concurrent access; each of the two
+    /// buffers has room for as many.
     pub unsafe fn run(&self, direction: Direction, from: At<T>, to: At<T>, buffers: [*mut T; 2]) {
         let parts = match direction {
             Direction::Forward => [0, T::LANES],
@@ -62,20 +62,20 @@ impl<T: Real> Columns<T> {
         let mut source = from;
         for (i, pass) in self.passes.iter().enumerate() {
             let target = if i + 1 == self.passes.len() { to } else { buffers[i % 2] };
-            // SAFETY: as promised; source and target are apart, unless the only pass reads and writes in place, which
-            // one butterfly can.
+            // SAFETY: guaranteed by the caller; source and target are distinct, unless a single pass works in place,
+            // which one butterfly can.
             unsafe { pass.run(source, target, parts) };
             source = target;
         }
         if self.passes.is_empty() {
-            // SAFETY: as promised.
+            // SAFETY: guaranteed by the caller.
             unsafe { std::ptr::copy(from.first, to.first, 2 * T::LANES) };
         }
     }
 }
 
-/// The factors of a length, few and small ones first: a pass multiplies `1 - 1/radix` of its elements by roots, but the
-/// last multiplies none.
+/// Factors of a length, few and small ones first: a pass multiplies `1 - 1/radix` of its elements by roots of unity,
+/// but the last one multiplies none.
 fn radices(length: usize) -> Vec<usize> {
     let (mut rest, mut found) = (length, Vec::new());
     for prime in [7, 5, 3] {
@@ -113,8 +113,8 @@ struct Butterflies<'a, T, const R: usize> {
     from: At<T>,
     to: At<T>,
     parts: [usize; 2],
-    /// Whether this pass reads elements that lie far apart; then it asks for those of the next columns, which it is
-    /// likely to be called for next, before they are needed.
+    /// Whether this pass reads elements that lie far apart; it then prefetches those of the next columns, which are
+    /// probably transformed next.
     far_apart: bool,
 }
 
@@ -125,7 +125,7 @@ macro_rules! work {
 
             #[inline(always)]
             fn run<V: Vector<T>>(self) {
-                // SAFETY: what `Columns::run` was promised.
+                // SAFETY: guaranteed by the caller of `Columns::run`.
                 unsafe { self.all::<V>() }
             }
         }
@@ -153,7 +153,8 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
         }
     }
 
-    /// Reads elements, transforms them, and writes them, all but the first times a root; `[first, distance]` say which.
+    /// Reads elements, transforms them, multiplies all but the first by a root of unity, and writes them;
+    /// `[first, distance]` select the elements.
     #[inline(always)]
     unsafe fn one<V: Vector<T>>(&self, source: [usize; 2], target: [usize; 2], roots: Option<&[Complex<T>]>)
     where
@@ -166,7 +167,7 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
                 prefetch(self.from.first.wrapping_add(next + T::LANES));
             }
         }
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let read = |k: usize| unsafe {
             Pair::<V, T>::load(self.from.first.add((source[0] + k * source[1]) * self.from.stride), self.parts)
         };
@@ -183,7 +184,7 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
                 value = value.mul(Pair::new(V::splat(roots[j - 1].re), V::splat(roots[j - 1].im)));
             }
             let place = (target[0] + j * target[1]) * self.to.stride;
-            // SAFETY: the caller's promise.
+            // SAFETY: guaranteed by the caller.
             unsafe { value.store(self.to.first.add(place), self.parts) };
         }
     }

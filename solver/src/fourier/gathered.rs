@@ -1,4 +1,4 @@
-//! Complex transforms of columns by rustfft, which takes contiguous rows.
+//! Complex transforms of columns by rustfft, which needs contiguous rows.
 
 use super::Direction;
 use super::columns::At;
@@ -9,11 +9,11 @@ use std::marker::PhantomData;
 use std::slice::{from_raw_parts, from_raw_parts_mut};
 use std::sync::Arc;
 
-/// A plan for columns of `n` elements: the lanes are gathered into rows, transformed, and scattered again. Neither
+/// Plan for columns of `n` elements: the lanes are gathered into rows, transformed, and scattered again. Neither
 /// direction scales. Elements are those of [`super::Columns`].
 ///
-/// All lanes of a vector are transformed by one call, so that each has the same bits whichever lane it is in: where
-/// rustfft takes rows in pairs, none is left over.
+/// All lanes of a vector are transformed by one call, so each result has the same bits in any lane: if rustfft
+/// processes rows in pairs, none is left over.
 pub(crate) struct Gathered<T> {
     plan: Plan,
     real: PhantomData<T>,
@@ -38,7 +38,7 @@ impl<T: Real> Gathered<T> {
         }
     }
 
-    /// Reals that each buffer needs to hold.
+    /// Number of values that each buffer needs to hold.
     pub fn room(&self) -> usize {
         2 * (T::LANES * self.length()).max(self.plan.scratch())
     }
@@ -47,14 +47,14 @@ impl<T: Real> Gathered<T> {
     /// imaginary parts exchanged before and after.
     ///
     /// # Safety
-    /// The elements at `from` can be read, those at `to` written, and nobody else touches them meanwhile; each of the
-    /// two buffers has [`Self::room`].
+    /// The elements at `from` can be read, those at `to` written, with no concurrent access; each of the two buffers
+    /// has [`Self::room`].
     pub unsafe fn run(&self, direction: Direction, from: At<T>, to: At<T>, [rows, scratch]: [*mut T; 2]) {
         let parts = match direction {
             Direction::Forward => [0, T::LANES],
             Direction::Backward => [T::LANES, 0],
         };
-        // SAFETY: as promised; a complex number is two reals.
+        // SAFETY: guaranteed by the caller; a complex number is two reals.
         unsafe {
             let rows = from_raw_parts_mut(rows.cast::<Complex<T>>(), T::LANES * self.length());
             let scratch = from_raw_parts_mut(scratch.cast::<Complex<T>>(), self.plan.scratch());
@@ -66,7 +66,7 @@ impl<T: Real> Gathered<T> {
 }
 
 impl Plan {
-    // Neither of these is generic, so that rustfft is compiled here and not once more wherever transforms are planned.
+    // These two are not generic, so that rustfft is compiled here and not again in every crate that plans transforms.
     fn single(length: usize) -> Self {
         Self::Single(FftPlanner::new().plan_fft_forward(length))
     }
@@ -75,7 +75,7 @@ impl Plan {
         Self::Double(FftPlanner::new().plan_fft_forward(length))
     }
 
-    /// Complex numbers of scratch.
+    /// Complex numbers of scratch memory.
     fn scratch(&self) -> usize {
         match self {
             Self::Single(plan) => plan.get_inplace_scratch_len(),
@@ -83,7 +83,7 @@ impl Plan {
         }
     }
 
-    /// Transforms rows in place; `T` is the type that this was planned for.
+    /// Transforms rows in place; `T` is the type of the plan.
     fn process<T: Real>(&self, rows: &mut [Complex<T>], scratch: &mut [Complex<T>]) {
         use bytemuck::cast_slice_mut as cast;
         match self {
@@ -93,14 +93,14 @@ impl Plan {
     }
 }
 
-/// Copies columns, whose real and imaginary `parts` say where in an element they begin, into rows.
+/// Copies columns into rows; `parts` are the offsets of the real and imaginary parts in an element.
 ///
 /// # Safety
 /// The elements can be read.
 unsafe fn gather<T: Real>(from: At<T>, rows: &mut [Complex<T>], [re, im]: [usize; 2]) {
     let length = rows.len() / T::LANES;
     for i in 0..length {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let element = unsafe { from_raw_parts(from.first.add(i * from.stride), 2 * T::LANES) };
         for lane in 0..T::LANES {
             rows[lane * length + i] = Complex::new(element[re + lane], element[im + lane]);
@@ -115,7 +115,7 @@ unsafe fn gather<T: Real>(from: At<T>, rows: &mut [Complex<T>], [re, im]: [usize
 unsafe fn scatter<T: Real>(rows: &[Complex<T>], to: At<T>, [re, im]: [usize; 2]) {
     let length = rows.len() / T::LANES;
     for i in 0..length {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let element = unsafe { from_raw_parts_mut(to.first.add(i * to.stride), 2 * T::LANES) };
         for lane in 0..T::LANES {
             let value = rows[lane * length + i];

@@ -1,4 +1,4 @@
-//! Fourier transforms of many lines at once: a vector's lanes hold the same element of neighbouring lines.
+//! Fourier transforms of many rows at once: a vector's lanes hold the same element of neighbouring rows.
 
 mod any_length;
 mod butterfly;
@@ -13,7 +13,7 @@ pub(crate) use rows::{Batch, Rows};
 use crate::Real;
 use num_complex::Complex;
 
-/// The sign of the exponent, and with it the space that a transform leads to.
+/// Direction of a transform: the sign of the exponent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// `exp(-i k x)`, to coefficients.
@@ -22,9 +22,9 @@ pub(crate) enum Direction {
     Backward,
 }
 
-/// `exp(-2 pi i numerator / denominator)`, correctly rounded up to the last bit or two.
+/// `exp(-2 pi i numerator / denominator)`, accurate to a unit or two in the last place.
 fn root_of_unity<T: Real>(numerator: usize, denominator: usize) -> Complex<T> {
-    // The angle in eighths of a turn keeps sines and cosines where they are accurate, and exact symmetries exact.
+    // The angle in eighths of a turn keeps sines and cosines accurate, and symmetries exact.
     let eighths = 8 * (numerator % denominator);
     let (octant, rest) = (eighths / denominator, eighths % denominator);
     let within = |part: usize| std::f64::consts::FRAC_PI_4 * part as f64 / denominator as f64;
@@ -42,7 +42,7 @@ fn root_of_unity<T: Real>(numerator: usize, denominator: usize) -> Complex<T> {
     Complex::new(T::from_f64(cosine), T::from_f64(-sine))
 }
 
-/// Whether a number is a product of some of the primes given.
+/// Whether a number is a product of some of the given primes.
 pub(crate) fn is_product_of(primes: &[usize], mut number: usize) -> bool {
     for prime in primes {
         while number > 0 && number.is_multiple_of(*prime) {

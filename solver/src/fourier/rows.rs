@@ -7,11 +7,11 @@ use crate::Real;
 use crate::simd::{Vector, Work, prefetch};
 use num_complex::Complex;
 
-/// A plan for rows of `n` real values and their `n/2` coefficients `0 <= k < n/2`; the coefficient `n/2` is dropped,
-/// and taken as zero on the way back. Neither direction scales.
+/// Plan for rows of `n` real values and their `n/2` coefficients `0 <= k < n/2`; the coefficient `n/2` is dropped,
+/// and taken as zero in the backward direction. Neither direction scales.
 ///
-/// A row of coefficients is made of blocks: the real parts of [`Real::LANES`] neighbours, then their imaginary parts;
-/// the last block is filled up with zeros.
+/// A row of coefficients consists of blocks: the real parts of [`Real::LANES`] neighbours, then their imaginary
+/// parts; the last block is padded with zeros.
 ///
 /// Pairs of values are transformed as complex numbers, `z_j = x_2j + i x_2j+1`, and
 /// `X_k = (Z_k + Z*_h-k)/2 - i/2 exp(-2 pi i k / n) (Z_k - Z*_h-k)` with `h = n/2`.
@@ -22,7 +22,7 @@ pub(crate) struct Rows<T> {
     halo: usize,
 }
 
-/// Neighbouring rows in memory, and the distance in reals from one to the next.
+/// Neighbouring rows in memory, and the distance in values from one to the next.
 #[derive(Clone, Copy)]
 pub(crate) struct Batch<T> {
     pub first: *mut T,
@@ -30,7 +30,7 @@ pub(crate) struct Batch<T> {
 }
 
 impl<T: Real> Rows<T> {
-    /// Rows of twice the values that `half` transforms, with halos.
+    /// Plan for rows of twice the length that `half` transforms, with halos.
     pub fn new(half: AnyLength<T>, halo: usize) -> Self {
         let length = 2 * half.length();
         let root = |k: usize| {
@@ -41,7 +41,7 @@ impl<T: Real> Rows<T> {
         Self { roots: (0..length / 2).map(root).collect(), half, halo }
     }
 
-    /// Reals that the buffers need to hold.
+    /// Number of values that each buffer needs to hold.
     pub fn room(&self) -> usize {
         (self.blocks() * T::LANES * 2 * T::LANES).max(self.half.room())
     }
@@ -50,12 +50,12 @@ impl<T: Real> Rows<T> {
         self.half.length().div_ceil(T::LANES)
     }
 
-    /// Transforms [`Real::LANES`] rows in place: adds halos to the rows' starts and goes forward, or goes backward and
-    /// fills the halos.
+    /// Transforms [`Real::LANES`] rows in place: forward after adding the halos to the rows' starts, or backward
+    /// before filling the halos.
     ///
     /// # Safety
     /// The rows can be read and written up to their stride, which is a multiple of [`Real::LANES`] and has room for
-    /// values, halo and blocks, and nobody else touches them meanwhile; each buffer has [`Self::room`].
+    /// values, halo and blocks, with no concurrent access; each buffer has [`Self::room`].
     pub unsafe fn run(&self, direction: Direction, rows: Batch<T>, [values, first, second]: [*mut T; 3]) {
         let columns = At { first: values, stride: 2 * T::LANES };
         let transform = || {
@@ -102,7 +102,7 @@ impl<T: Real> Work<T> for Gather<'_, T> {
             }
         }
         for x in (0..length).step_by(T::LANES) {
-            // The next batch, before it is needed.
+            // Prefetches the next batch.
             for r in T::LANES..2 * T::LANES {
                 prefetch(rows.first.wrapping_add(r * rows.stride + x));
             }
@@ -141,7 +141,7 @@ impl<T: Real> Work<T> for Scatter<'_, T> {
     }
 }
 
-/// From the transform of the pairs to the coefficients, and these into blocks of the rows.
+/// Converts the transform of the pairs to coefficients, and writes these into blocks of the rows.
 struct Spectrum<'a, T> {
     plan: &'a Rows<T>,
     rows: Batch<T>,
@@ -179,7 +179,7 @@ impl<T: Real> Work<T> for Spectrum<'_, T> {
     }
 }
 
-/// From the blocks of the rows to what the transform of the pairs starts from.
+/// Converts the blocks of the rows to the input of the backward transform of the pairs.
 struct FromSpectrum<'a, T> {
     plan: &'a Rows<T>,
     rows: Batch<T>,
@@ -227,12 +227,12 @@ fn conjugate<T: Real, V: Vector<T>>(value: Pair<V, T>) -> Pair<V, T> {
 
 #[inline(always)]
 unsafe fn element<T: Real, V: Vector<T>>(values: *mut T, index: usize) -> Pair<V, T> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { Pair::load(values.add(index * 2 * T::LANES), [0, T::LANES]) }
 }
 
 #[inline(always)]
 unsafe fn put<T: Real, V: Vector<T>>(values: *mut T, index: usize, value: Pair<V, T>) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { value.store(values.add(index * 2 * T::LANES), [0, T::LANES]) };
 }

@@ -3,7 +3,7 @@ use super::*;
 use crate::memory::Memory;
 use std::f64::consts::TAU;
 
-/// Numbers without a pattern, between -1 and 1: the bits of a product, mixed.
+/// Reproducible pseudo-random number between -1 and 1: mixed bits of a product.
 pub(crate) fn noise(index: usize) -> f64 {
     let mut bits = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -11,7 +11,7 @@ pub(crate) fn noise(index: usize) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// The sum that defines the transform, in `f64`.
+/// The defining sum of the transform, in `f64`.
 fn slow(values: &[Complex<f64>], sign: f64) -> Vec<Complex<f64>> {
     let n = values.len();
     let root = |turns: usize| Complex::from_polar(1.0, sign * TAU * (turns % n) as f64 / n as f64);
@@ -25,10 +25,10 @@ fn difference(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
 
 const LENGTHS: [usize; 21] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 14, 15, 16, 21, 32, 48, 64, 72, 105, 128, 256];
 
-/// Lengths and half-lengths with factors that no lane kernel has: single ones, products, and large primes.
+/// Lengths and half-lengths with factors for which there is no lane kernel: single ones, products, and large primes.
 const OTHER_LENGTHS: [usize; 14] = [11, 13, 17, 22, 23, 26, 33, 34, 46, 53, 97, 106, 143, 194];
 
-/// Noise in each lane before its transform and after it, from a place to another.
+/// Noise in each lane before and after its transform.
 fn transformed<T: Real>(plan: &AnyLength<T>, direction: Direction, in_place: bool) -> Vec<[Vec<Complex<f64>>; 2]> {
     let (length, stride) = (plan.length(), 6 * T::LANES);
     let element = |memory: &Memory<T>, i: usize, lane: usize| {
@@ -48,7 +48,7 @@ fn transformed<T: Real>(plan: &AnyLength<T>, direction: Direction, in_place: boo
     (0..T::LANES).map(|lane| [&before, &after].map(|m| (0..length).map(|i| element(m, i, lane)).collect())).collect()
 }
 
-/// The relative error of the columns' transform in the 2-norm, the largest of all lanes.
+/// Relative error of the columns' transform in the 2-norm, the largest over the lanes.
 fn column_error<T: Real>(plan: &AnyLength<T>, direction: Direction, in_place: bool) -> f64 {
     let sign = if direction == Direction::Forward { -1.0 } else { 1.0 };
     let error = |[before, after]: [Vec<_>; 2]| difference(&after, &slow(&before, sign));
@@ -60,7 +60,7 @@ fn columns_are_the_sums_that_define_them() {
     for length in LENGTHS.into_iter().chain(OTHER_LENGTHS) {
         for direction in [Direction::Forward, Direction::Backward] {
             for in_place in [false, true] {
-                // Fast transforms err by a few roundings for each factor; the slow sum by more.
+                // Fast transforms have a few roundings per factor; the slow sum has more.
                 assert!(
                     column_error::<f64>(&AnyLength::new(length), direction, in_place)
                         < 1e-15 * (2.0 + length as f64).sqrt(),
@@ -73,7 +73,7 @@ fn columns_are_the_sums_that_define_them() {
     }
 }
 
-/// The largest relative difference between the lane kernels and rustfft.
+/// Largest relative difference between the lane kernels and rustfft.
 fn from_rustfft<T: Real>(length: usize, direction: Direction) -> f64 {
     let lanes = transformed::<T>(&AnyLength::Lanes(Columns::new(length)), direction, true);
     let rustfft = transformed::<T>(&AnyLength::by_rustfft(length), direction, true);
@@ -164,7 +164,7 @@ fn roots_of_unity_have_their_symmetries() {
     for n in [1, 2, 3, 8, 12, 100, 128, 210] {
         for k in 0..2 * n {
             let root: Complex<f64> = root_of_unity(k, n);
-            // The angle of the reference is good to a rounding of a whole turn.
+            // The angle of the reference is accurate to a rounding of a whole turn.
             let angle = -TAU * ((k % n) as f64 / n as f64);
             let error = (root - Complex::from_polar(1.0, angle)).norm();
             assert!(error < 1e-15, "{k}/{n}: {error}");

@@ -1,4 +1,4 @@
-//! The kernel on a grid, and its transform.
+//! Free-space Stokes kernel on a grid, and its transform.
 
 use crate::{Field, Grid, Physical, Spectral, Transform};
 use domain::{Comm, Partition, PeriodicBox, Vector};
@@ -6,27 +6,28 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
+/// Number of entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
 pub(super) const ENTRIES: usize = 6;
 const DIAGONAL: [usize; 3] = [0, 3, 5];
 
-/// Modes that one thread works through at a time.
+/// Modes that one thread processes at a time.
 const BATCH: usize = 1024;
 
-/// Calls `keep(mode, entry, value)` for the discrete transform of the kernel at all modes up to half the points, but for the
-/// highest of x.
+/// Calls `keep(mode, entry, value)` for the discrete transform of the kernel at all modes up to half the points,
+/// except for the highest of x.
 ///
-/// The biharmonic kernel `-r / 8 pi`, plus `(R^2 + r^2) / 16 pi R` so that it ends at a radius `R` without a step or a kink as
+/// The biharmonic kernel `-r / 8 pi`, plus `(R^2 + r^2) / 16 pi R` so that it vanishes smoothly at a radius `R` as
 /// `(R - r)^2 / 16 pi R`, has the transform
 ///
 /// ```text
 /// B(k) = (2 + cos q - 3 sin q / q) / (2 k^4),      q = k R,
 /// ```
 ///
-/// an entire function (Vico, Greengard & Ferrando 2016 have it of the kernel that ends with a step, to `R^2 / k^2`, which a grid
-/// cuts off at its highest wavenumbers): on a grid so long that no copy of the cut reaches what is on it, the sum of
-/// `(k^2 I - k k) B(k) m(k)` over its wavevectors is the decaying kernel at every separation that there is, and no other, but for
-/// `-m(0) / 4 pi R` of what was added, on the diagonal. Separations of as many points as half the grid has do not occur.
+/// an entire function. (Vico, Greengard & Ferrando 2016 truncate the kernel with a step, whose transform decays like
+/// `R^2 / k^2` and is cut off at the highest wavenumbers of a grid.) On a grid so long that no periodic copy of the
+/// cutoff reaches the particles, the sum of `(k^2 I - k k) B(k) m(k)` over its wavevectors is the decaying kernel at
+/// every separation that occurs, apart from `-m(0) / 4 pi R` on the diagonal by the term that was added. Separations
+/// of half the grid's points do not occur.
 pub(super) fn transforms(
     grid: &Grid,
     multiplier: impl Fn(Vector) -> f64 + Sync,
@@ -43,7 +44,7 @@ pub(super) fn transforms(
     let long = Grid::new(long, cell).expect("a good size is one that can be transformed");
     let over = 1.0 / long.count() as f64;
     let added = multiplier(Vector::ZERO) / (4.0 * PI * cut) * spacing.element_product();
-    // Even along each axis: those of an octant stand for all.
+    // Even along each axis: an octant represents all modes.
     let [mx, my, mz] = long.points().map(|n| n / 2);
     let factor = |at: usize| {
         let k = long.wavevector([at % mx, at / mx % my, at / (mx * my)]);
@@ -74,7 +75,7 @@ pub(super) fn transforms(
     }
 }
 
-/// `B(k)`, which is of no matter at `k = 0`.
+/// `B(k)`, with any value at `k = 0`.
 fn biharmonic(k: f64, cut: f64) -> f64 {
     let q = k * cut;
     if q == 0.0 {
@@ -87,7 +88,7 @@ fn planned(grid: &Grid) -> Transform<f64> {
     Transform::new(grid.points(), &Partition::new(&Comm::alone(), grid.lines()), 0)
 }
 
-/// The values of which these are the coefficients.
+/// Values with the given coefficients.
 fn on_grid(grid: &Grid, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync) -> Field<f64, Physical> {
     let mut transform = planned(grid);
     let mut field: Field<f64, Spectral> = transform.field().into_space();
@@ -95,13 +96,14 @@ fn on_grid(grid: &Grid, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync)
     transform.backward(field)
 }
 
-/// The values at separations of fewer points than half a grid has, and a number more of each component, on that grid. Those of half the points along x do not occur, so
-/// that their values are free: with those set here rows have nothing of the highest mode of x, which is not kept.
+/// Values at separations of fewer points than half a grid, plus a constant for each component, on that grid.
+/// Separations of half the points along x do not occur, so their values are free: those set here leave nothing in the
+/// highest mode of x, which is not kept.
 fn cropped((from, more): (&Field<f64, Physical>, [f64; 3]), long: &Grid, half: [usize; 3]) -> Field<f64, Physical> {
     let points = half.map(|n| 2 * n);
     let grid = Grid::new(points, PeriodicBox::new(Vector::ONE).expect("a cube")).expect("as the one that was given");
     let mut field = planned(&grid).field();
-    // The place on the long grid of a place on the short one, where there is one.
+    // Index on the long grid of a point of the short one, if there is one.
     let place = |axis: usize, point: usize| {
         let beyond = points[axis] - point;
         if point < half[axis] { Some(point) } else { (beyond < half[axis]).then(|| long.points()[axis] - beyond) }

@@ -1,4 +1,5 @@
-//! Unbounded fluid: convolution with the decaying kernel on a grid that is twice as long along each axis as what is on it.
+//! Unbounded fluid: convolution with the decaying kernel on a grid that is twice as long along each axis as its
+//! occupied part.
 
 mod kernel;
 
@@ -6,18 +7,18 @@ use crate::simd::{Vector, Work};
 use crate::{Grid, Real};
 use kernel::{ENTRIES, transforms};
 
-/// The decaying Stokes kernel, of a multiplier of the wavenumber, between the points of the first half of a grid along each
-/// axis: transformed, and zero at no place that matters (Hockney 1970).
+/// Decaying Stokes kernel with a multiplier of the wavenumber, between the points in the first half of a grid along
+/// each axis: its transform, with zero padding (Hockney 1970).
 pub struct OpenSpace<T> {
     points: [usize; 3],
-    /// By `|m2|`, block along x, `|m3|`, entry of the tensor, and lane.
+    /// Table by `|m2|`, block along x, `|m3|`, entry of the tensor, and lane.
     table: Vec<T>,
     blocks: usize,
 }
 
 impl<T: Real> OpenSpace<T> {
-    /// The kernel for a viscosity and an even multiplier `m(k)`, as of [`crate::Multiplier`], whose kernel differs from that
-    /// of points up to a distance `reach` alone. Every rank has all of it.
+    /// Kernel for a viscosity and an even multiplier `m(k)`, as of [`crate::Multiplier`], whose kernel differs from
+    /// that of points only up to a distance `reach`. Complete on every rank.
     pub fn new(grid: &Grid, viscosity: f64, multiplier: impl Fn(domain::Vector) -> f64 + Sync, reach: f64) -> Self {
         let points = grid.points();
         let [columns, modes, last] = points.map(|n| n / 2 + 1);
@@ -32,7 +33,7 @@ impl<T: Real> OpenSpace<T> {
         Self { points, table, blocks }
     }
 
-    /// Values of the tables of a grid.
+    /// Number of values in the table of a grid.
     pub(crate) fn values(points: [usize; 3]) -> f64 {
         let [columns, modes, last] = points.map(|n| n / 2 + 1);
         let blocks = (columns - 1).div_ceil(T::LANES);

@@ -1,16 +1,17 @@
-//! An exponential of vectors.
+//! Exponential function of vectors.
 
 use crate::Real;
 use crate::simd::Vector as Lanes;
 
-/// `exp(x)` to a few of the last bits, for `x` up to `f32`'s 87 or `f64`'s 700 and down to the same below zero, where it stays.
+/// `exp(x)` to a few units in the last place, for `x` up to 87 (`f32`) or 700 (`f64`); below the same negative bound
+/// it stays constant.
 ///
-/// `x = n ln 2 + r`, a polynomial for `exp(r)`, and `n` put into the exponent: no branch and no call.
+/// `x = n ln 2 + r`, a polynomial for `exp(r)`, and `n` added to the exponent: no branch and no call.
 #[inline(always)]
 pub fn exponential<T: Real, V: Lanes<T>>(x: V) -> V {
     const LN2: [f64; 2] = [0.693_359_375, -2.121_944_400_546_905_8e-4];
     let single = size_of::<T>() == 4;
-    // Adding it leaves the nearest whole number in the low bits.
+    // Adding it leaves the nearest integer in the low bits.
     let to_whole = constant::<T, V>(if single { 12_582_912.0 } else { 6_755_399_441_055_744.0 });
     let x = x.max(constant::<T, V>(if single { -87.0 } else { -700.0 }));
     let n = x.mul_add(constant::<T, V>(std::f64::consts::LOG2_E), to_whole).sub(to_whole);

@@ -1,15 +1,15 @@
-//! The widest vectors of the machine that the program happens to run on.
+//! Vectors of the widest instruction set of the machine at run time.
 //!
-//! The crates are compiled for any processor of their family; what follows compiles a kernel again for each set of
-//! vector instructions and picks the best at run time. Products and sums are fused everywhere (`mul_add`, rounded
-//! once), so that each set gives the same bits. Machines without fused instructions compute them in software: right,
-//! but slow.
+//! The crates are compiled for any processor of their family; this module compiles a kernel again for each set of
+//! vector instructions and selects the best at run time. Products and sums are fused everywhere (`mul_add`, rounded
+//! once), so each set gives the same bits. Machines without fused instructions compute them in software: correctly,
+//! but slowly.
 //!
 //! - [`vectorised`] runs a closure of plain loops, which the compiler vectorises.
 //! - [`Work`] is a kernel written in [`Vector`]s, for code that the compiler does not vectorise by itself.
 //!
-//! In both, whatever is called and not inlined is compiled for any processor: every function of a kernel is
-//! `#[inline(always)]`, and loops stand where `std::array::from_fn` or `map` might, which need not be inlined.
+//! In both, functions that are called but not inlined are compiled for any processor. So every function of a kernel
+//! is `#[inline(always)]`, and loops are used instead of `std::array::from_fn` or `map`, which need not be inlined.
 
 mod exponential;
 mod portable;
@@ -19,14 +19,14 @@ pub(crate) mod x86;
 use crate::Real;
 pub use exponential::exponential;
 
-/// As many neighbouring values as fill a cache line of 64 bytes, worked on at once.
+/// As many neighbouring values as fill a cache line of 64 bytes, processed at once.
 ///
 /// All functions are meant to be inlined into [`Work::run`].
 pub trait Vector<T: Real>: Copy {
-    /// Values in it: [`Real::LANES`], or half of them.
+    /// Number of values: [`Real::LANES`], or half of them.
     const LANES: usize;
 
-    /// A vector of half as many values, where they are too few for a whole one; its own half is itself.
+    /// Vector of half as many values, for short lists; its own half is itself.
     type Half: Vector<T>;
 
     /// Reads neighbouring values.
@@ -72,11 +72,12 @@ pub trait Vector<T: Real>: Copy {
     #[must_use]
     fn max(self, other: Self) -> Self;
 
-    /// `self * 2^exponent`, for whole exponents whose powers are normal numbers.
+    /// `self * 2^exponent`, for integer exponents whose powers are normal numbers.
     #[must_use]
     fn times_power_of_two(self, exponent: Self) -> Self;
 
-    /// Transposes a square of [`Vector::LANES`] rows and columns: `to[j * to_stride + i] = from[i * from_stride + j]`.
+    /// Transposes a square of [`Vector::LANES`] rows and columns:
+    /// `to[j * to_stride + i] = from[i * from_stride + j]`.
     ///
     /// # Safety
     /// The rows can be read and written, and the two squares do not overlap.
@@ -85,29 +86,29 @@ pub trait Vector<T: Real>: Copy {
 
 /// A kernel in terms of vectors, compiled for each set of instructions; [`Real::dispatch`] runs it.
 pub trait Work<T: Real> {
-    /// What it returns.
+    /// Return type.
     type Output;
 
-    /// Does the work. Implementations, and all that they call, are `#[inline(always)]`: only then do the instructions
-    /// of the caller reach them.
+    /// Does the work. Implementations, and all functions that they call, are `#[inline(always)]`: only then are they
+    /// compiled for the instruction set of the caller.
     fn run<V: Vector<T>>(self) -> Self::Output;
 }
 
 /// Sets of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// What every machine has for which this program was compiled.
+    /// Instructions of every machine for which the program was compiled.
     Portable,
     /// AVX2 and FMA.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// AVX-512, all of F, BW, DQ and VL.
+    /// AVX-512 with F, BW, DQ and VL.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
 
 impl Level {
-    /// The widest of this machine.
+    /// Widest set of this machine.
     #[inline]
     pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -123,10 +124,10 @@ impl Level {
     }
 }
 
-/// Asks for the cache line of an address that need not exist, to be near when it is wanted.
+/// Prefetches the cache line of an address, which need not be valid.
 #[inline(always)]
 pub(crate) fn prefetch<T>(address: *const T) {
-    // SAFETY: a hint, which reads nothing.
+    // SAFETY: a prefetch reads nothing.
     #[cfg(target_arch = "x86_64")]
     unsafe {
         std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address.cast());
@@ -134,8 +135,8 @@ pub(crate) fn prefetch<T>(address: *const T) {
 }
 
 /// Runs `work` compiled for the widest vectors of this machine. Its loops are vectorised like any others, but with
-/// wider registers and fused `mul_add`; it is written `vectorised(#[inline(always)] || ...)`, and what it calls is
-/// inlined as well, or it stays as it was.
+/// wider registers and fused `mul_add`. Write `vectorised(#[inline(always)] || ...)`; functions that it calls have to
+/// be inlined as well, or they stay compiled for any processor.
 pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
     match Level::detect() {
         Level::Portable => work(),

@@ -3,7 +3,7 @@
 use super::Vector;
 use crate::Real;
 
-/// An array by its elements. A loop in place: `std::array::from_fn` need not be inlined.
+/// An array element by element, as a loop: `std::array::from_fn` need not be inlined.
 macro_rules! each {
     ($i:ident, $value:expr) => {{
         let mut result = [T::default(); LANES];
@@ -20,13 +20,13 @@ impl<T: Real, const LANES: usize> Vector<T> for [T; LANES] {
 
     #[inline(always)]
     unsafe fn load(from: *const T) -> Self {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { from.cast::<Self>().read() }
     }
 
     #[inline(always)]
     unsafe fn store(self, to: *mut T) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { to.cast::<Self>().write(self) }
     }
 
@@ -79,7 +79,7 @@ impl<T: Real, const LANES: usize> Vector<T> for [T; LANES] {
     unsafe fn transpose((from, from_stride): (*const T, usize), (to, to_stride): (*mut T, usize)) {
         for i in 0..LANES {
             for j in 0..LANES {
-                // SAFETY: the caller's promise.
+                // SAFETY: guaranteed by the caller.
                 unsafe { *to.add(j * to_stride + i) = *from.add(i * from_stride + j) };
             }
         }

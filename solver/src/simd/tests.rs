@@ -18,7 +18,7 @@ impl<T: Real> Work<T> for Everything {
         unsafe {
             let (from, to) = ([a.as_ptr(), b.as_ptr(), c.as_ptr()], results.as_mut_ptr());
             every::<T, V>(from, to);
-            // Both halves again, which gives the same.
+            // Both halves again, with the same results.
             for first in [0, V::Half::LANES] {
                 every::<T, V::Half>(from.map(|p| p.add(first)), to.add(first));
             }
@@ -28,7 +28,7 @@ impl<T: Real> Work<T> for Everything {
     }
 }
 
-/// Each result of a vector, a cache line apart.
+/// Result of each function, a cache line apart.
 #[inline(always)]
 unsafe fn every<T: Real, V: Vector<T>>([a, b, c]: [*const T; 3], to: *mut T) {
     unsafe {

@@ -19,13 +19,13 @@ pub(super) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }
 
-/// Runs work that is compiled for AVX-512 where it is inlined.
+/// Runs work compiled for AVX-512, as far as it is inlined.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
 pub(crate) fn avx512<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Runs work that is compiled for AVX2 where it is inlined.
+/// Runs work compiled for AVX2, as far as it is inlined.
 #[target_feature(enable = "avx2,fma")]
 pub(crate) fn avx2<R>(work: impl FnOnce() -> R) -> R {
     work()
@@ -35,8 +35,8 @@ pub(crate) fn avx2<R>(work: impl FnOnce() -> R) -> R {
 #[derive(Clone, Copy)]
 pub struct Two<R>(R, R);
 
-// SAFETY of every intrinsic below: vectors of these types live only in work that `avx512` or `avx2` runs, on machines
-// that have the instructions.
+// SAFETY of every intrinsic below: vectors of these types exist only in work that `avx512` or `avx2` runs, on
+// machines that have the instructions.
 macro_rules! one_register {
     ($real:ty, $register:ty, $half:ty, $lanes:literal, $transpose:path, $scale:path, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
      $mul:ident, $div:ident, $fma:ident, $fnma:ident, $max:ident) => {
@@ -281,7 +281,7 @@ two_registers!(
     _mm256_fnmadd_ps
 );
 
-/// `value * 2^exponent`: the exponent in the low bits of a large number, moved to where a number has its own.
+/// `value * 2^exponent`: the exponent in the low bits of a large number, shifted to the exponent bits.
 #[inline(always)]
 unsafe fn times_power_of_two_f64(value: __m256d, exponent: __m256d) -> __m256d {
     unsafe {
@@ -299,7 +299,7 @@ unsafe fn times_power_of_two_f32(value: __m256, exponent: __m256) -> __m256 {
     }
 }
 
-/// Transposes as on any machine, which is rarely asked for here.
+/// Transposes as on any machine; rarely used here.
 #[inline(always)]
 unsafe fn transpose_plainly<T: Real, const LANES: usize>(from: (*const T, usize), to: (*mut T, usize)) {
     unsafe { <[T; LANES] as Vector<T>>::transpose(from, to) }

@@ -1,13 +1,13 @@
-//! The Stokes solve in a box whose third lattice vector leans.
+//! Stokes solve in a box whose third lattice vector is tilted.
 
 use super::{Multiplier, Stokes, part, project};
 use crate::simd::{Vector, Work, exponential};
 use crate::{Grid, Real};
 
-/// What the solve has besides in a lattice whose vector along z leans by `t` and `r`: the wavevector's third component is
-/// `k3 + shift(k1, k2)`, and the Gaussian of its square is no product of functions along the axes. So the multiplier is
-/// `exp(level(k1, k2) + level(k3) - width^2 k^2)`, worked out where it is needed, in which no factor is too large or small for
-/// `T` unless the whole is.
+/// Additional tables of the solve in a lattice whose third vector is tilted by `t` and `r`: the wavevector's third
+/// component is `k3 + shift(k1, k2)`, and the Gaussian of its square is no product of functions along the axes. So
+/// the multiplier is `exp(level(k1, k2) + level(k3) - width^2 k^2)`, computed on the fly, in which no factor
+/// overflows or underflows `T` unless the product does.
 pub(super) struct Leaning<T> {
     /// Values for each m2 and m1.
     shift: Vec<T>,
@@ -43,14 +43,14 @@ impl<T: Real> Leaning<T> {
         self.shift[in_plane].to_f64()
     }
 
-    /// The multiplier of a mode whose wavevector has this square.
+    /// Multiplier of a mode whose wavevector has this square.
     pub fn multiplier(&self, in_plane: usize, m3: usize, square: f64) -> f64 {
         let levels = self.level[in_plane].to_f64() + self.axis[m3].to_f64();
         (levels + self.falling.to_f64() * square).exp()
     }
 }
 
-/// What [`Stokes::multiply`] does there.
+/// Kernel of [`Stokes::multiply`] for a tilted lattice.
 pub(super) struct Multiply<'a, T> {
     pub operator: &'a Stokes<T>,
     pub leaning: &'a Leaning<T>,
@@ -82,7 +82,7 @@ impl<T: Real> Work<T> for Multiply<'_, T> {
             }
             let k3 = shift.add(V::splat(k3[m3]));
             let square = k3.mul_add(k3, in_plane_square);
-            // The origin is among the first.
+            // The origin is at m3 = 0.
             let inverse = if m3 == 0 { part::<T, V>(inverse, in_plane) } else { one.div(square) };
             let exponent = square.mul_add(falling, level.add(V::splat(axis[m3])));
             let bracket = square.mul_add(widening, one);

@@ -13,13 +13,13 @@ fn transform<T: Real>() -> Transform<T> {
     Transform::new(POINTS, &Partition::new(&Comm::alone(), [POINTS[1], POINTS[2]]), 0)
 }
 
-/// A lattice along x, y and z whose third vector leans.
+/// A tilted lattice.
 fn leaning() -> Grid {
     let vectors = [Vector::X * 3.0, Vector::new(0.62, 2.0, 0.0), Vector::new(1.1, -0.7, 2.5)];
     Grid::new(POINTS, PeriodicBox::of_lattice(vectors).unwrap()).unwrap()
 }
 
-/// A field with the value of a function at each point.
+/// A field with the values of a function at each point.
 fn sampled<T: Real>(grid: &Grid, value: impl Fn(Vector) -> Vector) -> Field<T, Physical> {
     let mut field = transform::<T>().field();
     for (y, z) in (0..POINTS[1]).flat_map(|y| (0..POINTS[2]).map(move |z| (y, z))) {
@@ -69,7 +69,7 @@ fn check_single_mode<T: Real>(grid: &Grid, mode: [usize; 3], tolerance: f64) {
     let product = plane(k.x, k.y) * axis(grid.wavenumber(2, mode[2])) * gaussian;
     let factor = product * (1.0 + widening * square).powi(2) / (viscosity * square);
     let exact = sampled::<f64>(grid, |x| across * factor * wave(x)).to_vec();
-    // Roundings of the force come back times the largest factor, that of the longest wave: 1/(mu (2 pi/3)^2).
+    // Round-off of the force is multiplied by the largest factor, that of the longest wave: 1/(mu (2 pi/3)^2).
     let largest = 1.0 / (viscosity * (std::f64::consts::TAU / 3.0).powi(2));
     for (found, exact) in field.to_vec().iter().zip(exact) {
         assert!((found.to_f64() - exact).abs() < tolerance * largest, "{mode:?} in {:?}: {found} {exact}", grid.cell());
@@ -170,7 +170,8 @@ fn ranks_agree_on(grid: &Grid) {
     }
 }
 
-/// The velocity of a wave without sources, times `mu k^2`, is its force again, on grids with factors 11 to 97.
+/// The velocity of a divergence-free wave of forces, times `mu k^2`, is the force again, on grids with factors 11
+/// to 97.
 #[test]
 fn stokes_and_back_is_the_force_on_any_even_grid() {
     for points in [[22, 26, 34], [46, 106, 2], [194, 22, 6]] {
@@ -187,7 +188,7 @@ fn stokes_and_back_is_the_force_on_any_even_grid() {
         transform.apply(&mut field, &Stokes::new(&grid, 0.7));
         for (x, (y, z)) in (0..points[0]).flat_map(|x| all().map(move |line| (x, line))) {
             let value = force(grid.position([x, y, z])).to_array();
-            // Roundings come back times the factor of the longest wave over that of this one.
+            // Round-off is multiplied by the factor of the longest wave over that of this one.
             let tolerance = 3e-15 * k.length_squared() / (std::f64::consts::TAU / 3.0).powi(2);
             for c in 0..3 {
                 let found = field.row(c, y, z)[x] * 0.7 * k.length_squared();
@@ -199,7 +200,7 @@ fn stokes_and_back_is_the_force_on_any_even_grid() {
 
 #[test]
 fn a_rotation_of_axes_rotates_the_velocity() {
-    // A cube's axes can be turned into each other: x -> y -> z -> x.
+    // A cube's axes can be rotated into each other: x -> y -> z -> x.
     let grid = Grid::new([12; 3], PeriodicBox::new(Vector::splat(1.5)).unwrap()).unwrap();
     let turn = Tensor::from_cols(Vector::Y, Vector::Z, Vector::X);
     let mut transform = Transform::<f64>::new([12; 3], &Partition::new(&Comm::alone(), [12; 2]), 0);
@@ -234,7 +235,7 @@ fn the_divergence_of_a_wave_is_that_of_its_amplitudes() {
             let exact = k.dot(a).hypot(k.dot(b)) / (k.length() * a.length().hypot(b.length()));
             assert!((measured(&grid, &wave) - exact).abs() < 1e-14, "strain {strain}, {a} and {b}");
         }
-        // The largest of one wave over the largest of another; the highest mode, a gradient too, does not count.
+        // The largest of one wave over the largest of another; the highest mode, also a gradient, is left out.
         let (other, highest) = (grid.wavevector([1, 2, 0]), grid.wavevector([0, POINTS[1] / 2, 0]));
         let three =
             |x: Vector| across * k.dot(x).cos() + other * 0.1 * other.dot(x).cos() + highest * (highest.dot(x)).cos();

@@ -1,19 +1,19 @@
-//! The operator mode by mode.
+//! The Stokes operator mode by mode.
 
 use super::Stokes;
 use crate::Real;
 use crate::transform::MODES;
 
-/// Modes beside each other along x.
+/// Consecutive modes along x.
 pub(crate) struct Waves {
     /// Components of their wavevectors.
     pub vectors: [[f64; MODES]; 3],
-    /// What a transverse mode is multiplied by.
+    /// Factors of transverse modes.
     pub factors: [f64; MODES],
 }
 
 impl<T: Real> Stokes<T> {
-    /// Modes from one on; those from `m1 = nx/2` on are zero.
+    /// The modes from `[m1, m2, m3]` on; those from `m1 = nx/2` on are zero.
     #[inline(always)]
     pub(crate) fn waves(&self, [m1, m2, m3]: [usize; 3]) -> Waves {
         let in_plane = m2 * self.k1.len() + m1;

@@ -1,4 +1,4 @@
-//! The only way from one space to the other.
+//! Distributed Fourier transform between physical and spectral space.
 
 mod noise;
 mod share;
@@ -15,25 +15,25 @@ use num_complex::Complex;
 use share::{Share, Task};
 use transposition::{Columns, Transposition};
 
-/// The Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
+/// Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
 /// allocating.
 ///
-/// Forward is `u_hat(m) = sum_x u(x) exp(-i k(m).x)`, backward `u(x) = sum_m u_hat(m) exp(+i k(m).x)`. Neither scales:
-/// forward and backward give `nx ny nz` times the field, which [`Stokes`] divides by. Coefficients of real fields come
-/// in conjugate pairs, and those of `0 <= m1 < nx/2` are kept. The highest mode of x, `m1 = nx/2`, in which a
-/// derivative has no meaning and which every operator here would set to zero, is dropped.
+/// Forward is `u_hat(m) = sum_x u(x) exp(-i k(m).x)`, backward `u(x) = sum_m u_hat(m) exp(+i k(m).x)`. Neither
+/// scales: forward and backward together give `nx ny nz` times the field, by which [`Stokes`] divides. Coefficients
+/// of real fields come in conjugate pairs, of which those with `0 <= m1 < nx/2` are kept. The Nyquist mode of x,
+/// `m1 = nx/2`, whose derivative is undefined and which every operator here would set to zero, is dropped.
 ///
-/// Rows along x are whole on a rank. Columns along y and then along z are made whole by one exchange each, of all three
-/// components at once, among the ranks that split them; a table of ranks with a single row or column saves that
-/// exchange, and a rank on its own copies nothing. The exchange along z goes in rounds of at most 64 MB of whole columns,
-/// so that large grids need little room beside their fields. Between ranks on one machine rows go straight from where they are to
-/// where they are needed, in memory that both reach. In the exchange along y the ranks share out blocks of 8 (`f64`) or
-/// 16 (`f32`) columns of `nx/2`: beyond as many ranks along y as there are blocks, some wait.
+/// Rows along x are complete on a rank. Columns along y and then along z are assembled by one exchange each, of all
+/// three components at once, among the ranks that share them; a table of ranks with a single row or column saves that
+/// exchange, and a single rank copies nothing. The exchange along z runs in rounds of at most 64 MB of whole columns,
+/// so large grids need little memory beside their fields. Between ranks on one machine rows are copied directly to
+/// their destination, in shared memory. In the exchange along y the ranks share blocks of 8 (`f64`) or 16 (`f32`)
+/// columns of `nx/2`: with more ranks along y than blocks, some are idle.
 ///
-/// Lengths with factors 2, 3, 5 and 7 alone are transformed by kernels that take as many lines at once as a vector has
-/// lanes; all others by rustfft, which takes longer.
+/// Lengths with factors 2, 3, 5 and 7 alone are transformed by kernels that process as many rows at once as a vector
+/// has lanes; all others by rustfft, which is slower.
 ///
-/// Threads of the pool in which a method is called work side by side; results are the same bits for any number of
+/// Methods use the threads of the rayon pool in which they are called; results are the same bits for any number of
 /// threads and ranks.
 pub struct Transform<T> {
     share: Share<T>,
@@ -42,17 +42,17 @@ pub struct Transform<T> {
 }
 
 impl<T: Real> Transform<T> {
-    /// Plans the transform of grids of `points` values, which [`crate::Grid`] allows, shared out by `partition`, with
-    /// room for `halo` values after each row, which go around the row as often as they need. A collective call, as all
-    /// others.
+    /// Plans the transform of grids of `points` values, which [`crate::Grid`] allows, distributed by `partition`,
+    /// with room for `halo` values after each row; longer halos wrap around the row several times. A collective call,
+    /// as all others.
     ///
     /// # Panics
-    /// If the partition shares out other lines than those of the grid.
+    /// If the partition is for a different number of rows.
     pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
         Self::planned(points, partition, (halo, ROOM), AnyLength::new)
     }
 
-    /// As [`Self::new`], but by rustfft for all lengths: what its own kernels are measured against.
+    /// As [`Self::new`], but by rustfft for all lengths: the reference for the lane kernels.
     #[doc(hidden)]
     pub fn by_rustfft(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
         Self::planned(points, partition, (halo, ROOM), AnyLength::by_rustfft)
@@ -71,7 +71,7 @@ impl<T: Real> Transform<T> {
         Self { share: Share::new(layout, plan), along_y, along_z }
     }
 
-    /// Bytes of its own: whole columns, and room for each thread.
+    /// Bytes of the transform: whole columns, and work space for each thread.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         let columns = [&self.along_y, &self.along_z].map(|planned| planned.as_ref().map_or(0, Transposition::reals));
@@ -83,8 +83,8 @@ impl<T: Real> Transform<T> {
         Field::zero(self.share.layout())
     }
 
-    /// From values to coefficients. What stands in the halos is added to the starts of the rows first; after a backward
-    /// transform, [`Field::clear_halo`] comes before. Allocates a field where columns are exchanged in several rounds.
+    /// Values to coefficients. Halos are added to the starts of the rows first; after a backward transform, call
+    /// [`Field::clear_halo`] before. Allocates a field if columns are exchanged in several rounds.
     #[must_use]
     pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
         let planes = self.planes_forward(&mut field.memory, self.share.all_lines());
@@ -103,7 +103,7 @@ impl<T: Real> Transform<T> {
         spectrum
     }
 
-    /// From coefficients to values. The halos are filled. Allocates a field where columns are exchanged in several rounds.
+    /// Coefficients to values. The halos are filled. Allocates a field if columns are exchanged in several rounds.
     #[must_use]
     pub fn backward(&mut self, mut field: Field<T, Spectral>) -> Field<T, Physical> {
         self.along_y.iter().for_each(Transposition::open);
@@ -121,8 +121,8 @@ impl<T: Real> Transform<T> {
         values
     }
 
-    /// From force density to velocity: forward, times the operator, backward. The last direction goes both ways while
-    /// a few of its columns are in the cache. Halos are added to the rows first, and filled at the end.
+    /// Force density to velocity: forward, times the operator, backward. Columns along z go both ways while a few of
+    /// them are in the cache. Halos are added to the rows first, and filled at the end.
     pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
         assert_eq!(self.share.layout().points, operator.points(), "transform and operator have one grid");
         let planes = self.planes_forward(&mut field.memory, operator.occupied());
@@ -134,8 +134,9 @@ impl<T: Real> Transform<T> {
         self.planes_backward(&mut field.memory, operator.occupied());
     }
 
-    /// Calls `visit(mode, values)` for each mode of a field that this rank comes to own, as [`Field::for_each_mode`] does
-    /// after [`Self::forward`], but in any order and without another field: the values of this one are lost.
+    /// Calls `visit(mode, values)` for each mode of a field that this rank owns after the transform, as
+    /// [`Field::for_each_mode`] does after [`Self::forward`], but in any order and without another field: the values
+    /// of this one are overwritten.
     pub fn for_each_mode(
         &mut self,
         field: &mut Field<T, Physical>,
@@ -146,25 +147,25 @@ impl<T: Real> Transform<T> {
             let columns = self.whole(&planes, round);
             self.share.pencils(&columns, Direction::Forward);
             let Columns { memory, strides, modes } = &columns;
-            // SAFETY: the columns have all modes named, and nobody else writes to them before the next round.
+            // SAFETY: the columns have all these modes, and are not written before the next round.
             let read = |place| unsafe { *memory.at(place) };
             self.share.layout().for_each_mode::<T>((strides, modes), read, &mut visit);
         }
     }
 
-    /// Rounds in which columns along z are made whole.
+    /// Number of rounds in which columns along z are exchanged.
     fn rounds(&self) -> usize {
         self.along_z.as_ref().map_or(1, Transposition::rounds)
     }
 
-    /// Where planes are whole of the field in a memory.
+    /// Memory with the whole planes of a field.
     fn planes(&self, memory: &mut Memory<T>) -> Shared<T> {
         assert!(memory.values().len() >= self.share.layout().capacity, "the field is of this transform");
         self.along_y.as_ref().map_or_else(|| Shared::new(memory.values_mut()), Transposition::columns)
     }
 
-    /// Transforms along x and y what stands on the first lines along y and z, the others being zero, to where planes are
-    /// whole, and packs them if columns along z are made whole at once.
+    /// Transforms the first rows along x and y, the others being zero, into the memory with whole planes, and packs
+    /// them if columns along z are exchanged in one round.
     fn planes_forward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) -> Shared<T> {
         let planes = self.planes(memory);
         let rows = Shared::new(memory.values_mut());
@@ -195,10 +196,10 @@ impl<T: Real> Transform<T> {
         self.along_z.as_ref().filter(|exchange| exchange.rounds() > 1)
     }
 
-    /// Where columns along z are whole in a round.
+    /// Whole columns along z of a round.
     fn columns(&self, planes: &Shared<T>, round: usize) -> Columns<T> {
         let Layout { spectral, modes, .. } = self.share.layout();
-        // SAFETY: it is where the planes begin.
+        // SAFETY: a pointer to the first plane.
         let own = || Columns {
             memory: Shared::from_pointer(unsafe { planes.at(0) }),
             strides: *spectral,
@@ -207,7 +208,7 @@ impl<T: Real> Transform<T> {
         self.along_z.as_ref().map_or_else(own, |exchange| exchange.columns_along_z(round))
     }
 
-    /// Makes the columns along z of a round whole.
+    /// Assembles the whole columns along z of a round.
     fn whole(&self, planes: &Shared<T>, round: usize) -> Columns<T> {
         if let Some(exchange) = self.in_rounds() {
             exchange.open();
@@ -221,7 +222,7 @@ impl<T: Real> Transform<T> {
         self.columns(planes, round)
     }
 
-    /// Gives the columns along z of a round back.
+    /// Returns the columns along z of a round.
     fn give_back(&self, planes: &Shared<T>, round: usize) {
         self.along_z.iter().for_each(|exchange| exchange.give_back(round));
         if let Some(exchange) = self.in_rounds() {
@@ -233,25 +234,26 @@ impl<T: Real> Transform<T> {
         }
     }
 
-    /// Keeps coefficients as a field has them.
+    /// Copies coefficients from whole columns to a field.
     fn keep(&self, columns: &Columns<T>, memory: &mut Memory<T>) {
         let values = memory.values_mut();
-        // SAFETY: the row is one of these columns, of which nobody else has any.
+        // SAFETY: the row is one of these columns, with no concurrent access.
         self.each_row(columns, |row, place, width| unsafe {
             values[place..place + width].copy_from_slice(std::slice::from_raw_parts(row, width));
         });
     }
 
-    /// Fetches coefficients that were kept.
+    /// Copies coefficients from a field to whole columns.
     fn fetch(&self, columns: &Columns<T>, memory: &mut Memory<T>) {
         let values = memory.values_mut();
-        // SAFETY: the row is one of these columns, of which nobody else has any.
+        // SAFETY: the row is one of these columns, with no concurrent access.
         self.each_row(columns, |row, place, width| unsafe {
             std::slice::from_raw_parts_mut(row, width).copy_from_slice(&values[place..place + width]);
         });
     }
 
-    /// Visits each row of whole columns that do not stand in the field itself: where it is, its place there, and its reals.
+    /// Visits each row of whole columns that are not in the field itself: pointer, position in the field, and number
+    /// of values.
     fn each_row(&self, Columns { memory, strides, modes }: &Columns<T>, mut visit: impl FnMut(*mut T, usize, usize)) {
         let layout = self.share.layout();
         if self.along_y.is_none() && self.along_z.is_none() {
@@ -266,7 +268,7 @@ impl<T: Real> Transform<T> {
         }
     }
 
-    /// The way back from columns along z that were given back, to the first lines.
+    /// Backward transform of the first rows from columns along z that were returned.
     fn planes_backward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) {
         let rows = Shared::new(memory.values_mut());
         let mut tasks = Vec::new();
@@ -284,7 +286,7 @@ impl<T: Real> Transform<T> {
     }
 }
 
-/// Bytes of the whole columns along z of a round, at most about.
+/// Approximate upper bound of the bytes of whole columns along z in a round.
 pub(crate) const ROOM: usize = 64 << 20;
 
 #[cfg(test)]

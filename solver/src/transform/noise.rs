@@ -5,27 +5,29 @@ use crate::simd::vectorised;
 use crate::stokes::Waves;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 
-/// Modes beside each other along x whose random numbers are drawn at a time.
+/// Consecutive modes along x whose random numbers are drawn at once.
 pub const MODES: usize = 16;
 
 /// Three complex numbers for each of some modes: real and imaginary parts.
 pub type Complexes = [[[f64; MODES]; 2]; 3];
 
-/// Where the random numbers of modes come from.
+/// Source of random numbers for modes.
 pub trait Draw: Sync {
-    /// Numbers of variance 1 of modes by their signed indices; `#[inline(always)]`.
+    /// Numbers of variance 1 for modes by their signed indices; `#[inline(always)]`.
     fn draw(&self, modes: &[[i64; 3]; MODES]) -> Complexes;
 }
 
 impl<T: Real> Transform<T> {
-    /// A random velocity field whose covariance is that of the operator over the volume of a point: interpolated with weights
-    /// times that volume, it has the covariance of what [`Self::apply`] makes of forces spread with these weights, since
+    /// Random velocity field whose covariance is the operator over the volume of a grid point. Interpolated with
+    /// weights times that volume, it has the covariance of [`Self::apply`] between forces spread with these weights,
+    /// since
     ///
     /// ```text
     /// u_hat(k) = sqrt(m(k) / volume) (I - k k/k^2) c(k),       <c_i(k) c_j(k)*> = delta_ij
     /// ```
     ///
-    /// has the operator's square root. `draw` gives the numbers `c`; only one of a mode and its opposite is asked for. Collective.
+    /// is the operator's square root times noise. `draw` gives the numbers `c`; it is called for only one of a mode
+    /// and its opposite. Collective.
     pub fn noise(&mut self, operator: &Stokes<T>, volume: f64, draw: &impl Draw) -> Field<T, Physical> {
         let points = self.share.layout().points;
         assert_eq!(points, operator.points(), "transform and operator have one grid");
@@ -40,7 +42,7 @@ impl<T: Real> Transform<T> {
                     let (along_y, along_z) = (signed(m2, 1), signed(m3, 2));
                     let mut modes: [[i64; 3]; MODES] =
                         std::array::from_fn(|lane| [(first + lane) as i64, along_y, along_z]);
-                    // Of the plane m1 = 0 both a mode and its opposite are kept.
+                    // In the plane m1 = 0 both a mode and its opposite are kept.
                     let is_opposite = first == 0 && (along_y, along_z) < (0, 0);
                     if is_opposite {
                         modes[0] = modes[0].map(|m| -m);
@@ -59,7 +61,7 @@ impl<T: Real> Transform<T> {
     }
 }
 
-/// The parts across the wavevectors, times the roots of factors over a volume.
+/// Parts of the numbers transverse to the wavevectors, times the square roots of the factors over a volume.
 #[inline(always)]
 fn across(mut numbers: Complexes, waves: &Waves, volume: f64) -> Complexes {
     let [x, y, z] = &waves.vectors;

@@ -1,4 +1,4 @@
-//! What a rank transforms by itself: planes along x and y, and columns along z.
+//! Transforms local to a rank: planes along x and y, and columns along z.
 
 use super::transposition::{Columns, Packing};
 use crate::fourier::{AnyLength, At, Batch, Direction, Rows};
@@ -9,19 +9,19 @@ use crate::{Real, Stokes};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// What there is to do with a plane.
+/// Operation on a plane.
 pub(super) enum Task<'a, T> {
     /// Transform its rows.
     X,
     /// Transform its columns.
     Y,
-    /// Copy it to where its rows go.
+    /// Copy its rows to their destinations.
     Pack(&'a Packing<T>),
-    /// Copy it from where its rows went.
+    /// Copy its rows back from their destinations.
     Unpack(&'a Packing<T>),
 }
 
-/// One rank's layout, the plans of its three directions, and room for each thread to work in.
+/// One rank's layout, the plans of its three directions, and work space for each thread.
 pub(super) struct Share<T> {
     layout: Layout,
     rows: Rows<T>,
@@ -32,7 +32,7 @@ pub(super) struct Share<T> {
 }
 
 impl<T: Real> Share<T> {
-    /// Each direction is planned by `plan`.
+    /// Plans each direction with `plan`.
     pub fn new(layout: Layout, plan: fn(usize) -> AnyLength<T>) -> Self {
         let [nx, ny, nz] = layout.points;
         let rows = Rows::new(plan(nx / 2), layout.halo);
@@ -43,7 +43,7 @@ impl<T: Real> Share<T> {
         Self { layout, rows, along_y, along_z, room, desks }
     }
 
-    /// Bytes of the desks.
+    /// Bytes of the work space.
     #[cfg(test)]
     pub fn bytes(&self) -> usize {
         let bytes = |desk: &Mutex<Memory<T>>| size_of_val(desk.lock().expect("nobody works").values());
@@ -54,7 +54,7 @@ impl<T: Real> Share<T> {
         &self.layout
     }
 
-    /// Lends a thread room to work in: two buffers, a panel of three components, and a batch of rows.
+    /// Calls `work` with the thread's work space: two buffers, a panel of three components, and a batch of rows.
     fn at_desk(&self, work: impl FnOnce([*mut T; 2], *mut T, &mut [T])) {
         let desk = rayon::current_thread_index().unwrap_or(0) % self.desks.len();
         let mut memory = self.desks[desk].lock().unwrap_or_else(PoisonError::into_inner);
@@ -64,14 +64,14 @@ impl<T: Real> Share<T> {
         work([first.as_mut_ptr(), second.as_mut_ptr()], panel.as_mut_ptr(), batch);
     }
 
-    /// All lines along y and along z.
+    /// Numbers of rows along y and along z.
     pub fn all_lines(&self) -> [usize; 2] {
         let [_, ny, nz] = self.layout.points;
         [ny, nz]
     }
 
-    /// Does all that there is to do with every plane of this rank, one thing after the other while the plane is in the
-    /// cache; only the first `occupied` lines along y and z are transformed.
+    /// Performs the tasks on every plane of this rank, one after the other while the plane is in the cache; only the
+    /// first `occupied` rows along y and z are transformed.
     pub fn planes(&self, memory: &Shared<T>, (direction, occupied): (Direction, [usize; 2]), tasks: &[Task<T>]) {
         let [lines, planes] = self.layout.rows.clone();
         let rows = occupied[0].clamp(lines.start, lines.end) - lines.start;
@@ -146,7 +146,7 @@ impl<T: Real> Share<T> {
         let stride = 2 * T::LANES;
         self.each_panel(whole, |components, [block, mode]| {
             self.at_desk(|buffers, panel, _| {
-                // SAFETY: the panel belongs to one thread, and the desk has room for its three components.
+                // SAFETY: the panel belongs to one thread, and the work space has room for its three components.
                 unsafe {
                     let work = [0, 1, 2].map(|c| At { first: panel.add(c * self.room), stride });
                     let channel = operator.channel();
@@ -166,7 +166,7 @@ impl<T: Real> Share<T> {
         });
     }
 
-    /// Goes to every panel of columns along z: those of one block along x and one mode along y, which it names.
+    /// Visits every panel of columns along z: the columns of one block along x and one mode along y.
     fn each_panel(&self, whole: &Columns<T>, work: impl Fn([At<T>; 3], [usize; 2]) + Sync) {
         let (Layout { blocks, .. }, Columns { memory, strides, modes }) = (&self.layout, whole);
         (0..modes.len() * blocks.len()).into_par_iter().for_each(|i| {

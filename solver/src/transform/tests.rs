@@ -32,7 +32,7 @@ fn noise_at([nx, ny, nz]: [usize; 3], component: usize, [x, y, z]: [usize; 3]) -
     noise(((component * nz + z) * ny + y) * nx + x)
 }
 
-/// Writes the same noise whatever the ranks: values, and if asked for also halos.
+/// Writes the same noise on any number of ranks: values, and optionally halos.
 fn fill<T: Real>(field: &mut Field<T, Physical>, with_halos: bool) {
     let points @ [nx, ..] = field.points();
     let halo = if with_halos { field.halo() } else { 0 };
@@ -55,12 +55,12 @@ fn modes<T: Real>(field: &Field<T, Spectral>) -> Modes<T> {
     modes
 }
 
-/// The coefficients of the noise on a table of ranks, gathered, and what the way back makes of them.
+/// Coefficients of the noise on a table of ranks, gathered, and the values after the backward transform.
 fn on_ranks<T: Real>(points: [usize; 3], table: [usize; 2], halo: usize) -> (Modes<T>, BTreeMap<[usize; 2], Vec<T>>) {
     in_room(points, table, (halo, ROOM))
 }
 
-/// The same in rounds with so much room.
+/// The same in rounds with limited memory.
 fn in_room<T: Real>(
     points: [usize; 3],
     table: [usize; 2],
@@ -92,7 +92,7 @@ fn in_room<T: Real>(
     (all, rows)
 }
 
-/// The sum that defines the transform, of the noise with halos of two values.
+/// The defining sum of the transform, for noise with halos of two values.
 fn slow(points: [usize; 3], halo: usize) -> Modes<f64> {
     let [nx, ny, nz] = points;
     let value = |component, [x, y, z]: [usize; 3]| {
@@ -146,7 +146,7 @@ fn ranks_in_any_table_have_the_bits_of_one_rank() {
     }
 }
 
-/// Rounds of one mode along y or of several, of which some ranks may have none, and no rounds.
+/// Rounds of one mode along y or of several, of which some ranks may have none, and a single round.
 #[test]
 fn rounds_have_the_bits_of_an_exchange_at_once() {
     for points in [[36, 10, 12], [8, 6, 4], [22, 26, 46]] {
@@ -160,7 +160,7 @@ fn rounds_have_the_bits_of_an_exchange_at_once() {
     }
 }
 
-/// The operator's own way there and back in rounds.
+/// Application of an operator in rounds.
 #[test]
 fn operators_have_the_same_bits_in_rounds() {
     let (points, edges) = ([20, 14, 18], Vector::new(3.0, 2.0, 1.0));

@@ -1,5 +1,5 @@
-//! Transpositions: each rank of a group gives every other its part of the columns, so that these are whole. Large ones go
-//! round by round, a part of the columns in each, in memory for one round.
+//! Distributed transpositions: each rank of a group sends every other rank its part of the columns, so that columns
+//! become whole. Large ones run in rounds, each with a part of the columns, in memory for one round.
 
 use crate::Real;
 use crate::layout::{Layout, Strides};
@@ -7,30 +7,30 @@ use crate::shared::Shared;
 use domain::{Comm, Partition, Window, block};
 use std::ops::Range;
 
-/// A transposition among the ranks of a group, planned. Rows are copied straight to where a rank on this machine, or this
-/// rank itself, needs them for the next direction; those for ranks elsewhere are packed and sent.
+/// A planned transposition among the ranks of a group. Rows are copied directly to their destination if that is on
+/// this machine, or on this rank; rows for ranks on other machines are packed and sent.
 pub(super) struct Transposition<T> {
     group: Comm,
     rounds: Vec<Round<T>>,
-    /// Whole columns of each rank in a round. What arrives stands by the ranks it came from, since the split index is the
+    /// Whole columns of each rank in a round, ordered by the ranks from which they come, since the split index is the
     /// slowest in memory.
     columns: Window,
-    /// What is sent elsewhere.
+    /// Send buffer for ranks on other machines.
     outbox: Window,
-    /// Reals of whole columns, and of what is sent elsewhere, in the largest round.
+    /// Number of values in whole columns, and in the send buffer, in the largest round.
     size: usize,
     outgoing: usize,
 }
 
-/// A part of the columns.
+/// A round: a part of the columns.
 struct Round<T> {
     packing: Packing<T>,
-    /// By ranks elsewhere: what goes to them in the outbox, and what comes from them in the columns.
+    /// By rank on other machines: ranges to send in the send buffer, and ranges received in the columns.
     sent: Vec<Range<usize>>,
     received: Vec<Range<usize>>,
-    /// Bytes for others on this machine.
+    /// Bytes for other ranks on this machine.
     beside: usize,
-    /// Of whole columns along z: which modes along y they are, and where they stand.
+    /// For whole columns along z: their modes along y, and their strides.
     modes: Range<usize>,
     strides: Strides,
 }
@@ -42,22 +42,22 @@ pub(super) struct Columns<T> {
     pub modes: Range<usize>,
 }
 
-/// Where each row goes.
+/// Destinations of the rows.
 pub(super) struct Packing<T> {
     strides: Strides,
     parts: Vec<Part<T>>,
 }
 
-/// What goes to one rank: `rows` times `width` reals of each plane of each component.
+/// Part for one rank: `rows` times `width` values of each plane of each component.
 struct Part<T> {
-    /// Of the first real in the field.
+    /// Index of the first value in the field.
     start: usize,
-    /// Where it goes.
+    /// Destination.
     place: Shared<T>,
     shape: Shape,
 }
 
-/// What is exchanged in a round: where what is for a rank begins, and its shape by whom it is from and to.
+/// Exchange of a round: start of the values for each rank, and their shape by sender and receiver.
 struct Plan<Start, Shaped> {
     shape: Shaped,
     start: Start,
@@ -66,18 +66,18 @@ struct Plan<Start, Shaped> {
 }
 
 impl<Start: Fn(usize) -> usize, Shaped: Fn(usize, usize) -> Shape> Plan<Start, Shaped> {
-    /// Reals from a rank to another.
+    /// Number of values from one rank to another.
     fn reals(&self, (from, to): (usize, usize), planes: impl Fn(usize) -> usize) -> usize {
         let Shape { rows, width, .. } = (self.shape)(from, to);
         3 * planes(from) * rows * width
     }
 
-    /// Where in a rank's columns those from another begin.
+    /// Position in a rank's columns at which those from another begin.
     fn first(&self, (from, to): (usize, usize), planes: impl Fn(usize) -> usize) -> usize {
         (0..from).map(|earlier| self.reals((earlier, to), &planes)).sum()
     }
 
-    /// The round on a rank of so many, in memory for whole columns and for what goes elsewhere.
+    /// The round on rank `me` of `ranks`, with memory for whole columns and the send buffer.
     fn round<T: Real>(
         self,
         (me, ranks): (usize, usize),
@@ -102,7 +102,7 @@ impl<Start: Fn(usize) -> usize, Shaped: Fn(usize, usize) -> Shape> Plan<Start, S
             } else {
                 (columns, rank, self.first((me, rank), &planes))
             };
-            // SAFETY: there is room for it.
+            // SAFETY: the window is large enough.
             let place = unsafe { memory::<T>(window, owner).add(place) };
             Part { start: (self.start)(rank), place: Shared::from_pointer(place), shape: (self.shape)(me, rank) }
         };
@@ -111,7 +111,7 @@ impl<Start: Fn(usize) -> usize, Shaped: Fn(usize, usize) -> Shape> Plan<Start, S
     }
 }
 
-/// How rows for one rank stand together.
+/// Shape and strides of the rows for one rank.
 struct Shape {
     rows: usize,
     width: usize,
@@ -119,7 +119,7 @@ struct Shape {
 }
 
 impl<T: Real> Transposition<T> {
-    /// The exchange of blocks along x for whole columns along y, in the ranks' column; none if they are whole already.
+    /// Exchange of blocks along x for whole columns along y, in the ranks' column; `None` if they are whole already.
     pub fn along_y(layout: &Layout, partition: &Partition) -> Option<Self> {
         let group = partition.column();
         let blocks = |rank| block((layout.points[0] / 2).div_ceil(T::LANES), group.size(), rank);
@@ -135,8 +135,8 @@ impl<T: Real> Transposition<T> {
         Self::new(group, layout.physical, planes, vec![plan])
     }
 
-    /// The exchange of modes along y for whole columns along z, in the ranks' row, in so many rounds; none if they are whole
-    /// already.
+    /// Exchange of modes along y for whole columns along z, in the ranks' row, in `rounds` rounds; `None` if they are
+    /// whole already.
     pub fn along_z(layout: &Layout, partition: &Partition, rounds: usize) -> Option<Self> {
         let group = partition.row();
         let width = layout.blocks.len() * 2 * T::LANES;
@@ -159,7 +159,7 @@ impl<T: Real> Transposition<T> {
         Self::new(group, layout.transposed, planes, plans.collect())
     }
 
-    /// From the planes of a rank, and what is exchanged in each round.
+    /// From the planes of each rank, and the exchange of each round.
     fn new(
         group: &Comm,
         strides: Strides,
@@ -184,18 +184,18 @@ impl<T: Real> Transposition<T> {
         Some(Self { group: group.clone(), rounds, columns, outbox, size, outgoing })
     }
 
-    /// Reals of whole columns.
+    /// Number of values in whole columns.
     #[cfg(test)]
     pub fn reals(&self) -> usize {
         self.size
     }
 
-    /// Rounds that it takes.
+    /// Number of rounds.
     pub fn rounds(&self) -> usize {
         self.rounds.len()
     }
 
-    /// Where rows go, and come from, in a round.
+    /// Destinations of the rows in a round.
     pub fn packing(&self, round: usize) -> &Packing<T> {
         &self.rounds[round].packing
     }
@@ -211,67 +211,67 @@ impl<T: Real> Transposition<T> {
         Columns { memory: self.columns(), strides: *strides, modes: modes.clone() }
     }
 
-    /// Waits until the columns of the last time are needed no more. Packing comes next.
+    /// Waits until the columns of the last exchange are no longer needed. Packing comes next.
     pub fn open(&self) {
         self.columns.barrier();
     }
 
-    /// Makes columns whole once all of a round is packed.
+    /// Makes columns whole once all ranks have packed a round.
     pub fn deliver(&self, round: usize) {
         let Round { sent, received, .. } = self.meet(round);
         if self.columns.is_divided() {
-            // SAFETY: all on this machine have packed, and nobody unpacks yet.
+            // SAFETY: all ranks on this machine have packed, and none unpacks yet.
             let [columns, outbox] = unsafe { self.values() };
             self.group.all_to_all_ranges((outbox, sent), (columns, received));
         }
     }
 
-    /// Lets columns be fetched once all have done with them. Unpacking comes next.
+    /// Makes columns available for unpacking once all ranks have finished with them. Unpacking comes next.
     pub fn give_back(&self, round: usize) {
         let Round { sent, received, .. } = self.meet(round);
         if self.columns.is_divided() {
-            // SAFETY: nobody writes to columns before they are opened again.
+            // SAFETY: columns are not written before the next call of `open`.
             let [columns, outbox] = unsafe { self.values() };
             self.group.all_to_all_ranges((columns, received), (outbox, sent));
         }
     }
 
-    /// Waits for the ranks on this machine to have done what comes before.
+    /// Barrier for the ranks on this machine.
     fn meet(&self, round: usize) -> &Round<T> {
         self.columns.barrier();
         self.group.count_sent(self.rounds[round].beside);
         &self.rounds[round]
     }
 
-    /// This rank's columns and outbox.
+    /// This rank's columns and send buffer.
     ///
     /// # Safety
-    /// Nobody writes there meanwhile but through these.
+    /// They are written only through these slices meanwhile.
     #[expect(clippy::mut_from_ref, reason = "they are not behind the reference")]
     unsafe fn values(&self) -> [&mut [T]; 2] {
-        // SAFETY: there are so many, zeros at first.
+        // SAFETY: the windows hold this many values, initially zero.
         [(&self.columns, self.group.rank(), self.size), (&self.outbox, 0, self.outgoing)]
             .map(|(window, rank, count)| unsafe { std::slice::from_raw_parts_mut(memory(window, rank), count) })
     }
 }
 
-/// The memory of a rank that can be reached.
+/// Memory of a rank on this machine.
 fn memory<T: Real>(window: &Window, rank: usize) -> *mut T {
     window.of(rank).expect("memory that can be reached")
 }
 
 impl<T: Real> Packing<T> {
-    /// Copies a plane to where its rows go, best while it is in the cache.
+    /// Copies the rows of a plane to their destinations, best while it is in the cache.
     ///
     /// # Safety
-    /// The field is that of the exchange, it is open, and nobody else touches the plane.
+    /// The field is that of the exchange, it is open, and there is no concurrent access to the plane.
     pub unsafe fn pack(&self, field: &Shared<T>, plane: [usize; 2]) {
         self.each_row(plane, |row, place, width| unsafe {
             std::ptr::copy_nonoverlapping(field.at(row), place, width);
         });
     }
 
-    /// Copies a plane from where its rows went.
+    /// Copies the rows of a plane back from their destinations.
     ///
     /// # Safety
     /// As for [`Self::pack`], and columns were given back.
@@ -281,7 +281,7 @@ impl<T: Real> Packing<T> {
         });
     }
 
-    /// Where each row of a plane of a component stands in the field, where it goes, and its reals.
+    /// Visits each row of a plane of a component: position in the field, destination, and number of values.
     fn each_row(&self, [component, z]: [usize; 2], visit: impl Fn(usize, *mut T, usize)) {
         for Part { start, place, shape } in &self.parts {
             for row in 0..shape.rows {

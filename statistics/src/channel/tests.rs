@@ -17,7 +17,7 @@ fn close(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-12 * (1.0 + b.abs())
 }
 
-/// A sphere over several bins, a smaller one within one bin, one of which half is above the top: known slices.
+/// A sphere over several bins, a smaller one within one bin, and one half of which is above the top: known slices.
 #[test]
 fn spheres_at_given_heights_have_known_profiles() {
     let mut profile = ChannelProfile::new([1.0, 9.0], 5.0, (2, 8));
@@ -56,8 +56,8 @@ fn spheres_at_given_heights_have_known_profiles() {
     assert!(close(profile.outside().mean, 2.0 / 3.0 * PI / volumes));
 }
 
-/// Whatever bins there are, slices of spheres between the walls add up to their volume, and centres to their number; means
-/// over bins weighed by their numbers are those of all.
+/// For any bins, slices of spheres between the walls add up to their volume, and centres to their number; means over
+/// bins weighted by their numbers are those of all.
 #[test]
 fn profiles_integrate_to_what_is_there() {
     let mut random = Random::new(5, 1);
@@ -88,7 +88,8 @@ fn profiles_integrate_to_what_is_there() {
     }
 }
 
-/// Spheres in two parts, with whole numbers, whose sums are exact: the profile of all, of those that turn and those that do not.
+/// Spheres in two parts, with integers, whose sums are exact: the profiles of the parts add up to that of all, with
+/// rotations and without.
 #[test]
 fn spheres_may_be_added_in_parts() {
     let vectors: Vec<Vector> = (0..9).map(|n| Vector::new(f64::from(n), f64::from(n * n % 7), 4.0)).collect();

@@ -4,8 +4,8 @@ use super::{GROUPS, KEPT, Lag, SUMS};
 use crate::Estimate;
 use domain::Vector;
 
-/// The sums over particles and starting times of a [`super::Lagrangian`]. Those of parts of the particles at the same times are added
-/// number by number.
+/// Sums over particles and starting times of a [`super::Lagrangian`]. Sums of parts of the particles at the same
+/// times are added number by number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LagSums {
     class_count: usize,
@@ -14,29 +14,29 @@ pub struct LagSums {
 }
 
 impl LagSums {
-    /// From their numbers, for so many species.
+    /// From their numbers, for `species` species.
     pub fn of_numbers(species: usize, numbers: Vec<f64>) -> Self {
         Self { class_count: species * GROUPS, numbers }
     }
 
-    /// The numbers.
+    /// Numbers of the sums.
     pub fn into_numbers(self) -> Vec<f64> {
         self.numbers
     }
 
-    /// Those of each level.
+    /// Sums of each level.
     fn levels(&self) -> impl Iterator<Item = &[f64]> {
         self.numbers.chunks_exact((KEPT * self.class_count * SUMS).max(1))
     }
 
-    /// The averages over the particles of a species, or over all, at all lags that there are samples for, in ascending
-    /// order.
+    /// Averages over the particles of a species, or over all, at all lags with samples, in ascending order.
     pub fn lags(&self, species: Option<usize>) -> Vec<Lag> {
         let of_species = |s: usize| s * GROUPS..(s + 1) * GROUPS;
         self.averages(&species.map_or(0..self.class_count, of_species).collect::<Vec<_>>())
     }
 
-    /// A number made of averages, with its error from what it is in each group of a species, or of all particles.
+    /// A number computed from averages, with its error from its values in the groups of a species, or of all
+    /// particles.
     pub fn estimate(&self, species: Option<usize>, number: impl Fn(&[Lag]) -> f64) -> Estimate {
         let is_meant = |class: &usize| species.is_none_or(|s| class / GROUPS == s);
         let group = |group: usize| {

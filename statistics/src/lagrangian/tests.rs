@@ -2,8 +2,8 @@ use super::*;
 use crate::Diffusivity;
 use domain::Random;
 
-/// Paths of particles whose velocities are Ornstein-Uhlenbeck processes with variance `1` and correlation time `1`, or
-/// constant, sampled every `dt`; displacements are integrated by many small steps.
+/// Paths of particles whose velocities are Ornstein-Uhlenbeck processes with variance `1` and correlation time `1`,
+/// or constant, sampled every `dt`; displacements are integrated in many small steps.
 fn ornstein_uhlenbeck(particles: u64, samples: usize, dt: f64) -> Vec<Vec<Motion>> {
     let substeps = 8;
     let decay = (-dt / f64::from(substeps)).exp();
@@ -77,7 +77,7 @@ fn ballistic_particles_do_not_diffuse() {
     }
 }
 
-/// Each lag is compared with the sum over all the starting times that its level has, computed from all samples.
+/// Each lag is compared with the sum over all starting times of its level, computed from all samples.
 #[test]
 fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
     let samples = ornstein_uhlenbeck(10, 300, 0.5);
@@ -109,8 +109,8 @@ fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
     }
 }
 
-/// Two particles that move apart at velocity 1 are displaced by the lag, whichever samples are missing: single ones, many at
-/// the start, a long row, or all but a few.
+/// Two particles with a relative velocity of 1 are displaced by the lag, whichever samples are missing: single ones,
+/// many at the start, a long sequence, or all but a few.
 #[test]
 fn missing_samples_leave_lags_as_they_are() {
     let is_missing: [&dyn Fn(u64) -> bool; 5] =
@@ -138,7 +138,7 @@ fn missing_samples_leave_lags_as_they_are() {
     }
 }
 
-/// A gap of any length takes no time, and nothing is correlated across one that no level spans.
+/// A gap of any length takes no time to skip, and nothing is correlated across one that no level spans.
 #[test]
 fn gaps_may_be_of_any_length() {
     let mut lagrangian = Lagrangian::new(&[0]);
@@ -149,7 +149,7 @@ fn gaps_may_be_of_any_length() {
     lagrangian.pass_over(u64::MAX);
 }
 
-/// Parts of any size have the sums of all when they are added up: exactly where all numbers are whole.
+/// Sums of parts of any size add up to those of all: exactly, for integers.
 #[test]
 fn parts_add_up_to_the_whole() {
     let species = [0, 1, 1, 0, 1, 1, 1, 0, 1, 0, 0, 1, 1];

@@ -1,9 +1,9 @@
-//! How often the true mean lies within the errors of many short series.
+//! Coverage: how often the true mean lies within the errors of many short series.
 
 use super::{Precision, SteadyMean, TimeSeries, Transient};
 use domain::Random;
 
-/// An Ornstein-Uhlenbeck process of variance 1 and correlation time 1 at so many times a step apart.
+/// An Ornstein-Uhlenbeck process of variance 1 and correlation time 1 at `count` times, `step` apart.
 fn process(random: &mut Random, step: f64, count: usize) -> Vec<f64> {
     let kept = (-step).exp();
     let (mut value, noise) = (random.normal()[0], (1.0 - kept * kept).sqrt());
@@ -15,7 +15,7 @@ fn process(random: &mut Random, step: f64, count: usize) -> Vec<f64> {
     (0..count).map(next).collect()
 }
 
-/// The share of a slow process in the variance, beside one that is faster by a factor.
+/// A sum of two processes: the slow one's share of the variance, and the ratio of the other's speed to it.
 #[derive(Debug, Clone, Copy)]
 struct Mixed {
     slow: f64,
@@ -23,7 +23,7 @@ struct Mixed {
 }
 
 impl Mixed {
-    /// A series of so many correlation times of the slow process, that begins off its mean by an amount.
+    /// A series over `times` correlation times of the slow process, which begins `off` away from its mean.
     fn series(self, random: &mut Random, times: f64, off: f64) -> TimeSeries {
         let count = (5.0 * times).max(100.0) as usize;
         let step = times / count as f64;
@@ -36,7 +36,7 @@ impl Mixed {
     }
 }
 
-/// The parts of many series, of those that have a value, whose true mean, 0, lies inside one and inside two errors.
+/// Fraction of many series (those that have a value) whose true mean, 0, lies within one error and within two.
 fn covered(of: Mixed, times: f64, off: f64) -> [f64; 2] {
     let (mut inside, mut given) = ([0.0; 2], 0.0);
     for run in 0..500 {
@@ -57,8 +57,8 @@ const PROCESSES: [Mixed; 4] = [
     Mixed { slow: 0.1, faster: 100.0 },
 ];
 
-/// Of 68% and 95%, over series of 5 to 200 correlation times; of those of 20 and more each kind by itself. 500 runs
-/// tell a share to two per cent.
+/// Close to 68% and 95%, on average over series of 5 to 200 correlation times; from 20 on for each kind by itself.
+/// 500 runs determine a fraction to two per cent.
 #[test]
 fn the_true_mean_lies_within_the_errors_as_often_as_it_should() {
     let mut mean = [0.0; 2];
@@ -73,7 +73,7 @@ fn the_true_mean_lies_within_the_errors_as_often_as_it_should() {
     assert!((0.60..0.76).contains(&mean[0]) && (0.90..0.98).contains(&mean[1]), "{mean:?}");
 }
 
-/// The same of series that begin far off and approach their steady state within two correlation times.
+/// The same for series that begin far off and approach their steady state within two correlation times.
 #[test]
 fn transients_are_left_out_of_means() {
     for of in PROCESSES {

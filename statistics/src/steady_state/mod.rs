@@ -1,4 +1,4 @@
-//! The mean of a correlated time series in its steady state, with an error that can be believed of short series, and a
+//! Mean of a correlated time series in its steady state, with an error that is reliable for short series, and a
 //! verdict.
 
 #[cfg(test)]
@@ -12,48 +12,47 @@ pub use series::TimeSeries;
 use standard_error::LowFrequencies;
 pub use transient::Transient;
 
-/// The mean of a series in its steady state.
+/// Mean of a series in its steady state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyMean {
-    /// The mean after the transient; not a number where it would mean nothing.
+    /// Mean after the transient; NaN if it would be meaningless.
     pub value: f64,
-    /// Its standard error: the true mean is within it with 68%.
+    /// Standard error: the true mean is within it with a probability of 68%.
     pub error: f64,
-    /// The effective number of samples: that of independent values whose mean had this error.
+    /// Effective number of samples: of independent values whose mean had this error.
     pub samples: f64,
-    /// The time at which the transient ends, which is left out; that of the first value where there is none.
+    /// End of the transient, which is left out; time of the first value if there is no transient.
     pub transient: f64,
-    /// Whether it is known as well as was asked for.
+    /// Whether the requested precision is reached.
     pub verdict: Verdict,
 }
 
-/// Whether a mean is known as well as was asked for.
+/// Whether the requested precision of a mean is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
-    /// It is.
+    /// It is reached.
     Converged,
     /// The series would need to be longer.
     TooShort {
-        /// By which factor.
+        /// Factor by which it would need to be longer.
         longer: f64,
     },
     /// The series has no steady state yet: it has a trend, or a transient longer than half of it.
     Drifting,
-    /// There is no value: too few samples, or, of a quantity that can't be negative, one that is not known to be above
-    /// zero.
+    /// There is no value: too few samples, or a quantity that can't be negative is not significantly above zero.
     Meaningless,
 }
 
-/// How well a mean is to be known.
+/// Requested precision of a mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Precision {
-    /// The error over the value, or over [`Self::scale`] if that is larger.
+    /// Largest error over the value, or over [`Self::scale`] if that is larger.
     pub relative_error: f64,
-    /// The size of the quantity that errors are compared with, where its mean may vanish; 0 for the mean alone.
+    /// Scale of the quantity with which errors are compared if its mean may vanish; 0 for the mean alone.
     pub scale: f64,
-    /// Whether the quantity is positive by its nature.
+    /// Whether the quantity is positive by definition.
     pub is_positive: bool,
-    /// The fewest values of which there is a mean with an error.
+    /// Smallest number of values for a mean with an error.
     pub fewest: usize,
 }
 
@@ -62,19 +61,19 @@ impl Precision {
     pub const USUAL: Self = Self { relative_error: 0.05, scale: 0.0, is_positive: false, fewest: 8 };
 }
 
-/// Effective samples without which a mean has no meaning, and without which a run is too short.
+/// Effective number of samples below which a mean is meaningless, and below which a run is too short.
 const MEANINGFUL: f64 = 2.0;
 const ENOUGH: f64 = 10.0;
-/// The square of an error grows by this over the effective samples: by so much the means of short series vary more than
-/// their cosines show, from slower fluctuations.
+/// The squared error is multiplied by `1 + UNSEEN / samples`: means of short series vary more than their cosines
+/// show, because of slower fluctuations.
 const UNSEEN: f64 = 5.0;
-/// The probability of a trend by chance below which it is none.
+/// Probability of a trend by chance above which it is not significant.
 const CHANCE: f64 = 0.01;
-/// Variations of this part of a value are round-off.
+/// Relative variations up to this are round-off.
 const ROUND_OFF: f64 = 1e-12;
 
 impl SteadyMean {
-    /// The mean of what comes after a transient.
+    /// Mean of the values after a transient.
     pub fn of(series: &TimeSeries, transient: Transient, precision: Precision) -> Self {
         let steady = series.since(transient.end);
         if steady.len() < precision.fewest.max(4) {
@@ -111,19 +110,19 @@ impl SteadyMean {
         self.mapped(|value| value * factor, factor)
     }
 
-    /// A function of it, with its derivative there.
+    /// A function of the mean, with its derivative there.
     #[must_use]
     pub fn mapped(self, function: impl Fn(f64) -> f64, derivative: f64) -> Self {
         Self { value: function(self.value), error: self.error * derivative.abs(), ..self }
     }
 }
 
-/// The factor by which a whole run is longer whose steady part is.
+/// Factor by which the whole run would be longer if its steady part were longer by `longer`.
 fn of_whole(longer: f64, all: f64, steady: f64) -> f64 {
     1.0 + (longer - 1.0) * steady / all
 }
 
-/// The standard error of the mean of a series; zero for one that is constant up to round-off.
+/// Standard error of the mean of a series; zero for one that is constant up to round-off.
 fn error_of(series: &TimeSeries) -> f64 {
     match series.len() {
         0..2 => f64::INFINITY,
@@ -188,7 +187,7 @@ mod tests {
         };
         let mut factors: Vec<f64> = (0..9).map(longer).collect();
         factors.sort_by(f64::total_cmp);
-        // An error of 0.2 for one of 0.05.
+        // An error of 0.2 where 0.05 is requested.
         assert!((10.0..32.0).contains(&factors[4]), "{factors:?}");
         let beside_ten = Precision { scale: 10.0, ..Precision::USUAL };
         assert_eq!(mean(&noise(0), beside_ten).verdict, Verdict::Converged);

@@ -1,19 +1,19 @@
-//! A time series in equal or unequal intervals.
+//! A time series with equal or unequal intervals.
 
 use std::ops::Range;
 
-/// Values at times that grow, each of which stands for the time around it: half of the interval on either side, at the
-/// ends as much outwards as inwards. At equal intervals all weigh the same.
+/// Values at increasing times, each of which represents the time around it: half of the interval on either side, at
+/// the ends the same length outwards as inwards. At equal intervals all have the same weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeSeries {
     times: Vec<f64>,
     values: Vec<f64>,
-    /// The time that each stands for.
+    /// Time that each value represents.
     weights: Vec<f64>,
 }
 
 impl TimeSeries {
-    /// The values that are finite, at times each later than the one before; the others are left out.
+    /// The finite values at increasing times; the others are left out.
     pub fn new(times: &[f64], values: impl IntoIterator<Item = f64>) -> Self {
         let (mut kept, mut finite) = (Vec::new(), Vec::new());
         for (&time, value) in times.iter().zip(values) {
@@ -27,13 +27,13 @@ impl TimeSeries {
         Self { times: kept, values: finite, weights }
     }
 
-    /// The part from a time on.
+    /// Part from a time on.
     #[must_use]
     pub fn since(&self, from: f64) -> Self {
         self.within(from, f64::INFINITY)
     }
 
-    /// The part from a time to another, both taken in.
+    /// Part from one time to another, both included.
     #[must_use]
     pub fn within(&self, from: f64, until: f64) -> Self {
         let first = self.times.partition_point(|&time| time < from);
@@ -41,7 +41,7 @@ impl TimeSeries {
         self.part(first..end)
     }
 
-    /// The part before a time.
+    /// Part before a time.
     pub(super) fn before(&self, end: f64) -> Self {
         self.part(0..self.times.partition_point(|&time| time < end))
     }
@@ -51,38 +51,38 @@ impl TimeSeries {
         Self { weights: weights(&times), times, values: self.values[range].to_vec() }
     }
 
-    /// How many values there are.
+    /// Number of values.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// The time of a value.
+    /// Time of a value.
     pub(super) fn time(&self, index: usize) -> f64 {
         self.times[index]
     }
 
-    /// The time that all values stand for together.
+    /// Time that all values together represent.
     pub fn duration(&self) -> f64 {
         self.weights.iter().sum()
     }
 
-    /// The mean over time; NaN without values.
+    /// Mean over time; NaN without values.
     pub fn mean(&self) -> f64 {
         self.weighted().map(|(weight, value)| weight * value).sum::<f64>() / self.duration()
     }
 
-    /// The variance over time about the mean.
+    /// Variance over time about the mean.
     pub fn variance(&self) -> f64 {
         let mean = self.mean();
         self.weighted().map(|(weight, value)| weight * (value - mean).powi(2)).sum::<f64>() / self.duration()
     }
 
-    /// The weights and values.
+    /// Weights and values.
     pub(super) fn weighted(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> + ExactSizeIterator {
         self.weights.iter().copied().zip(self.values.iter().copied())
     }

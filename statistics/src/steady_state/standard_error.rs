@@ -1,49 +1,51 @@
-//! The standard error of the mean of a correlated series, from its spectrum at the lowest frequencies.
+//! Standard error of the mean of a correlated series, from its spectrum at the lowest frequencies.
 
 use super::TimeSeries;
 use super::student::probability_within;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Cosines that are looked at, fewer where there are fewer than twice as many samples.
+/// Largest number of cosines; half the number of samples if that is less.
 const COSINES: usize = 10;
 
-/// Correlation times over the duration of the series that are thought possible, between the least that the cosines can
-/// tell from none and the duration itself.
+/// Number of correlation times, over the duration of the series, that are considered: between the least that the
+/// cosines can distinguish from none and the duration itself.
 const TIMES: usize = 12;
 
-/// The share of the spectrum without correlation that is thought possible beside that with a correlation time, and its
-/// probability.
+/// Uncorrelated fractions of the spectrum that are considered in addition to a part with a correlation time, and
+/// their probabilities.
 const FLOORS: [(f64, f64); 3] = [(0.0, 0.6), (0.1, 0.2), (0.3, 0.2)];
 
-/// The probability, before the series is seen, that it has no correlation that the cosines can tell.
+/// Prior probability that the series has no correlation that the cosines can detect.
 const UNCORRELATED: f64 = 0.5;
 
-/// The probability within one standard error.
+/// Probability within one standard error.
 const WITHIN: f64 = 0.682_689_492;
 
-/// Power of the series in cosines of `1, 2, 3, ...` half waves: `P_k = [sqrt(2) / T integral x(t) cos(pi k t / T)
-/// dt]^2`, whose expectation is the spectral density at the angular frequency `pi k / T`, over `T`. They are all but
-/// independent of each other and of the mean, which has the expectation of frequency zero.
+/// Power of the series in cosines of `1, 2, 3, ...` half waves:
+/// `P_k = [sqrt(2) / T integral x(t) cos(pi k t / T) dt]^2`, whose expectation is the spectral density at the angular
+/// frequency `pi k / T`, over `T`. They are nearly independent of each other and of the mean, whose variance has the
+/// expectation at frequency zero.
 pub(super) struct LowFrequencies(Vec<f64>);
 
-/// A spectrum `S(w) / S(0) = (1 - f) / (1 + (w tau)^2) + f` of what is thought possible.
+/// A model spectrum `S(w) / S(0) = (1 - f) / (1 + (w tau)^2) + f`.
 #[derive(Clone, Copy)]
 struct Spectrum {
-    /// The correlation time over the duration.
+    /// Correlation time over the duration.
     time: f64,
     floor: f64,
-    /// Its probability before the series is seen.
+    /// Prior probability.
     prior: f64,
 }
 
-/// Student's t distributions of one number of degrees of freedom about zero, with their scales and weights.
+/// Mixture of Student's t distributions about zero with the same number of degrees of freedom: their scales and
+/// weights.
 struct Mixture {
     freedom: usize,
     parts: Vec<(f64, f64)>,
 }
 
 impl LowFrequencies {
-    /// Those of a series.
+    /// Powers of a series.
     pub(super) fn of(series: &TimeSeries) -> Self {
         let (mean, duration) = (series.mean(), series.duration());
         let count = COSINES.min(series.len() / 2);
@@ -59,25 +61,26 @@ impl LowFrequencies {
         Self(amplitudes.into_iter().map(|amplitude| (SQRT_2 * amplitude / duration).powi(2)).collect())
     }
 
-    /// The standard error of the mean: half of the span in which the true mean lies with 68%, given the cosines.
+    /// Standard error of the mean: half of the interval in which the true mean lies with a probability of 68%, given
+    /// the cosines.
     ///
-    /// Each cosine has a normal distribution whose variance is that of one of the possible spectra, of an unknown
-    /// scale. With the scale integrated out, with `1 / scale` as prior density, the mean has Student's t distribution
-    /// for each spectrum; their mixture is weighted by the likelihood of the cosines. So short series, whose
-    /// correlation time is not known well, have larger errors, by as much as it is not known.
+    /// Each cosine has a normal distribution whose variance is that of one of the model spectra, of an unknown scale.
+    /// With the scale integrated out, with `1 / scale` as prior density, the mean has Student's t distribution for
+    /// each spectrum; their mixture is weighted by the likelihood of the cosines. So short series, whose correlation
+    /// time is poorly known, have correspondingly larger errors.
     pub(super) fn standard_error(&self) -> f64 {
         let scaled = |spectrum: &Spectrum| spectrum.of_mean();
         self.mixture(0, scaled).half_width(WITHIN)
     }
 
-    /// The probability of a slowest cosine, which is nearly a straight line, as large as this or larger, given the
+    /// Probability that the slowest cosine, which is nearly a straight line, is as large as this or larger, given the
     /// other ones.
     pub(super) fn probability_of_trend(&self) -> f64 {
         let mixture = self.mixture(1, |spectrum| spectrum.at(1));
         1.0 - mixture.probability_within(self.0[0].sqrt())
     }
 
-    /// The distribution of a number whose variance over `S(0)` is given, from all cosines but the first few.
+    /// Distribution of a number whose variance over `S(0)` is given, from all cosines but the first few.
     fn mixture(&self, skipped: usize, variance: impl Fn(&Spectrum) -> f64) -> Mixture {
         let freedom = self.0.len() - skipped;
         let part = |spectrum: &Spectrum| {
@@ -96,7 +99,7 @@ impl LowFrequencies {
     }
 }
 
-/// All that are thought possible: no correlation, and correlation times in geometric steps, with probabilities that are
+/// All model spectra: without correlation, and with correlation times in geometric steps, whose probabilities are
 /// proportional to them.
 fn spectra(cosines: usize) -> Vec<Spectrum> {
     let least = 0.3 / (PI * cosines as f64);
@@ -114,12 +117,12 @@ fn spectra(cosines: usize) -> Vec<Spectrum> {
 }
 
 impl Spectrum {
-    /// Its value at the cosine of `k` half waves.
+    /// Value at the cosine of `k` half waves.
     fn at(&self, k: usize) -> f64 {
         (1.0 - self.floor) / (1.0 + (PI * k as f64 * self.time).powi(2)) + self.floor
     }
 
-    /// The variance of the mean of a series of this correlation time, over that of a long one, `S(0) / T`.
+    /// Variance of the mean of a series of this correlation time, over that of a long one, `S(0) / T`.
     fn of_mean(&self) -> f64 {
         let correlated = 1.0 - self.time * (1.0 - (-1.0 / self.time).exp());
         (1.0 - self.floor) * correlated + self.floor
@@ -132,7 +135,7 @@ impl Mixture {
         self.parts.iter().map(part).sum()
     }
 
-    /// The distance within which a number lies with a probability, by bisection.
+    /// Distance within which a number lies with the given probability, by bisection.
     fn half_width(&self, probability: f64) -> f64 {
         let largest = self.parts.iter().map(|part| part.0).fold(0.0, f64::max);
         let (mut low, mut high) = (0.0, 10.0 * largest);

@@ -1,13 +1,13 @@
 //! Student's t distribution.
 
-/// The probability that a number of Student's t distribution with a whole number of degrees of freedom lies within `t`
+/// Probability that a number of Student's t distribution with an integer number of degrees of freedom lies within `t`
 /// of zero (Abramowitz & Stegun, Handbook of Mathematical Functions, 26.7.3 and 26.7.4).
 pub(super) fn probability_within(t: f64, freedom: usize) -> f64 {
     let angle = (t / (freedom as f64).sqrt()).atan();
     let (sin, cos) = angle.sin_cos();
     let is_odd = freedom % 2 == 1;
     let (mut term, mut sum) = if is_odd { (cos, 0.0) } else { (1.0, 0.0) };
-    // Powers of the cosine below that of the degrees of freedom less one.
+    // Powers of the cosine below the number of degrees of freedom minus one.
     for n in 0..if is_odd { (freedom - 1) / 2 } else { freedom / 2 } {
         sum += term;
         let k = 2.0 * n as f64;
@@ -20,7 +20,7 @@ pub(super) fn probability_within(t: f64, freedom: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// Quantiles from tables: 68.27% of one degree, 90% and 95% of others.
+    /// Quantiles from tables: 90% and 95% for several degrees of freedom.
     #[test]
     fn quantiles_are_those_of_tables() {
         let known = [

@@ -1,49 +1,49 @@
-//! The transient of a series, by the marginal standard error rule.
+//! Transient of a series, by the marginal standard error rule.
 
 use super::{TimeSeries, error_of, is_constant};
 
-/// The values that are averaged to one before the rule is applied, and the fewest of them for that; see
+/// Number of values that are averaged before the rule is applied, and the smallest number of averages for that; see
 /// [`Transient::of`].
 const BATCH: usize = 5;
 const FEWEST_BATCHES: usize = 10;
 
-/// The errors by which what is left out has to differ from the rest, if that has many effective samples; with this many
-/// of them twice as many.
+/// Number of errors by which the part left out has to differ from the rest, if the rest has many effective samples;
+/// with `FEW` of them twice as many.
 const DIFFERENCE: f64 = 3.0;
 const FEW: f64 = 5.0;
 
-/// The part of a series at its beginning that does not belong to its steady state.
+/// Initial part of a series that does not belong to its steady state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transient {
-    /// The time at which it ends; before all values where there is none.
+    /// Time at which it ends; before all values if there is no transient.
     pub end: f64,
-    /// Whether it seems to last for longer than half of the series, so that there is no steady state in it.
+    /// Whether it seems to last for more than half of the series, so that there is no steady state in it.
     pub is_too_long: bool,
 }
 
 impl Transient {
-    /// No transient: all values are of the steady state, or those from a known time on.
+    /// No transient: all values belong to the steady state, or those from a known time on.
     pub fn until(end: f64) -> Self {
         Self { end, is_too_long: false }
     }
 
-    /// The later one of two, of quantities that reach their steady state together.
+    /// The later of two transients, for quantities that reach their steady state together.
     #[must_use]
     pub fn later(self, other: Self) -> Self {
         Self { end: self.end.max(other.end), is_too_long: self.is_too_long || other.is_too_long }
     }
 
-    /// The transient that leaves the mean of the rest with the smallest marginal standard error (White, Simulation 69,
+    /// Transient that leaves the mean of the rest with the smallest marginal standard error (White, Simulation 69,
     /// 323, 1997),
     ///
     /// ```text
     /// MSER(d) = 1 / (n - d)^2 sum_{i > d} (x_i - mean_d)^2,
     /// ```
     ///
-    /// where `x_i` are means of 5 values (MSER-5; values themselves where there are fewer than 50), weighted by the
-    /// time that they stand for, and `mean_d` is the mean of those after `d`. In a short series of correlated values
-    /// the minimum comes at a place of chance: the rule is followed only if what it leaves out differs from the rest by
-    /// more than `3 (1 + 5 / N)` errors of the difference, with `N` effective samples in the rest.
+    /// where `x_i` are means of 5 values (MSER-5; the values themselves if there are fewer than 50), weighted by the
+    /// time that they represent, and `mean_d` is the mean of those after `d`. In a short series of correlated values
+    /// the position of the minimum is random: the rule is followed only if the part that it leaves out differs from
+    /// the rest by more than `3 (1 + 5 / N)` errors of the difference, with `N` effective samples in the rest.
     pub fn of(series: &TimeSeries) -> Self {
         let none = Self::until(f64::NEG_INFINITY);
         if is_constant(series) {
@@ -62,7 +62,7 @@ impl Transient {
     }
 }
 
-/// Means of some values in turn, with the times that they stand for.
+/// Means of consecutive values, with the times that they represent.
 struct Batches(Vec<(f64, f64)>);
 
 impl Batches {
@@ -75,7 +75,8 @@ impl Batches {
         Self(all.chunks_exact(size).map(mean).collect())
     }
 
-    /// How many to leave out, up to a number, for the smallest marginal standard error; the first of equal ones.
+    /// Number of batches to leave out, at most `last`, for the smallest marginal standard error; the first of equal
+    /// ones.
     fn smallest_marginal_error(&self, last: usize) -> Option<usize> {
         let (mut total, mut mean, mut squares) = (0.0, 0.0, 0.0);
         let mut best: Option<(f64, usize)> = None;
@@ -93,8 +94,9 @@ impl Batches {
     }
 }
 
-/// Whether the mean up to a time differs from that after it by more than its error. The part before it is taken to have
-/// the correlations of the rest, whose mean over a part of its length varies as much more, up to its values themselves.
+/// Whether the mean up to a time differs from that after it by more than its error. The part before it is assumed to
+/// have the correlations of the rest; its mean over a shorter time varies more accordingly, at most as much as the
+/// values themselves.
 fn differs(series: &TimeSeries, end: f64) -> bool {
     let (before, after) = (series.before(end), series.since(end));
     let error = error_of(&after);
