@@ -19,7 +19,7 @@ STEPS = (2e-3, 4e-3, 8e-3) if FULL else (4e-3, 8e-3)
 CASES = [(name, lubrication, step) for name, lubrication in (("far field", False), ("lubrication", True)) for step in STEPS]
 LENGTH, SETTLED = (60.0, 4.0) if FULL else (12.0, 2.0)
 SWEEPS = 40000 if FULL else 15000
-# What the energy and the virial may be off by where the step vanishes: so many errors, and this part for what is not linear.
+# Allowed error of the energy and the virial at vanishing step: a number of standard errors, and a relative part for nonlinear terms.
 ERRORS, BENT = 3.0, 0.02
 BINS = np.linspace(1.8, EDGE / 2, 16)
 

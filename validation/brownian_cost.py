@@ -1,5 +1,5 @@
-"""What a step of Brownian motion takes, over one solve for the motions of the same spheres under random forces that starts from
-nothing at the places before and after them: in turns, medians."""
+"""Cost of a step of Brownian motion, over one solve from zero for the motions of the same spheres under random forces, at the
+positions before and after the steps; timed in turns, medians."""
 
 import json
 import sys

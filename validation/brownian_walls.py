@@ -26,7 +26,7 @@ STEPS = (2e-3, 4e-3, 8e-3) if FULL else (4e-3, 8e-3)
 LENGTH, SETTLED = (60.0, 6.0) if FULL else (16.0, 4.0)
 SWEEPS = 60000 if FULL else 15000
 SCHEMES = ("midpoint", "two-evaluations")
-# What heights may be off by where the step vanishes, besides errors: for what is not linear in it.
+# Allowed error of heights at vanishing step, in addition to the statistical error: for nonlinear terms.
 BENT = 0.01
 BINS = np.linspace(0, HEIGHT, 37)
 

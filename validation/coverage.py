@@ -1,8 +1,9 @@
-"""How often the true mean lies within the errors that runs print: of random starts of a scene, each cut to short lengths.
+"""Frequency with which the true mean lies within the errors that runs print, from random starts of a scene,
+each cut to short lengths.
 
-A scene is run from many starts. Its true mean is that over all of these runs after their transients, at their full length. A short run is a part of
-one, from its start, where `fcm-solve stats` has to find the transient, or between two times. A family is a quantity of a scene in such a part.
-Answers that are said to drift claim no steady state, and are counted by themselves.
+A scene is run from many starts. Its true mean is that over all of these runs after their transients, at their full length. A short
+run is a part of one, from its start, where `fcm-solve stats` has to find the transient, or between two times. A family is a
+quantity of a scene in such a part. Answers with the verdict that they drift claim no steady state, and are counted separately.
 
 With `--full` there are more starts and lengths."""
 

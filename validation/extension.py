@@ -24,7 +24,7 @@ PAIRS_ALONE = {(0.40, 0.0): (1.02, 0.03), (0.45, 0.0): (0.98, 0.04), (0.45, 0.5)
 CASES = list(PAIRS_ALONE) if FULL else [(0.40, 0.0), (0.45, 0.5)]
 FLOWS = {"shear": 1.0, "planar-extension": 0.5, "uniaxial-extension": 3**-0.5, "biaxial-extension": 12**-0.5}
 SHEAR, *EXTENSIONS = FLOWS
-# What N2 over the shear stress adds to the ratio.
+# Contribution of N2 over the shear stress to the ratio.
 OF_NORMAL_STRESS = {"planar-extension": 0.0, "uniaxial-extension": 3**-0.5, "biaxial-extension": -(3**-0.5)}
 COLUMNS = ["relative_viscosity", "second_normal_stress_difference"]
 SETTLED, END, STEP = 2.0, 6.0, 0.005

@@ -38,7 +38,7 @@ checkpoint_every = 0
 
 
 def counted(ranks):
-    """What one evaluation of the benchmark's spheres takes on so many ranks."""
+    """Cost of one evaluation of the benchmark's spheres on a number of ranks."""
     launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     words = ["bench", "--particles", str(SPHERES), "--threads", "1", "--repeats", "1", "--no-error"]
     environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1"}

@@ -23,7 +23,7 @@ START, ROUNDS = 4, 5
 
 
 def timed_steps(count):
-    """How many steps are timed: more of few spheres."""
+    """Number of timed steps, larger for few spheres."""
     return max(4, min(40, 100_000 // count))
 # Ways to run a step: with lubrication or without, ranks, threads.
 WAYS = {"one": (True, 1, 1), "far field": (False, 1, 1), "threads": (True, 1, 2), "ranks": (True, 2, 1)}

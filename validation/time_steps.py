@@ -1,5 +1,5 @@
-"""What time steps of each kind cost and how far they lead astray where a barrier holds near spheres apart: places after a while,
-against those by short steps of order 4; and the viscosity of a dense suspension with lubrication, by substeps."""
+"""Cost and error of time steps of each kind where a repulsive barrier keeps near spheres apart: positions after a while, against
+those by short steps of order 4; and the viscosity of a dense suspension with lubrication, by substeps."""
 
 import csv
 import pathlib

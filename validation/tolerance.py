@@ -79,7 +79,7 @@ def dilute(box, random):
 
 
 def acting(box, model, radii, random):
-    """What acts on the spheres, by the keys of a case, and its name."""
+    """Loads on the spheres, as keys of a case, and their name."""
     name = drawn(random, LOADS)
     if model == "forces alone":
         name = str(random.choice(["equal", "weights", "random"]))

@@ -1,4 +1,4 @@
-"""What whole steps take without lubrication, over one mobility of the same spheres: settling and sheared, in turns, medians."""
+"""Cost of whole steps without lubrication, over one mobility of the same spheres: settling and sheared, timed in turns, medians."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ from support.program import PROGRAM, series
 
 COUNT, FRACTION, TOLERANCE, ROUNDS, STEPS, EVERY = 3200, 0.12, 1e-3, 5, 60, 5
 SETTLING, SHEARED = ("force = [0.0, 0.0, -18.85]", ""), ("", 'flow = { kind = "shear", rate = 1.0, lees_edwards = true }')
-# What acts, the step, the method, and how many mobilities a step may be worth.
+# Loads, step, method, and the largest cost of a step in mobilities.
 RUNS = {
     "settling": (SETTLING, 0.015, "", 3.5),
     "settling, steps that repulsion makes jitter": (SETTLING, 0.05, "", None),

@@ -121,7 +121,7 @@ density_difference = 1.0
         return path
 
     def error(self, path, tolerance):
-        """That of velocities under random forces, against a tolerance of 1e-6."""
+        """Error of velocities under random forces, against a tolerance of 1e-6."""
         given = json.loads(path.read_text())
         forces = np.random.default_rng(1).normal(size=(BETWEEN, 3))
         case = {

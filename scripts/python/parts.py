@@ -16,7 +16,7 @@ MESSAGES = 10
 
 
 def output(command, **environment):
-    """What a command prints, as JSON lines."""
+    """Output of a command, as JSON lines."""
     environment = {**os.environ, **environment}
     ended = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True)
     if ended.returncode:
@@ -101,7 +101,7 @@ def exchanging():
 
 
 def page(programs, target):
-    """What the benchmark page says of all this."""
+    """Section of the benchmark page with these results."""
     grid, total, exchanged = exchange(programs)
     return [
         "## Transforms",
