@@ -106,7 +106,8 @@ def main():
     for cells in rows:
         print(*cells, flush=True)
     lines = [
-        f"{COUNT} spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} kT/a at contact that starts at a gap of {RANGE:g}, over {LENGTH:g} times",
+        (f"{COUNT} spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} "
+         f"kT/a at contact that starts at a gap of {RANGE:g}, over {LENGTH:g} times"),
         "the time \\\\(a^2/D_0\\\\), steps in units of it: energy a sphere and virial over \\\\(3N\\\\) in kT, and the largest difference",
         "of the pair distribution from Monte Carlo, over its peak. Errors are in proportion to the step; values at 0 are those of lines",
         "through the others.",

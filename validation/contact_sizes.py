@@ -47,7 +47,8 @@ def main():
                 if apart > ALLOWED:
                     failed.append(f"{name} at {case[0]:.0%}: {apart:.1f} errors away")
     lines = [
-        f"{SPHERES} spheres of radii 1 and {RATIO}, roughness {ROUGHNESS}, steps of {STEP} in strain, averages from a strain of {SETTLED:g} to {STRAIN:g}, means over {len(SEEDS)}",
+        (f"{SPHERES} spheres of radii 1 and {RATIO}, roughness {ROUGHNESS}, steps of {STEP} in "
+         f"strain, averages from a strain of {SETTLED:g} to {STRAIN:g}, means over {len(SEEDS)}"),
         f"starts with the errors that these have. Viscosities are to agree within {ALLOWED:g} errors. Overlaps are over the roughness.",
         "",
         *table(["φ", "μ", "", "relative viscosity", "stiffness", "largest overlap"], rows),

@@ -146,8 +146,10 @@ def main():
         for name, quantity, span, truth, spread, error, count, drifting, inside in rows
     ]
     lines = [
-        f"{STARTS} starts of each scene of 40 to 50 spheres, in boxes that are small so that fluctuations are large. Of {len(rows)} families, a quantity in a",
-        f"part of the runs each, {counted} answers are given as steady; the true mean lies within one error in {shares[0]:.0%} of them and within two in {shares[1]:.0%}.",
+        (f"{STARTS} starts of each scene of 40 to 50 spheres, in boxes that are small "
+         f"so that fluctuations are large. Of {len(rows)} families, a quantity in a"),
+        (f"part of the runs each, {counted} answers are given as steady; the true mean lies "
+         f"within one error in {shares[0]:.0%} of them and within two in {shares[1]:.0%}."),
         "",
         *table(
             ["scene", "quantity", "times", "true mean", "spread", "mean error", "answers", "drifting", "inside one", "inside two"], cells

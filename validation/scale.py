@@ -98,7 +98,8 @@ said = [
     "",
     *table(["ranks", "MB sent", "messages", "MB of the first rank", "MB of others", "ms projected", "efficiency"], lines),
     "",
-    f"A billion spheres on {MANY:,} ranks, {share:,.0f} a rank, grid {grid[0]}³: an evaluation of {sum(parts):.2f} s, of which work {parts[0]:.2f} s,",
+    (f"A billion spheres on {MANY:,} ranks, {share:,.0f} a rank, grid {grid[0]}³: "
+     f"an evaluation of {sum(parts):.2f} s, of which work {parts[0]:.2f} s,"),
     f"transpositions {parts[1]:.2f} s ({moved / 1e6:.0f} MB a rank) and {exchanged:,.0f} messages {parts[2]:.2f} s. The first rank would need",
     f"{first / 1e9:,.0f} GB, the others {others / 1e9:.1f} GB.",
 ]

@@ -127,7 +127,8 @@ def page(programs, target):
         "",
         f"One mobility of {EXCHANGING} spheres at 12% on a grid of {grid}^3, which takes {1e3 * total:.0f} ms on one thread. Bytes are",
         "counted, with more ranks than cores. Times are a projection, not a measurement: the work shared out, bytes at",
-        f"{BANDWIDTH / 1e9} GB/s a rank, {1e6 * LATENCY:.0f} microseconds a message, about {MESSAGES} messages to every other rank. In brackets: the halos' part extrapolated as the square root of the ranks.",
+        (f"{BANDWIDTH / 1e9} GB/s a rank, {1e6 * LATENCY:.0f} microseconds a message, about {MESSAGES} messages "
+         "to every other rank. In brackets: the halos' part extrapolated as the square root of the ranks."),
         "",
         *exchanged,
         "",
