@@ -22,9 +22,9 @@ pub struct Preparation {
     pub time_step: f64,
 }
 
-/// Parameters of a scene. The default is the system of Santra, Schwarzer & Herrmann, PRE 54, 5066 (1996), Fig.
-/// 4. Units: a length according to `length_unit`, the mass of a disk of radius 1, and a time in which an
-/// undamped contact lasts `pi`.
+/// Parameters of a scene. The default is the system of Fig. 4 of Santra, Schwarzer & Herrmann, PRE 54, 5066 (1996).
+/// Units: a length according to `length_unit`, the mass of a disk of radius 1, and a time in which an undamped
+/// contact lasts `pi`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
     /// Periods along the flow (x) and the gradient (y).
