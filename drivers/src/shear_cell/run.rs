@@ -29,7 +29,7 @@ impl Default for Sampling {
 }
 
 impl Sampling {
-    /// Refuses a window that the engine cannot measure.
+    /// Refuses counts of zero, and a window that the engine cannot measure.
     pub fn check(&self, collisions: Collisions) -> Result<(), ParameterError> {
         positive("measure.window", self.window)?;
         require(self.every > 0, "measure.every", &self.every, "at least 1")?;
